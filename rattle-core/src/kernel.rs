@@ -1,0 +1,127 @@
+//! What a macro writes: small local functions with their derivatives.
+//!
+//! A type such as `Lemniscate { a, r }` holds parameters and implements [`Constraint`]. Its
+//! *kernel* is the same function made ready for a scalar type `T`: parameters converted, and all
+//! that depends on parameters alone computed once. Steppers hold the kernel; users call the
+//! methods of the type.
+//!
+//! ```text
+//! g : ℝᴰ → ℝᴹ      M q̈ = −∇U(q) + G(q)ᵀλ,   G = ∂g/∂q  (M × D),   g(q) = 0
+//! ```
+
+use crate::real::Real;
+use nalgebra::{SMatrix, SVector};
+
+/// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
+pub trait Constraint<const D: usize, const M: usize> {
+    /// The functions, ready for the scalar `T`.
+    type Kernel<T: Real>: ConstraintKernel<T, D, M>;
+
+    /// The kernel with this value's parameters.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+
+    /// g(q): zero on the constraint, bit for bit the expression as written.
+    fn value(&self, q: &SVector<f64, D>) -> SVector<f64, M> {
+        self.kernel::<f64>().value(&coordinates(q)).into()
+    }
+    /// G(q) = ∂g/∂q; row i is ∇gᵢ.
+    fn jacobian(&self, q: &SVector<f64, D>) -> SMatrix<f64, M, D> {
+        matrix(self.kernel::<f64>().jacobian(&coordinates(q)))
+    }
+    /// g(q) and G(q), sharing their subexpressions.
+    fn value_and_jacobian(&self, q: &SVector<f64, D>) -> (SVector<f64, M>, SMatrix<f64, M, D>) {
+        let (g, jacobian) = self.kernel::<f64>().value_and_jacobian(&coordinates(q));
+        (g.into(), matrix(jacobian))
+    }
+    /// ∇²g(q) v; row i is vᵀ∇²gᵢ.
+    fn hessian_vector(&self, q: &SVector<f64, D>, v: &SVector<f64, D>) -> SMatrix<f64, M, D> {
+        matrix(self.kernel::<f64>().hessian_vector(&coordinates(q), &coordinates(v)))
+    }
+    /// (g, ġ, g̈) along the straight line q + t v: g, G v and vᵀ∇²g v.
+    fn jet(
+        &self,
+        q: &SVector<f64, D>,
+        v: &SVector<f64, D>,
+    ) -> (SVector<f64, M>, SVector<f64, M>, SVector<f64, M>) {
+        let (g, dg, ddg) = self.kernel::<f64>().jet(&coordinates(q), &coordinates(v));
+        (g.into(), dg.into(), ddg.into())
+    }
+}
+
+/// The functions of a [`Constraint`] over the scalar `T`.
+pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
+    /// g(q).
+    fn value(&self, q: &[T; D]) -> [T; M];
+    /// ∂g/∂q, row i is ∇gᵢ.
+    fn jacobian(&self, q: &[T; D]) -> [[T; D]; M];
+    /// g and ∂g/∂q.
+    fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
+    /// Row i is vᵀ∇²gᵢ.
+    fn hessian_vector(&self, q: &[T; D], v: &[T; D]) -> [[T; D]; M];
+    /// g, G v and vᵀ∇²g v.
+    #[allow(clippy::type_complexity, reason = "three values of one shape")]
+    fn jet(&self, q: &[T; D], v: &[T; D]) -> ([T; M], [T; M], [T; M]);
+}
+
+/// A potential energy U(q) of one body with D coordinates. Written by `potential!`.
+pub trait Potential<const D: usize> {
+    /// The functions, ready for the scalar `T`.
+    type Kernel<T: Real>: PotentialKernel<T, D>;
+
+    /// The kernel with this value's parameters.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+
+    /// U(q).
+    fn value(&self, q: &SVector<f64, D>) -> f64 {
+        self.kernel::<f64>().value(&coordinates(q))
+    }
+    /// ∇U(q); the force is its negative.
+    fn gradient(&self, q: &SVector<f64, D>) -> SVector<f64, D> {
+        self.kernel::<f64>().gradient(&coordinates(q)).into()
+    }
+}
+
+/// The functions of a [`Potential`] over the scalar `T`.
+pub trait PotentialKernel<T: Real, const D: usize>: Clone {
+    /// U(q).
+    fn value(&self, q: &[T; D]) -> T;
+    /// ∇U(q).
+    fn gradient(&self, q: &[T; D]) -> [T; D];
+}
+
+/// A potential energy U(r) of two bodies at distance r. Written by `pair_potential!`.
+///
+/// Evaluated as a function of s = r², so that an even potential needs no root and has no 0/0 at
+/// contact. The force on body i is −2 U′(s) (qᵢ − qⱼ): repulsive where U falls with distance.
+pub trait PairPotential {
+    /// The functions, ready for the scalar `T`.
+    type Kernel<T: Real>: PairKernel<T>;
+
+    /// The kernel with this value's parameters.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+
+    /// U(r).
+    fn value(&self, r: f64) -> f64 {
+        self.kernel::<f64>().value(r * r)
+    }
+    /// U′(r)/r = 2 dU/d(r²): finite at contact for an even potential.
+    fn slope_over_distance(&self, r: f64) -> f64 {
+        2.0 * self.kernel::<f64>().slope(r * r)
+    }
+}
+
+/// The functions of a [`PairPotential`] over the scalar `T`.
+pub trait PairKernel<T: Real>: Clone {
+    /// U at s = r².
+    fn value(&self, s: T) -> T;
+    /// dU/ds at s = r².
+    fn slope(&self, s: T) -> T;
+}
+
+fn coordinates<const D: usize>(v: &SVector<f64, D>) -> [f64; D] {
+    (*v).into()
+}
+
+fn matrix<const D: usize, const M: usize>(rows: [[f64; D]; M]) -> SMatrix<f64, M, D> {
+    SMatrix::from_fn(|i, j| rows[i][j])
+}

@@ -1,0 +1,4 @@
+//! The runtime of `rattle`.
+
+pub mod kernel;
+pub mod real;

@@ -1,0 +1,2 @@
+//! Mechanics with constraints.
+pub use rattle_core::{kernel, real};
