@@ -1,2 +1,15 @@
 //! Mechanics with constraints.
+
+extern crate self as rattle; // the macros write `::rattle`, also in here
+
 pub use rattle_core::{kernel, real};
+pub use rattle_macros::{constraint, pair_potential, potential};
+
+/// What a program needs to say `use rattle::prelude::*;` for.
+pub mod prelude {
+    pub use crate::kernel::{
+        Constraint, ConstraintKernel, PairKernel, PairPotential, Potential, PotentialKernel,
+    };
+    pub use crate::real::Real;
+    pub use crate::{constraint, pair_potential, potential};
+}

@@ -1,1 +1,39 @@
-//! Expressions.
+//! Expressions of `rattle`: what its macros do, as an ordinary library.
+//!
+//! ```text
+//! tokens ─parse─▶ syntax ─lower─▶ graph ─differentiate─▶ more roots ─schedule─▶ binary operations ─emit─▶ Rust
+//!                (all mistakes at once, each at its token)     (algebra: sums and products in one form)
+//! ```
+//!
+//! Parsing and lowering may find mistakes; every later stage is a total function. The same input
+//! always gives the same tokens.
+
+pub mod expand;
+
+mod parse;
+mod parse_expression;
+mod syntax;
+
+mod call;
+mod lower;
+mod names;
+mod problems;
+mod ratio;
+
+pub mod graph;
+
+pub mod functions;
+
+pub mod differentiate;
+
+pub mod algebra;
+
+pub mod parity;
+
+pub mod routine;
+
+pub mod schedule;
+
+mod emit;
+
+pub mod interpret;

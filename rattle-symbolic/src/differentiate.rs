@@ -1,0 +1,246 @@
+//! Derivatives: one table of partial derivatives, swept backwards or forwards.
+//!
+//! ```text
+//! reverse   x̄ = Σ f̄ ∂f/∂x      over all f computed from x:   the gradient of one root in one sweep
+//! tangent   ḟ = Σ ∂f/∂x ẋ      over all x that f is made of: one direction, of any graph
+//! ```
+//!
+//! The tangent of a gradient is the product Hessian · v, the tangent of a tangent is v · Hessian · v.
+//! A branch is differentiated by selecting between the derivatives of its arms. It is never
+//! multiplied with 0 or 1, so an arm that is not taken cannot leak its NaN: in the reverse sweep
+//! the adjoint stops at a branch, and the arms are swept forwards, to one derivative per variable.
+
+use crate::algebra::Scaled;
+use crate::functions::Function;
+use crate::graph::{Graph, Id, Input, Node};
+use std::collections::BTreeMap;
+
+/// One entry of the derivative table, for the tests that plant a wrong one.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs, reason = "the name says it")]
+pub enum Rule {
+    Negation,
+    Sum,
+    MinuendOf,
+    SubtrahendOf,
+    Product,
+    Numerator,
+    Denominator,
+    Power,
+    Call(Function),
+    PowfBase,
+    PowfExponent,
+    Atan2Above,
+    Atan2Beside,
+    Hypot,
+    Branch,
+}
+
+/// A fault planted in the derivative table; tests must notice every one.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Fault {
+    /// Which entry is wrong.
+    pub rule: Rule,
+    /// What it is multiplied by.
+    pub factor: f64,
+}
+
+/// The derivatives of the nodes of one graph.
+pub struct Calculus<'a> {
+    /// The graph, to which derivatives are added.
+    pub graph: &'a mut Graph,
+    fault: Option<Fault>,
+    /// Derivatives by one variable, for the arms of branches.
+    slopes: BTreeMap<(u32, Id), Scaled>,
+}
+
+impl<'a> Calculus<'a> {
+    /// Derivatives in this graph.
+    pub fn new(graph: &'a mut Graph) -> Self {
+        Calculus { graph, fault: None, slopes: BTreeMap::new() }
+    }
+    /// The same with a wrong entry in the table: for tests of tests.
+    pub fn with_fault(graph: &'a mut Graph, fault: Fault) -> Self {
+        Calculus { graph, fault: Some(fault), slopes: BTreeMap::new() }
+    }
+
+    /// The derivatives of Σ wᵢ rootᵢ by each of the variables.
+    pub fn gradient(&mut self, roots: &[(Scaled, Id)], variables: u32) -> Vec<Scaled> {
+        let mut gradient: Vec<Vec<Scaled>> = vec![Vec::new(); variables as usize];
+        let mut adjoints: BTreeMap<Id, Vec<Scaled>> = BTreeMap::new();
+        for &(weight, root) in roots {
+            adjoints.entry(root).or_default().push(weight);
+        }
+        while let Some((id, contributions)) = adjoints.pop_last() {
+            if !self.graph.moving(id) {
+                continue;
+            }
+            let adjoint = self.graph.sum(&contributions);
+            match *self.graph.node(id) {
+                Node::Input(Input::Variable(k)) => {
+                    if let Some(entry) = gradient.get_mut(k as usize) {
+                        entry.push(adjoint);
+                    }
+                }
+                Node::Select(..) => {
+                    for (k, entry) in gradient.iter_mut().enumerate() {
+                        let slope = self.slope(id, k as u32);
+                        entry.push(self.graph.product(&[adjoint, slope]));
+                    }
+                }
+                _ => {
+                    for (child, partial) in self.partials(id) {
+                        let contribution = self.graph.product(&[adjoint, partial]);
+                        adjoints.entry(child).or_default().push(contribution);
+                    }
+                }
+            }
+        }
+        gradient.into_iter().map(|contributions| self.graph.sum(&contributions)).collect()
+    }
+
+    /// The derivatives of the roots when the inputs move as `seed` says.
+    pub fn tangents(&mut self, roots: &[Scaled], seed: impl Fn(&mut Graph, Input) -> Scaled) -> Vec<Scaled> {
+        let mut known = BTreeMap::new();
+        let nodes: Vec<Id> = roots.iter().filter_map(|root| root.node).collect();
+        self.sweep(&nodes, seed, &mut known);
+        roots
+            .iter()
+            .map(|root| {
+                let tangent = root.node.and_then(|node| known.get(&node)).copied().unwrap_or(Scaled::ZERO);
+                self.graph.product(&[Scaled::number(root.factor), tangent])
+            })
+            .collect()
+    }
+
+    fn sweep(
+        &mut self,
+        roots: &[Id],
+        seed: impl Fn(&mut Graph, Input) -> Scaled,
+        known: &mut BTreeMap<Id, Scaled>,
+    ) {
+        for id in self.graph.reachable(roots) {
+            if known.contains_key(&id) || !self.graph.moving(id) {
+                continue;
+            }
+            let of = |child: &Id| known.get(child).copied().unwrap_or(Scaled::ZERO);
+            let tangent = match *self.graph.node(id) {
+                Node::Input(input) => seed(self.graph, input),
+                Node::Select(comparison, a, b, then, other) => {
+                    let (then, other) = (of(&then), of(&other));
+                    self.branch(comparison, a, b, then, other)
+                }
+                _ => {
+                    let moved: Vec<Scaled> = self
+                        .partials(id)
+                        .into_iter()
+                        .map(|(child, partial)| {
+                            let child = of(&child);
+                            self.graph.product(&[partial, child])
+                        })
+                        .collect();
+                    self.graph.sum(&moved)
+                }
+            };
+            known.insert(id, tangent);
+        }
+    }
+
+    fn branch(
+        &mut self,
+        comparison: crate::graph::Comparison,
+        a: Id,
+        b: Id,
+        then: Scaled,
+        other: Scaled,
+    ) -> Scaled {
+        if then == other {
+            return then;
+        }
+        let (then, other) = (self.graph.node_of(then), self.graph.node_of(other));
+        let selected = self.graph.select(comparison, a, b, then, other);
+        self.ruled(Rule::Branch, selected.into())
+    }
+
+    fn slope(&mut self, id: Id, variable: u32) -> Scaled {
+        let mut known: BTreeMap<Id, Scaled> = self
+            .slopes
+            .range((variable, Id(0))..=(variable, id))
+            .map(|(&(_, node), &slope)| (node, slope))
+            .collect();
+        let seed = move |_: &mut Graph, input| match input {
+            Input::Variable(k) if k == variable => Scaled::ONE,
+            _ => Scaled::ZERO,
+        };
+        self.sweep(&[id], seed, &mut known);
+        let slope = known.get(&id).copied().unwrap_or(Scaled::ZERO);
+        self.slopes.extend(known.into_iter().map(|(node, slope)| ((variable, node), slope)));
+        slope
+    }
+
+    /// ∂f/∂x for every x that the node f is directly made of and that moves.
+    fn partials(&mut self, f: Id) -> Vec<(Id, Scaled)> {
+        let g = &mut *self.graph;
+        let one = Scaled::ONE;
+        let rules: Vec<(Rule, Id, Scaled)> = match g.node(f).clone() {
+            Node::Constant(_) | Node::Input(_) | Node::Select(..) => vec![],
+            Node::Neg(a) => vec![(Rule::Negation, a, one.times(-1.0))],
+            Node::Add(a, b) => vec![(Rule::Sum, a, one), (Rule::Sum, b, one)],
+            Node::Sub(a, b) => vec![(Rule::MinuendOf, a, one), (Rule::SubtrahendOf, b, one.times(-1.0))],
+            Node::Mul(a, b) => vec![(Rule::Product, a, b.into()), (Rule::Product, b, a.into())],
+            Node::Div(a, b) => {
+                let reciprocal = g.reciprocal(b);
+                let below = g.product(&[Scaled::from(f).times(-1.0), reciprocal]);
+                vec![(Rule::Numerator, a, reciprocal), (Rule::Denominator, b, below)]
+            }
+            Node::Power(a, halves) => {
+                let exponent = Scaled::number(f64::from(halves) / 2.0);
+                let power = if halves < 0 {
+                    let reciprocal = g.reciprocal(a);
+                    g.product(&[exponent, f.into(), reciprocal]) // n xⁿ⁻¹ = n xⁿ / x
+                } else {
+                    let lower = g.power(a, halves - 2);
+                    g.product(&[exponent, lower.into()])
+                };
+                vec![(Rule::Power, a, power)]
+            }
+            Node::Call(function, a) => vec![(Rule::Call(function), a, function.derivative(g, a, f))],
+            Node::Call2(function, a, b) => {
+                let [first, second] = function.derivatives(g, a, b, f);
+                let rules = match function {
+                    crate::functions::Binary::Powf => [Rule::PowfBase, Rule::PowfExponent],
+                    crate::functions::Binary::Atan2 => [Rule::Atan2Above, Rule::Atan2Beside],
+                    crate::functions::Binary::Hypot => [Rule::Hypot, Rule::Hypot],
+                };
+                vec![(rules[0], a, first), (rules[1], b, second)]
+            }
+            Node::Sum(terms) => {
+                terms.iter().map(|&(bits, a)| (Rule::Sum, a, Scaled::number(f64::from_bits(bits)))).collect()
+            }
+            Node::Product(factors) => (0..factors.len())
+                .map(|i| {
+                    let mut operands = vec![Scaled::ONE];
+                    for (j, &(a, exponent)) in factors.iter().enumerate() {
+                        let own = exponent - u32::from(i == j);
+                        if i == j {
+                            operands.push(Scaled::number(f64::from(exponent)));
+                        }
+                        if own > 0 {
+                            operands.push(g.power(a, 2 * own as i32).into());
+                        }
+                    }
+                    (Rule::Product, factors[i].0, g.product(&operands))
+                })
+                .collect(),
+        };
+        let moving: Vec<_> = rules.into_iter().filter(|&(_, x, _)| self.graph.moving(x)).collect();
+        moving.into_iter().map(|(rule, x, partial)| (x, self.ruled(rule, partial))).collect()
+    }
+
+    fn ruled(&self, rule: Rule, partial: Scaled) -> Scaled {
+        match self.fault {
+            Some(fault) if fault.rule == rule => partial.times(fault.factor),
+            _ => partial,
+        }
+    }
+}

@@ -1,0 +1,305 @@
+//! The expression graph: every distinct subexpression once, children before parents.
+//!
+//! Nodes are appended and never changed, and equal nodes are the same node (hash-consing), so a
+//! pass over a graph is a loop over a vector. There are two ways to build:
+//!
+//! * The methods here follow the *value policy*: what they build computes, bit for bit, what the
+//!   user wrote. They only do what IEEE 754 guarantees: equal operations share a node, operands of
+//!   `+` and `×` may swap, `1·x`, `x/1`, `x − 0` and `−(−x)` vanish, and constants fold where the
+//!   result is exact.
+//! * The methods in [`algebra`](crate::algebra) follow the *derivative policy*: any algebraic form
+//!   will do, as long as it is always the same one. They use the n-ary `Sum` and `Product`.
+
+use crate::functions::{Binary, Function};
+use std::collections::HashMap;
+
+/// A node of a [`Graph`].
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub struct Id(pub(crate) u32);
+
+impl Id {
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// Where a number comes from when the expression is evaluated.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Input {
+    /// A field of the user's struct.
+    Parameter(u32),
+    /// A coordinate q.
+    Variable(u32),
+    /// A component of the direction v.
+    Direction(u32),
+    /// A weight λ, one per equation.
+    Weight(u32),
+}
+
+/// How a branch compares.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Comparison {
+    /// `a < b`
+    Less,
+    /// `a ≤ b`
+    LessOrEqual,
+}
+
+/// One operation.
+#[derive(Clone, PartialEq, Eq, Hash, Debug)]
+pub enum Node {
+    /// A number, by its bits: +0 and −0 differ.
+    Constant(u64),
+    /// A number that is given.
+    Input(Input),
+    /// −a
+    Neg(Id),
+    /// a + b
+    Add(Id, Id),
+    /// a − b
+    Sub(Id, Id),
+    /// a · b
+    Mul(Id, Id),
+    /// a / b
+    Div(Id, Id),
+    /// a^(n/2) with the given n, neither 0, 1 nor 2.
+    Power(Id, i32),
+    /// f(a)
+    Call(Function, Id),
+    /// f(a, b)
+    Call2(Binary, Id, Id),
+    /// The fourth where the first two compare, else the fifth.
+    Select(Comparison, Id, Id, Id, Id),
+    /// Σ cᵢ aᵢ, the coefficients by their bits. Only in derivatives.
+    Sum(Box<[(u64, Id)]>),
+    /// Π aᵢ^nᵢ. Only in derivatives.
+    Product(Box<[(Id, u32)]>),
+}
+
+impl Node {
+    /// The nodes this one is computed from.
+    pub fn children(&self) -> Vec<Id> {
+        match *self {
+            Node::Constant(_) | Node::Input(_) => vec![],
+            Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) => vec![a],
+            Node::Add(a, b) | Node::Sub(a, b) | Node::Mul(a, b) | Node::Div(a, b) | Node::Call2(_, a, b) => {
+                vec![a, b]
+            }
+            Node::Select(_, a, b, then, other) => vec![a, b, then, other],
+            Node::Sum(ref terms) => terms.iter().map(|&(_, a)| a).collect(),
+            Node::Product(ref factors) => factors.iter().map(|&(a, _)| a).collect(),
+        }
+    }
+}
+
+/// A set of expressions that share their common parts.
+#[derive(Clone, Default, Debug)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    moving: Vec<bool>,
+    depth: Vec<u32>,
+    number: Vec<Option<f64>>,
+    index: HashMap<Node, Id>, // looked up, never iterated: its order cannot reach the output
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new() -> Self {
+        Self::default()
+    }
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+    /// Whether there is no node.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+    /// The operation of a node.
+    pub fn node(&self, id: Id) -> &Node {
+        &self.nodes[id.index()]
+    }
+    /// Whether the node depends on more than parameters.
+    pub fn moving(&self, id: Id) -> bool {
+        self.moving[id.index()]
+    }
+    /// The longest chain of operations below the node.
+    pub fn depth(&self, id: Id) -> u32 {
+        self.depth[id.index()]
+    }
+    /// The number, if the node is one.
+    pub fn as_constant(&self, id: Id) -> Option<f64> {
+        match *self.node(id) {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+    /// The number that the node always is, computed as it would be at run time.
+    pub fn number(&self, id: Id) -> Option<f64> {
+        self.number[id.index()]
+    }
+    pub(crate) fn find(&self, node: &Node) -> Option<Id> {
+        self.index.get(node).copied()
+    }
+    /// All nodes the roots are computed from, themselves included, children first.
+    pub fn reachable(&self, roots: &[Id]) -> Vec<Id> {
+        let mut seen = vec![false; self.len()];
+        for root in roots {
+            seen[root.index()] = true;
+        }
+        for i in (0..self.len()).rev() {
+            if seen[i] {
+                for child in self.nodes[i].children() {
+                    seen[child.index()] = true;
+                }
+            }
+        }
+        (0..self.len() as u32).map(Id).filter(|id| seen[id.index()]).collect()
+    }
+
+    pub(crate) fn insert(&mut self, node: Node) -> Id {
+        if let Some(&id) = self.index.get(&node) {
+            return id;
+        }
+        let id = Id(u32::try_from(self.nodes.len()).expect("the size check in `lower` keeps graphs small"));
+        let children = node.children();
+        self.moving.push(match node {
+            Node::Input(input) => !matches!(input, Input::Parameter(_)),
+            _ => children.iter().any(|&child| self.moving(child)),
+        });
+        let known = children.iter().all(|&child| self.number(child).is_some());
+        self.number.push(if known { self.compute(&node) } else { None });
+        self.depth.push(children.iter().map(|&child| self.depth(child) + 1).max().unwrap_or(0));
+        self.nodes.push(node.clone());
+        self.index.insert(node, id);
+        id
+    }
+
+    /// A number.
+    pub fn constant(&mut self, x: f64) -> Id {
+        self.insert(Node::Constant(x.to_bits()))
+    }
+    /// A given number.
+    pub fn input(&mut self, input: Input) -> Id {
+        self.insert(Node::Input(input))
+    }
+    /// −a
+    pub fn neg(&mut self, a: Id) -> Id {
+        match *self.node(a) {
+            Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
+            Node::Neg(inner) => inner,
+            _ => self.insert(Node::Neg(a)),
+        }
+    }
+    /// a + b
+    pub fn add(&mut self, a: Id, b: Id) -> Id {
+        if let Some(sum) = self.fold(a, b, exact_sum) {
+            return sum;
+        }
+        self.insert(Node::Add(a.min(b), a.max(b)))
+    }
+    /// a − b
+    pub fn sub(&mut self, a: Id, b: Id) -> Id {
+        if let Some(difference) = self.fold(a, b, |a, b| exact_sum(a, -b)) {
+            return difference;
+        }
+        match *self.node(b) {
+            Node::Constant(bits) if bits == 0.0_f64.to_bits() => a,
+            Node::Neg(inner) => self.add(a, inner),
+            _ => self.insert(Node::Sub(a, b)),
+        }
+    }
+    /// a · b
+    pub fn mul(&mut self, a: Id, b: Id) -> Id {
+        if a == b && self.as_constant(a).is_none() {
+            return self.power(a, 4);
+        }
+        if let Some(product) = self.fold(a, b, exact_product) {
+            return product;
+        }
+        match (self.as_constant(a), self.as_constant(b)) {
+            (Some(1.0), _) => b,
+            (_, Some(1.0)) => a,
+            _ => self.insert(Node::Mul(a.min(b), a.max(b))),
+        }
+    }
+    /// a / b
+    pub fn div(&mut self, a: Id, b: Id) -> Id {
+        if let Some(quotient) = self.fold(a, b, exact_quotient) {
+            return quotient;
+        }
+        match (self.as_constant(a), self.as_constant(b)) {
+            (_, Some(1.0)) => a,
+            (Some(1.0), _) => self.insert(Node::Power(b, -2)),
+            _ => self.insert(Node::Div(a, b)),
+        }
+    }
+    /// a^(halves/2)
+    pub fn power(&mut self, a: Id, halves: i32) -> Id {
+        match halves {
+            0 => self.constant(1.0),
+            1 => self.call(Function::Sqrt, a),
+            2 => a,
+            _ if self.as_constant(a) == Some(1.0) => a,
+            _ => self.insert(Node::Power(a, halves)),
+        }
+    }
+    /// f(a)
+    pub fn call(&mut self, function: Function, a: Id) -> Id {
+        self.insert(Node::Call(function, a))
+    }
+    /// f(a, b)
+    pub fn call2(&mut self, function: Binary, a: Id, b: Id) -> Id {
+        self.insert(Node::Call2(function, a, b))
+    }
+    /// `then` where a compares to b, else `other`.
+    pub fn select(&mut self, comparison: Comparison, a: Id, b: Id, then: Id, other: Id) -> Id {
+        if then == other { then } else { self.insert(Node::Select(comparison, a, b, then, other)) }
+    }
+    /// The smaller of a and b; a on a tie or where either is NaN.
+    pub fn min(&mut self, a: Id, b: Id) -> Id {
+        self.select(Comparison::Less, b, a, b, a)
+    }
+    /// The larger of a and b; a on a tie or where either is NaN.
+    pub fn max(&mut self, a: Id, b: Id) -> Id {
+        self.select(Comparison::Less, a, b, b, a)
+    }
+
+    fn compute(&self, node: &Node) -> Option<f64> {
+        match node {
+            Node::Input(_) => None,
+            _ => Some(crate::interpret::operation(
+                node,
+                |id| self.number(id).unwrap_or(f64::NAN),
+                |_| f64::NAN,
+            )),
+        }
+    }
+
+    fn fold(&mut self, a: Id, b: Id, operation: fn(f64, f64) -> Option<f64>) -> Option<Id> {
+        let folded = operation(self.as_constant(a)?, self.as_constant(b)?)?;
+        Some(self.constant(folded))
+    }
+}
+
+/// a + b where no rounding happens.
+pub(crate) fn exact_sum(a: f64, b: f64) -> Option<f64> {
+    let sum = a + b;
+    let b_seen = sum - a;
+    let error = (a - (sum - b_seen)) + (b - b_seen); // Knuth's TwoSum
+    (sum.is_finite() && error == 0.0).then_some(sum)
+}
+
+/// a · b where no rounding happens.
+pub(crate) fn exact_product(a: f64, b: f64) -> Option<f64> {
+    let product = a * b;
+    let sound = product.is_normal() || ((a == 0.0 || b == 0.0) && product == 0.0);
+    (sound && a.mul_add(b, -product) == 0.0).then_some(product)
+}
+
+/// a / b where no rounding happens.
+pub(crate) fn exact_quotient(a: f64, b: f64) -> Option<f64> {
+    let quotient = a / b;
+    let sound = b != 0.0 && (quotient.is_normal() || (a == 0.0 && quotient == 0.0));
+    (sound && quotient.mul_add(b, -a) == 0.0).then_some(quotient)
+}

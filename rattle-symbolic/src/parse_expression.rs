@@ -1,0 +1,564 @@
+//! Tokens to syntax: expressions, by precedence climbing.
+//!
+//! ```text
+//! loosest    ||     &&     < <= > >=     + -     * /     − (sign)     ^ (from the right)     .f() [i]    tightest
+//! ```
+//!
+//! `-x^2` is −(x²), `x^-y^2` is x^(−(y²)), `2^3^2` is 2^(3²). Rust's own grammar cannot serve: there
+//! `^` binds looser than `+`. Known slips (`**`, `2x`, `=`) are reported and read as what was meant,
+//! so that the rest is still checked; anything else that cannot be read ends its own pair of
+//! parentheses or its own `let`, not the whole expression.
+
+use crate::parse::drain;
+use crate::problems::{Extent, Problems};
+use crate::syntax::{Binder, Expr, Kind, Let, Operator};
+use proc_macro2::{Delimiter, Ident, Span};
+use syn::ext::IdentExt;
+use syn::parse::{ParseStream, Parser as _, Result};
+use syn::{Lit, Token, braced, bracketed, parenthesized, token};
+
+/// Deeper nesting is an error, long before it could exhaust the stack.
+const DEEPEST: u32 = 100;
+
+pub(crate) struct Parser<'p> {
+    problems: &'p mut Problems,
+    depth: u32,
+}
+
+/// How tightly an operator binds, from loosest.
+fn precedence(operator: Operator) -> usize {
+    match operator {
+        Operator::Or => 0,
+        Operator::And => 1,
+        Operator::Less | Operator::LessOrEqual | Operator::Greater | Operator::GreaterOrEqual => COMPARISON,
+        Operator::Add | Operator::Sub => SUM,
+        Operator::Mul | Operator::Div => 4,
+    }
+}
+const COMPARISON: usize = 2;
+const SUM: usize = 3;
+
+/// The binary operator that comes next.
+fn operator(input: ParseStream) -> Option<Operator> {
+    macro_rules! first {
+        ($($token:tt $operator:ident),*) => {
+            $(if input.peek(Token![$token]) { return Some(Operator::$operator); })*
+        };
+    }
+    if input.peek(Token![*]) && input.peek2(Token![*]) {
+        return None; // a slip for `^`
+    }
+    first!(|| Or, && And, <= LessOrEqual, >= GreaterOrEqual, < Less, > Greater, + Add, - Sub, * Mul, / Div);
+    None
+}
+
+fn take(input: ParseStream, operator: Operator) -> Result<()> {
+    match operator {
+        Operator::Or => input.parse::<Token![||]>().map(drop),
+        Operator::And => input.parse::<Token![&&]>().map(drop),
+        Operator::LessOrEqual => input.parse::<Token![<=]>().map(drop),
+        Operator::GreaterOrEqual => input.parse::<Token![>=]>().map(drop),
+        Operator::Less => input.parse::<Token![<]>().map(drop),
+        Operator::Greater => input.parse::<Token![>]>().map(drop),
+        Operator::Add => input.parse::<Token![+]>().map(drop),
+        Operator::Sub => input.parse::<Token![-]>().map(drop),
+        Operator::Mul => input.parse::<Token![*]>().map(drop),
+        Operator::Div => input.parse::<Token![/]>().map(drop),
+    }
+}
+
+impl<'p> Parser<'p> {
+    pub(crate) fn new(problems: &'p mut Problems) -> Self {
+        Parser { problems, depth: 0 }
+    }
+
+    /// The expression that the whole input is; problems inside it are noted, not returned.
+    pub(crate) fn whole(&mut self, input: ParseStream) -> Option<Expr> {
+        let start = self.problems.extent(input.span());
+        match self.expression(input).and_then(|expr| self.finished(input).map(|()| expr)) {
+            Ok(expr) => Some(expr),
+            Err(error) => {
+                self.problems.note_syntax(error);
+                drain(input);
+                Some(self.make(Kind::Wrong, start))
+            }
+        }
+    }
+
+    fn finished(&mut self, input: ParseStream) -> Result<()> {
+        if input.is_empty() {
+            return Ok(());
+        }
+        let message = if input.peek(Token![;]) {
+            "unexpected `;`: only `let` ends with one, and only inside `{ }`".to_owned()
+        } else if starts_operand(input) {
+            "expected an operator before this; a product is written with `*`".to_owned()
+        } else {
+            format!("expected the end of the expression, found {}", found(input))
+        };
+        Err(error(input, message))
+    }
+
+    pub(crate) fn expression(&mut self, input: ParseStream) -> Result<Expr> {
+        self.depth += 1;
+        let result = if self.depth > DEEPEST {
+            Err(error(input, TOO_DEEP))
+        } else {
+            self.level(input, 0).and_then(|left| self.equation(input, left))
+        };
+        self.depth -= 1;
+        result
+    }
+
+    /// `left = right` and `left == right` are slips for `left - right`.
+    fn equation(&mut self, input: ParseStream, left: Expr) -> Result<Expr> {
+        let (span, symbol) = if input.peek(Token![==]) {
+            (input.parse::<Token![==]>()?.spans[0], "==")
+        } else if input.peek(Token![!=]) {
+            return Err(error(input, "`!=` is not a comparison of real numbers; use `<`, `<=`, `>` or `>=`"));
+        } else if input.peek(Token![=]) {
+            (input.parse::<Token![=]>()?.span, "=")
+        } else {
+            return Ok(left);
+        };
+        let at = self.problems.extent(span);
+        self.problems.note(
+            at,
+            format!("found `{symbol}`, expected one expression that is zero on the constraint; write `left - right`"),
+        );
+        let right = self.expression(input)?;
+        let extent = left.extent.to(right.extent);
+        Ok(self.make(Kind::Chain(Box::new(left), vec![(Operator::Sub, right)]), extent))
+    }
+
+    /// An expression of operators that bind at least as tightly as `least`.
+    fn level(&mut self, input: ParseStream, least: usize) -> Result<Expr> {
+        let mut left = self.signed(input)?;
+        while let Some(level) = operator(input).map(precedence).filter(|&level| level >= least) {
+            let mut rest: Vec<(Operator, Expr)> = Vec::new();
+            while let Some(operator) = operator(input).filter(|&operator| precedence(operator) == level) {
+                if level == COMPARISON && !rest.is_empty() {
+                    return Err(error(input, "comparisons do not chain; write `a < b && b < c`"));
+                }
+                take(input, operator)?;
+                rest.push((operator, self.level(input, level + 1)?));
+            }
+            if let Some((_, last)) = rest.last() {
+                let extent = left.extent.to(last.extent);
+                left = self.make(Kind::Chain(Box::new(left), rest), extent);
+            }
+        }
+        Ok(left)
+    }
+
+    fn signed(&mut self, input: ParseStream) -> Result<Expr> {
+        if !input.peek(Token![-]) {
+            return self.power(input);
+        }
+        let minus: Token![-] = input.parse()?;
+        let start = self.problems.extent(minus.span);
+        self.depth += 1;
+        let inner = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.signed(input) };
+        self.depth -= 1;
+        let inner = inner?;
+        let extent = start.to(inner.extent);
+        Ok(self.make(Kind::Negative(Box::new(inner)), extent))
+    }
+
+    fn power(&mut self, input: ParseStream) -> Result<Expr> {
+        let base = self.postfix(input)?;
+        if input.peek(Token![*]) && input.peek2(Token![*]) {
+            let first: Token![*] = input.parse()?;
+            let second: Token![*] = input.parse()?;
+            let at = self.problems.extent(first.span);
+            let at = at.to(self.problems.extent(second.span));
+            self.problems.note(at, "found `**`, expected an operator; a power is written `x^2`");
+        } else if input.peek(Token![^]) {
+            input.parse::<Token![^]>()?;
+        } else {
+            return Ok(base);
+        }
+        self.depth += 1;
+        let exponent = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.signed(input) };
+        self.depth -= 1;
+        let exponent = exponent?;
+        let extent = base.extent.to(exponent.extent);
+        Ok(self.make(Kind::Power(Box::new(base), Box::new(exponent)), extent))
+    }
+
+    fn postfix(&mut self, input: ParseStream) -> Result<Expr> {
+        let mut expr = self.atom(input)?;
+        loop {
+            if input.peek(Token![.]) && !input.peek(Token![..]) {
+                input.parse::<Token![.]>()?;
+                if !input.peek(Ident::peek_any) {
+                    return Err(error(input, "expected a function after the dot, as in `x.sin()`"));
+                }
+                let name = input.call(Ident::parse_any)?;
+                if !input.peek(token::Paren) {
+                    let message =
+                        format!("there are no fields here; call the function `{name}()` or index with `[0]`");
+                    return Err(syn::Error::new_spanned(&name, message));
+                }
+                let (mut arguments, end) = self.arguments(input)?;
+                let extent = expr.extent.to(end);
+                arguments.insert(0, expr);
+                expr = self.make(Kind::Call(name, arguments), extent);
+            } else if input.peek(token::Bracket) {
+                let inside;
+                let bracket = bracketed!(inside in input);
+                let index = self.group(&inside, bracket.span.close());
+                let extent = expr.extent.to(self.problems.extent(bracket.span.close()));
+                expr = self.make(Kind::Index(Box::new(expr), Box::new(index)), extent);
+            } else {
+                break;
+            }
+            if expr.depth > DEEPEST {
+                return Err(error(input, TOO_DEEP));
+            }
+        }
+        Ok(expr)
+    }
+
+    /// What stands alone between delimiters. What is wrong in there ends there.
+    fn group(&mut self, inside: ParseStream, close: Span) -> Expr {
+        if inside.is_empty() {
+            let at = self.problems.extent(close);
+            self.problems.note(at, "expected an expression between the brackets");
+            return self.make(Kind::Wrong, at);
+        }
+        let start = self.problems.extent(close);
+        self.whole(inside).unwrap_or_else(|| self.make(Kind::Wrong, start))
+    }
+
+    fn atom(&mut self, input: ParseStream) -> Result<Expr> {
+        let start = self.problems.extent(input.span());
+        if let Some(inside) = invisible(input) {
+            // A fragment of a `macro_rules!` macro is one operand, as it is in Rust.
+            let parsed = (|input: ParseStream| Ok(self.whole(input))).parse2(inside);
+            return Ok(parsed?.unwrap_or_else(|| self.make(Kind::Wrong, start)));
+        }
+        if input.peek(token::Paren) {
+            let inside;
+            let paren = parenthesized!(inside in input);
+            let mut expr = self.group(&inside, paren.span.close());
+            expr.extent = start.to(self.problems.extent(paren.span.close()));
+            return Ok(expr);
+        }
+        if input.peek(token::Brace) {
+            return self.block(input);
+        }
+        if input.peek(token::Bracket) {
+            let inside;
+            let bracket = bracketed!(inside in input);
+            let elements = self.list(&inside)?;
+            let extent = start.to(self.problems.extent(bracket.span.close()));
+            return Ok(self.make(Kind::Array(elements), extent));
+        }
+        if input.peek(Token![if]) {
+            return self.branch(input);
+        }
+        if input.peek(Token![for]) {
+            return self.family(input);
+        }
+        if input.peek(Lit) {
+            return self.number(input);
+        }
+        if input.peek(Ident::peek_any) && !input.peek(Token![let]) {
+            return self.name(input);
+        }
+        Err(error(
+            input,
+            match found(input).as_str() {
+                "nothing" => "expected an expression, found the end".to_owned(),
+                "`let`" => "`let` belongs into a block: `{ let a = …; … }`".to_owned(),
+                "`!`" => "there is no `!`; turn the comparison around".to_owned(),
+                other => format!("expected an expression, found {other}"),
+            },
+        ))
+    }
+
+    fn number(&mut self, input: ParseStream) -> Result<Expr> {
+        let literal: Lit = input.parse()?;
+        let (digits, suffix) = match &literal {
+            Lit::Int(int) => (int.base10_digits().to_owned(), int.suffix().to_owned()),
+            Lit::Float(float) => (float.base10_digits().to_owned(), float.suffix().to_owned()),
+            _ => {
+                let message = "expected a number; other literals have no meaning in a formula";
+                return Err(syn::Error::new_spanned(&literal, message));
+            }
+        };
+        let at = self.problems.extent(literal.span());
+        let value = digits.parse::<f64>().unwrap_or(f64::INFINITY);
+        if !value.is_finite() {
+            self.problems
+                .note(at, format!("`{digits}` is too large for `f64`; the largest is about 1.8e308"));
+            return Ok(self.make(Kind::Wrong, at));
+        }
+        let number = self.make(Kind::Number(value, digits.clone()), at);
+        if suffix.is_empty() {
+            return Ok(number);
+        }
+        if is_type(&suffix) {
+            self.problems
+                .note(at, format!("found the type `{suffix}` at a number; all are real, write `{digits}`"));
+            return Ok(number);
+        }
+        let product = format!("{digits} * {suffix}");
+        self.problems.note(at, format!("found `{digits}{suffix}`, expected an operator; write `{product}`"));
+        let Ok(name) = syn::parse_str::<Ident>(&suffix) else { return Ok(number) };
+        let name = self.make(Kind::Name(Ident::new(&name.to_string(), literal.span())), at);
+        Ok(self.make(Kind::Chain(Box::new(number), vec![(Operator::Mul, name)]), at))
+    }
+
+    fn name(&mut self, input: ParseStream) -> Result<Expr> {
+        let name = input.call(Ident::parse_any)?;
+        let start = self.problems.extent(name.span());
+        if input.peek(Token![::]) {
+            let message = "there are no paths here; functions and constants are called by name, as in `sin(x)` and `pi`";
+            return Err(syn::Error::new_spanned(&name, message));
+        }
+        if !input.peek(token::Paren) {
+            return Ok(self.make(Kind::Name(name), start));
+        }
+        if name == "sum" || name == "product" {
+            return self.fold(name, start, input);
+        }
+        let (arguments, end) = self.arguments(input)?;
+        Ok(self.make(Kind::Call(name, arguments), start.to(end)))
+    }
+
+    fn arguments(&mut self, input: ParseStream) -> Result<(Vec<Expr>, Extent)> {
+        let inside;
+        let paren = parenthesized!(inside in input);
+        let arguments = self.list(&inside)?;
+        Ok((arguments, self.problems.extent(paren.span.close())))
+    }
+
+    fn list(&mut self, inside: ParseStream) -> Result<Vec<Expr>> {
+        let mut list = Vec::new();
+        while !inside.is_empty() {
+            list.push(self.expression(inside)?);
+            if inside.peek(Token![,]) {
+                inside.parse::<Token![,]>()?;
+            } else {
+                self.finished(inside)?;
+            }
+        }
+        Ok(list)
+    }
+
+    fn fold(&mut self, name: Ident, start: Extent, input: ParseStream) -> Result<Expr> {
+        let operator = if name == "sum" { Operator::Add } else { Operator::Mul };
+        let inside;
+        let paren = parenthesized!(inside in input);
+        let binders = self.binders(&inside)?;
+        if binders.is_empty() {
+            let message = format!("expected an index, as in `{name}(k in 0..3, a[k])`");
+            return Err(syn::Error::new_spanned(&name, message));
+        }
+        let body = self.group(&inside, paren.span.close());
+        let extent = start.to(self.problems.extent(paren.span.close()));
+        Ok(self.make(Kind::Fold(operator, binders, Box::new(body)), extent))
+    }
+
+    /// `i in 0..3, j in i..3` with a comma after each, but for one before a block.
+    fn binders(&mut self, input: ParseStream) -> Result<Vec<Binder>> {
+        let mut list = Vec::new();
+        while input.peek(syn::Ident) && input.peek2(Token![in]) {
+            let index: Ident = input.parse()?;
+            input.parse::<Token![in]>()?;
+            let from = self.level(input, SUM)?;
+            if !input.peek(Token![..]) {
+                return Err(error(input, "expected a range of whole numbers, as in `0..3`"));
+            }
+            let inclusive = input.peek(Token![..=]);
+            if inclusive {
+                input.parse::<Token![..=]>()?;
+            } else {
+                input.parse::<Token![..]>()?;
+            }
+            let to = self.level(input, SUM)?;
+            list.push(Binder { index, from, to, inclusive });
+            if input.peek(Token![,]) {
+                input.parse::<Token![,]>()?;
+            } else if !input.peek(token::Brace) {
+                return Err(error(input, "expected `,` after the range"));
+            }
+        }
+        Ok(list)
+    }
+
+    fn family(&mut self, input: ParseStream) -> Result<Expr> {
+        let keyword: Token![for] = input.parse()?;
+        let start = self.problems.extent(keyword.span);
+        let binders = self.binders(input)?;
+        if binders.is_empty() || !input.peek(token::Brace) {
+            return Err(error(input, "expected an index and a block, as in `for i in 0..3 { … }`"));
+        }
+        let body = self.block(input)?;
+        let extent = start.to(body.extent);
+        Ok(self.make(Kind::Family(binders, Box::new(body)), extent))
+    }
+
+    fn branch(&mut self, input: ParseStream) -> Result<Expr> {
+        self.depth += 1;
+        let result =
+            if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.branch_inside(input) };
+        self.depth -= 1;
+        result
+    }
+
+    fn branch_inside(&mut self, input: ParseStream) -> Result<Expr> {
+        let keyword: Token![if] = input.parse()?;
+        let start = self.problems.extent(keyword.span);
+        let condition = self.level(input, 0)?;
+        if input.peek(Token![==]) {
+            let message = "`==` of real numbers is rarely true; compare with `<` or `<=`";
+            return Err(error(input, message));
+        }
+        if !input.peek(token::Brace) {
+            return Err(error(input, "expected `{` after the condition"));
+        }
+        let then = self.block(input)?;
+        if !input.peek(Token![else]) {
+            let message =
+                "this `if` has no `else`, so no value when the condition is false; add `else { … }`";
+            return Err(syn::Error::new(keyword.span, message));
+        }
+        input.parse::<Token![else]>()?;
+        let other = if input.peek(Token![if]) {
+            self.branch(input)?
+        } else if input.peek(token::Brace) {
+            self.block(input)?
+        } else {
+            return Err(error(input, "expected `{` after `else`"));
+        };
+        let extent = start.to(other.extent);
+        Ok(self.make(Kind::If(Box::new(condition), Box::new(then), Box::new(other)), extent))
+    }
+
+    fn block(&mut self, input: ParseStream) -> Result<Expr> {
+        let inside;
+        let brace = braced!(inside in input);
+        let start = self.problems.extent(brace.span.open());
+        let end = self.problems.extent(brace.span.close());
+        let mut lets = Vec::new();
+        while inside.peek(Token![let]) {
+            if let Some(binding) = self.binding(&inside) {
+                lets.push(binding);
+            }
+        }
+        let result = if inside.is_empty() {
+            self.problems.note(end, "the block ends without an expression; its last line is its value");
+            self.make(Kind::Wrong, end)
+        } else {
+            self.whole(&inside).unwrap_or_else(|| self.make(Kind::Wrong, end))
+        };
+        Ok(self.make(Kind::Block(lets, Box::new(result)), start.to(end)))
+    }
+
+    /// `let name = value;`. A bad one is noted and skipped.
+    fn binding(&mut self, input: ParseStream) -> Option<Let> {
+        let mut name = None;
+        let value = self.binding_value(input, &mut name);
+        match value {
+            Ok(value) => Some(Let { name: name?, value }),
+            Err(error) => {
+                self.problems.note_syntax(error);
+                let at = self.problems.extent(input.span());
+                while !input.is_empty() && !input.peek(Token![;]) {
+                    let _ = input.parse::<proc_macro2::TokenTree>();
+                }
+                let _ = input.parse::<Option<Token![;]>>();
+                Some(Let { name: name?, value: self.make(Kind::Wrong, at) })
+            }
+        }
+    }
+
+    fn binding_value(&mut self, input: ParseStream, name: &mut Option<Ident>) -> Result<Expr> {
+        input.parse::<Token![let]>()?;
+        if input.peek(Token![mut]) {
+            return Err(error(input, "`mut` has no meaning in a formula; leave it out"));
+        }
+        if !input.peek(syn::Ident) {
+            return Err(error(input, "expected a name after `let`"));
+        }
+        *name = Some(input.parse()?);
+        if input.peek(Token![:]) {
+            return Err(error(input, "`let` takes no type here; write `let a = …;`"));
+        }
+        if !input.peek(Token![=]) || input.peek(Token![==]) {
+            return Err(error(input, "expected `=` after the name"));
+        }
+        input.parse::<Token![=]>()?;
+        let value = self.expression(input)?;
+        if !input.peek(Token![;]) {
+            let message = if starts_operand(input) {
+                "expected an operator, or `;` at the end of the `let`"
+            } else {
+                "expected `;` at the end of the `let`"
+            };
+            return Err(error(input, message));
+        }
+        input.parse::<Token![;]>()?;
+        Ok(value)
+    }
+
+    fn make(&mut self, kind: Kind, extent: Extent) -> Expr {
+        let below = |list: &[Expr]| list.iter().map(|expr| expr.depth).max().unwrap_or(0);
+        let depth = match &kind {
+            Kind::Wrong | Kind::Number(..) | Kind::Name(_) => 0,
+            Kind::Negative(inner) | Kind::Family(_, inner) | Kind::Fold(_, _, inner) => inner.depth,
+            Kind::Chain(first, rest) => {
+                rest.iter().map(|(_, expr)| expr.depth).max().unwrap_or(0).max(first.depth)
+            }
+            Kind::Power(a, b) | Kind::Index(a, b) => a.depth.max(b.depth),
+            Kind::Call(_, list) | Kind::Array(list) => below(list),
+            Kind::Block(lets, result) => {
+                lets.iter().map(|binding| binding.value.depth).max().unwrap_or(0).max(result.depth)
+            }
+            Kind::If(a, b, c) => a.depth.max(b.depth).max(c.depth),
+        };
+        Expr { kind, extent, depth: depth + 1 }
+    }
+}
+
+const TOO_DEEP: &str = "nested too deeply; give the inner part a name with `let`";
+
+fn is_type(suffix: &str) -> bool {
+    ["f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"]
+        .contains(&suffix)
+}
+
+fn starts_operand(input: ParseStream) -> bool {
+    input.peek(Lit) || input.peek(Ident::peek_any) || input.peek(token::Paren)
+}
+
+/// A problem at the next token; `syn`'s own puts "unexpected end of input" before it.
+fn error(input: ParseStream, message: impl std::fmt::Display) -> syn::Error {
+    syn::Error::new(input.span(), message)
+}
+
+/// The next token, for a message.
+fn found(input: ParseStream) -> String {
+    match input.cursor().token_tree() {
+        None => "nothing".to_owned(),
+        Some((proc_macro2::TokenTree::Group(group), _)) => match group.delimiter() {
+            Delimiter::Parenthesis => "`(`".to_owned(),
+            Delimiter::Brace => "`{`".to_owned(),
+            Delimiter::Bracket => "`[`".to_owned(),
+            Delimiter::None => "an expression".to_owned(),
+        },
+        Some((token, _)) => format!("`{token}`"),
+    }
+}
+
+/// The content of a group without delimiters, if one comes next.
+fn invisible(input: ParseStream) -> Option<proc_macro2::TokenStream> {
+    let step = input.step(|cursor| match cursor.group(Delimiter::None) {
+        Some((inside, _, rest)) => Ok((inside.token_stream(), rest)),
+        None => Err(cursor.error("no group")),
+    });
+    step.ok()
+}

@@ -1,0 +1,121 @@
+//! What is wrong with an input: collected at the exact tokens, reported all at once.
+
+use proc_macro2::{Ident, Span, TokenStream};
+use std::collections::BTreeMap;
+use std::fmt::Display;
+
+/// From which token to which token something is written.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent {
+    /// Grows along the source, so that problems can be put in its order.
+    serial: u32,
+    start: Span,
+    end: Span,
+}
+
+impl Extent {
+    /// From the start of this to the end of that.
+    pub(crate) fn to(self, end: Extent) -> Extent {
+        Extent { end: end.end, ..self }
+    }
+}
+
+/// The problems found so far.
+#[derive(Debug, Default)]
+pub(crate) struct Problems {
+    extents: u32,
+    found: BTreeMap<(u32, String), syn::Error>,
+}
+
+impl Problems {
+    /// The extent of one token.
+    pub(crate) fn extent(&mut self, span: Span) -> Extent {
+        self.extents += 1;
+        Extent { serial: self.extents, start: span, end: span }
+    }
+    /// Notes a problem; the same one at the same place (in every round of a loop) counts once.
+    pub(crate) fn note(&mut self, at: Extent, message: impl Display) {
+        let tokens: TokenStream = [at.start, at.end]
+            .map(|span| proc_macro2::TokenTree::from(Ident::new("here", span)))
+            .into_iter()
+            .collect();
+        let message = message.to_string();
+        let error = syn::Error::new_spanned(tokens, &message);
+        self.found.entry((at.serial, message)).or_insert(error);
+    }
+    /// Notes a problem at an identifier.
+    pub(crate) fn note_at(&mut self, ident: &Ident, message: impl Display) {
+        let at = self.extent(ident.span());
+        self.note(at, message);
+    }
+    /// Notes what the parser stumbled over.
+    pub(crate) fn note_syntax(&mut self, error: syn::Error) {
+        self.extents += 1;
+        self.found.entry((self.extents, error.to_string())).or_insert(error);
+    }
+    /// Whether anything was found.
+    pub(crate) fn any(&self) -> bool {
+        !self.found.is_empty()
+    }
+    /// The tokens that make the compiler report everything.
+    pub(crate) fn report(self) -> TokenStream {
+        let all = self.found.into_values().reduce(|mut all, next| {
+            all.combine(next);
+            all
+        });
+        all.map(|all| all.to_compile_error()).unwrap_or_default()
+    }
+}
+
+/// The candidate that `name` is most likely a slip of.
+pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let limit = match name.chars().count() {
+        0..=2 => 1,
+        3..=5 => 2,
+        _ => 3,
+    };
+    candidates
+        .into_iter()
+        .map(|candidate| (distance(name, candidate), candidate))
+        .filter(|&(distance, candidate)| distance <= limit && distance < name.len().max(candidate.len()))
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// Levenshtein's distance; none between upper and lower case.
+fn distance(a: &str, b: &str) -> usize {
+    if a.eq_ignore_ascii_case(b) {
+        return 0;
+    }
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.iter().enumerate() {
+        let mut diagonal = i;
+        row[0] = i + 1;
+        for (j, y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions() {
+        let rows = [
+            ("rr", Some("r")),
+            ("Sin", Some("sin")),
+            ("radus", Some("radius")),
+            ("q", None), // every letter is one step from every other
+            ("elephant", None),
+        ];
+        for (name, expected) in rows {
+            assert_eq!(nearest(name, ["r", "sin", "radius", "x"]), expected, "{name}");
+        }
+    }
+}

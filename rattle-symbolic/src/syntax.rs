@@ -1,0 +1,114 @@
+//! What the parser gives: the expression as it is written.
+
+use crate::problems::Extent;
+use proc_macro2::{Ident, TokenStream};
+
+/// A whole macro input.
+#[derive(Debug)]
+pub(crate) struct Item {
+    pub(crate) attributes: TokenStream,
+    pub(crate) visibility: TokenStream,
+    pub(crate) name: Ident,
+    pub(crate) parameters: Vec<Parameter>,
+    pub(crate) variables: Vec<Variable>,
+    pub(crate) body: Option<Expr>,
+}
+
+/// A field of the struct.
+#[derive(Debug)]
+pub(crate) struct Parameter {
+    pub(crate) attributes: TokenStream,
+    pub(crate) visibility: TokenStream,
+    pub(crate) name: Ident,
+    pub(crate) shape: Shape,
+}
+
+/// A name between the bars.
+#[derive(Debug)]
+pub(crate) struct Variable {
+    pub(crate) name: Ident,
+    pub(crate) shape: Shape,
+}
+
+/// The lengths of nested arrays, outermost first; none for a plain number.
+pub(crate) type Shape = Vec<usize>;
+
+/// An expression and where it is written.
+#[derive(Debug)]
+pub(crate) struct Expr {
+    pub(crate) kind: Kind,
+    pub(crate) extent: Extent,
+    /// Of the nesting, itself included.
+    pub(crate) depth: u32,
+}
+
+#[derive(Debug)]
+pub(crate) enum Kind {
+    /// Something that could not be parsed, and is reported already.
+    Wrong,
+    /// A number, with its digits.
+    Number(f64, String),
+    Name(Ident),
+    Negative(Box<Expr>),
+    /// Operands of one precedence, combined from the left.
+    Chain(Box<Expr>, Vec<(Operator, Expr)>),
+    /// base ^ exponent
+    Power(Box<Expr>, Box<Expr>),
+    /// A function with its arguments; a method has its receiver as the first.
+    Call(Ident, Vec<Expr>),
+    /// `sum(k in 0..3, …)` and `product(…)`
+    Fold(Operator, Vec<Binder>, Box<Expr>),
+    Index(Box<Expr>, Box<Expr>),
+    Block(Vec<Let>, Box<Expr>),
+    If(Box<Expr>, Box<Expr>, Box<Expr>),
+    /// `for i in 0..3 { … }`
+    Family(Vec<Binder>, Box<Expr>),
+    Array(Vec<Expr>),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Operator {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Less,
+    LessOrEqual,
+    Greater,
+    GreaterOrEqual,
+    And,
+    Or,
+}
+
+impl Operator {
+    pub(crate) fn symbol(self) -> &'static str {
+        match self {
+            Operator::Add => "+",
+            Operator::Sub => "-",
+            Operator::Mul => "*",
+            Operator::Div => "/",
+            Operator::Less => "<",
+            Operator::LessOrEqual => "<=",
+            Operator::Greater => ">",
+            Operator::GreaterOrEqual => ">=",
+            Operator::And => "&&",
+            Operator::Or => "||",
+        }
+    }
+}
+
+/// `let name = value;`
+#[derive(Debug)]
+pub(crate) struct Let {
+    pub(crate) name: Ident,
+    pub(crate) value: Expr,
+}
+
+/// `index in from..to`, with `to` itself where it is `..=`.
+#[derive(Debug)]
+pub(crate) struct Binder {
+    pub(crate) index: Ident,
+    pub(crate) from: Expr,
+    pub(crate) to: Expr,
+    pub(crate) inclusive: bool,
+}

@@ -1,0 +1,41 @@
+//! Shapes, indices, loops and branches.
+use rattle::prelude::*;
+
+constraint! {
+    pub struct Index {}
+    |a: [f64; 3], s, n| a[3] + a[s] + a[1.5] + s[0] + a[-1] + n * a[2]
+}
+constraint! {
+    pub struct Shapes { c }
+    |a: [f64; 3], b: [f64; 2], m: [[f64; 2]; 2]| [a + b, a * a, a^2 + c, sin(a), 1 / b, dot(a, b), m + b, -m * c, c + a]
+}
+potential! {
+    pub struct Whole {}
+    |a: [f64; 3]| 2 * a
+}
+potential! {
+    pub struct Several {}
+    |a: [f64; 3]| for i in 0..3 { a[i] }
+}
+constraint! {
+    pub struct Loops {}
+    |a: [f64; 3]| sum(k in 0..3, a[0]) + sum(3, a[1]) + product(i in 0..a[2], a[i]) + sum(i in 0..2, for j in 0..2 { a[j] })
+}
+constraint! {
+    pub struct Nothing {}
+    |a: [f64; 3]| [a[0] - 1, 2, [], a[1]]
+}
+constraint! {
+    pub struct Branches { c }
+    |a: [f64; 3], x| if x { a[0] } else if a < a { c } else { a }
+}
+pair_potential! {
+    pub struct TwoDistances { k }
+    |r, s| k * r * s
+}
+constraint! {
+    pub struct Sides {}
+    |x| delta(x, 1) * x + if x != 1 { x } else { 2 }
+}
+
+fn main() {}
