@@ -401,10 +401,9 @@ function start() {
   }
 
   function show(number) {
-    const fresh = !motions[number];
+    const before = motions[current];
     motions[number] ??= new Motion(data.scenes[number]);
-    const { mesh } = motions[number];
-    const sameShape = !fresh || (mesh !== null && mesh === motions[current]?.mesh);
+    const same = before && (before === motions[number] || (before.mesh !== null && before.mesh === motions[number].mesh));
     motions.forEach((other) => world.remove(...other.objects));
     current = number;
     world.add(...motion().objects);
@@ -416,7 +415,7 @@ function start() {
       tab.tabIndex = i === number ? 0 : -1;
     });
     resize(); // the caption may have changed its height
-    if (!sameShape) frameAll();
+    if (!same) frameAll(); // on the same surface the view stays
     stale = true;
   }
 
