@@ -144,9 +144,7 @@ pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
     let file = File::open(path).map_err(failed)?;
     let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| failed(error.into()))?;
     let member = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
-        zip::result::ZipError::FileNotFound { .. } => {
-            DataError::Missing { path: path.into(), name: name.into() }
-        }
+        zip::result::ZipError::FileNotFound => DataError::Missing { path: path.into(), name: name.into() },
         other => failed(other.into()),
     })?;
     let npy = NpyFile::new(member).map_err(failed)?;

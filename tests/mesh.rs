@@ -2,40 +2,41 @@
 
 use rattle::view::{Mesh, MeshError};
 
-type Surface = fn([f64; 3]) -> (f64, [f64; 3]);
+type Point = [f64; 3];
+type Surface = fn(Point) -> (f64, Point);
 
-fn sphere([x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+fn sphere([x, y, z]: Point) -> (f64, Point) {
     (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z])
 }
 
-fn hollow(q: [f64; 3]) -> (f64, [f64; 3]) {
+fn hollow(q: Point) -> (f64, Point) {
     let (g, gradient) = sphere(q);
     (-g, gradient.map(|component| -component)) // negative outside
 }
 
-fn torus([x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+fn torus([x, y, z]: Point) -> (f64, Point) {
     let s = x * x + y * y + z * z + 1.0 - 0.16;
     (s * s - 4.0 * (x * x + y * y), [4.0 * s * x - 8.0 * x, 4.0 * s * y - 8.0 * y, 4.0 * s * z])
 }
 
-fn lemniscate([x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+fn lemniscate([x, y, z]: Point) -> (f64, Point) {
     let s = x * x + y * y;
     let f = s * s - (x * x - y * y);
     let gradient = [2.0 * f * (4.0 * s * x - 2.0 * x), 2.0 * f * (4.0 * s * y + 2.0 * y), 2.0 * z];
     (f * f + z * z - 1.0 / 36.0, gradient)
 }
 
-fn scaled_down(q: [f64; 3]) -> (f64, [f64; 3]) {
+fn scaled_down(q: Point) -> (f64, Point) {
     let (g, gradient) = lemniscate(q);
     (g * 1e-60, gradient.map(|component| component * 1e-60)) // far below the range of f32
 }
 
-const EYE: ([f64; 3], [f64; 3]) = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
+const EYE: (Point, Point) = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
 
 #[test]
 fn meshes_are_closed_and_lie_on_the_surface() {
     #[rustfmt::skip]
-    let cases: [(&str, Surface, ([f64; 3], [f64; 3]), usize, isize, f64); 9] = [
+    let cases: [(&str, Surface, (Point, Point), usize, isize, f64); 9] = [
         // name              g            box                                  cells  V−E+F  volume's sign
         ("sphere",           sphere,      ([-1.5; 3], [1.5; 3]),                 32,    2,  1.0),
         ("tight box",        sphere,      ([-1.01; 3], [1.01; 3]),               31,    2,  1.0),
@@ -58,7 +59,7 @@ fn meshes_are_closed_and_lie_on_the_surface() {
             assert!((value / slope).abs() < 1e-13, "{name}: {:e} off the surface", value / slope);
             assert!(dot(gradient, *normal) > (1.0 - 1e-9) * slope, "{name}: normal {normal:?}");
         }
-        let volume = volume(&mesh);
+        let volume = mesh.volume();
         assert!(volume * sign > 0.0, "{name}: wound the wrong way, volume {volume}");
         if (euler, sign) == (2, 1.0) {
             let exact = 4.0 / 3.0 * std::f64::consts::PI;
@@ -79,7 +80,7 @@ fn meshes_are_closed_and_lie_on_the_surface() {
 fn boxes_and_numbers_that_cannot_serve_are_errors() {
     let nan: Surface = |[x, _, _]| ((x + 2.0).sqrt(), [0.0; 3]);
     #[rustfmt::skip]
-    let cases: [(&str, Surface, [f64; 3], [f64; 3], usize, &str); 8] = [
+    let cases: [(&str, Surface, Point, Point, usize, &str); 8] = [
         ("inside it",    sphere, [-0.3; 3], [0.3; 3],  20, "g is < 0 at every grid point"),
         ("beside it",    sphere, [2.0; 3],  [3.0; 3],  20, "g is ≥ 0 at every grid point"),
         ("cut",          sphere, [-1.5, -1.5, 0.0], [1.5; 3], 20, "the box cuts the surface"),
@@ -98,19 +99,14 @@ fn boxes_and_numbers_that_cannot_serve_are_errors() {
     assert!(matches!(Mesh::of(blind, [-1.5; 3], [1.5; 3], 20), Err(MeshError::NotFinite { .. })));
 }
 
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn minus(a: Point, b: Point) -> Point {
     [0, 1, 2].map(|i| a[i] - b[i])
 }
 
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+fn cross(a: Point, b: Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn volume(mesh: &Mesh) -> f64 {
-    let corner = |vertex: u32| mesh.vertices[vertex as usize];
-    mesh.triangles.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c))) / 6.0).sum()
 }

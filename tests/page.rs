@@ -51,9 +51,10 @@ fn billiards() -> Page {
         (0..25).map(|k| curve(top, std::f64::consts::TAU * f64::from(k) / 24.0, steps)).collect();
     let crowd: Vec<_> = (0..21).map(|k| curve(fan[3][100 * k], 0.3 * k as f64, steps)).collect();
     let mesh = Mesh::of(tube, [-1.2, -0.6, -0.3], [1.2, 0.6, 0.3], 112).unwrap();
-    let fan = Scene3::new("25 trajectories").surface(&mesh).particles(&times, &fan).caption(
-        "All start at the middle of the saddle with the same speed, in 25 directions. </script> & <b>not bold</b>",
-    );
+    let fan = Scene3::new("25 trajectories")
+        .surface(&mesh)
+        .particles(&times, &fan)
+        .caption("From the middle of the saddle in 25 directions. </script> & <b>not bold</b>");
     let crowd = Scene3::new("Gas of 21")
         .surface(&mesh)
         .particles(&times, &crowd)
@@ -69,14 +70,14 @@ fn keep(name: &str, png: &[u8]) {
     }
 }
 
-/// Red, green and blue of the stage: the screenshot's middle, without the words around it.
-fn stage(png: &[u8]) -> Vec<[u8; 3]> {
+/// Red, green and blue of the stage, at half its size.
+fn stage(page: &mut Browser) -> Vec<[u8; 3]> {
+    let png = page.screenshot(Some(("#canvas", 0.5)));
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut buffer).unwrap();
     let samples = info.color_type.samples();
-    let rows = buffer.chunks(info.line_size).skip(info.height as usize / 4).take(info.height as usize / 2);
-    rows.flat_map(|row| row.chunks(samples).map(|pixel| [pixel[0], pixel[1], pixel[2]])).collect()
+    buffer.chunks(info.line_size).flat_map(|row| row.chunks(samples).map(|p| [p[0], p[1], p[2]])).collect()
 }
 
 fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
@@ -105,7 +106,7 @@ fn a_browser_plays_the_page() {
     assert!(bytes < 2_000_000, "the page has {bytes} bytes");
 
     let mut page = Browser::start(&chromium, &[]);
-    page.resize(1280, 800, false);
+    page.resize(1120, 720, false);
     page.open(&file);
     page.wait("window.rattle !== undefined && rattle.frame() > 0");
     assert_eq!(page.evaluate("rattle.playing()"), true, "the page starts by playing");
@@ -127,8 +128,8 @@ fn a_browser_plays_the_page() {
     let held = settled(&mut page);
     thread::sleep(Duration::from_millis(300));
     assert_eq!(page.evaluate("[rattle.playing(), rattle.frame()]"), json!([false, 700]));
-    assert_eq!(changed(&held, &stage(&page.screenshot())), 0.0, "the picture moves while paused");
-    keep("frame-700", &page.screenshot());
+    assert_eq!(changed(&held, &stage(&mut page)), 0.0, "the picture moves while paused");
+    keep("frame-700", &page.screenshot(None));
 
     // The canvas shows a surface and coloured trails on the ground.
     let ground = held[0];
@@ -142,7 +143,7 @@ fn a_browser_plays_the_page() {
     let later = settled(&mut page);
     assert!(changed(&held, &later) > 0.005, "frames 700 and 1500 look the same");
     assert_eq!(page.evaluate("clock.textContent"), "t = 15.00 1500 / 2000");
-    keep("frame-1500", &page.screenshot());
+    keep("frame-1500", &page.screenshot(None));
     page.key("ArrowRight", "ArrowRight", 39);
     assert_eq!(page.evaluate("rattle.frame()"), 1501);
     page.key("Home", "Home", 36);
@@ -156,12 +157,12 @@ fn a_browser_plays_the_page() {
     // Dragging turns the surface, and the button turns it back.
     page.evaluate("rattle.seek(700)");
     assert_eq!(changed(&held, &settled(&mut page)), 0.0, "the same frame looks different");
-    page.mouse("mousePressed", 640.0, 400.0);
-    (1..=8).for_each(|i| page.mouse("mouseMoved", 640.0 + 25.0 * f64::from(i), 400.0 - 10.0 * f64::from(i)));
-    page.mouse("mouseReleased", 840.0, 320.0);
+    page.mouse("mousePressed", 560.0, 360.0);
+    (1..=8).for_each(|i| page.mouse("mouseMoved", 560.0 + 25.0 * f64::from(i), 360.0 - 10.0 * f64::from(i)));
+    page.mouse("mouseReleased", 760.0, 280.0);
     let turned = settled(&mut page);
     assert!(changed(&held, &turned) > 0.1, "dragging changed {} of the picture", changed(&held, &turned));
-    keep("turned", &page.screenshot());
+    keep("turned", &page.screenshot(None));
     page.click("#reset");
     assert!(changed(&held, &settled(&mut page)) < 0.002, "the view did not come back");
 
@@ -171,25 +172,25 @@ fn a_browser_plays_the_page() {
     page.evaluate("rattle.seek(900)");
     let gas = settled(&mut page);
     assert!(changed(&held, &gas) > 0.005, "the second scene looks like the first");
-    keep("gas", &page.screenshot());
+    keep("gas", &page.screenshot(None));
     page.dark(true);
     thread::sleep(Duration::from_millis(300));
     let dark = settled(&mut page);
     assert!(changed(&gas, &dark) > 0.9, "the dark theme looks like the light one");
     assert!(colourful(&dark) > 0.005, "no strong colours in the dark");
-    keep("gas-dark", &page.screenshot());
+    keep("gas-dark", &page.screenshot(None));
     page.evaluate("rattle.show(0)");
     settled(&mut page);
-    keep("dark", &page.screenshot());
+    keep("dark", &page.screenshot(None));
 
     // A phone, upright: everything is in sight, nothing overflows.
     page.resize(390, 844, true);
     thread::sleep(Duration::from_millis(300));
     settled(&mut page);
-    keep("phone-dark", &page.screenshot());
+    keep("phone-dark", &page.screenshot(None));
     page.dark(false);
     settled(&mut page);
-    keep("phone", &page.screenshot());
+    keep("phone", &page.screenshot(None));
     let overflow = "document.documentElement.scrollWidth > innerWidth || document.documentElement.scrollHeight > innerHeight";
     assert_eq!(page.evaluate(overflow), false, "the page overflows a phone");
     let reachable = "['play', 'slider', 'speed'].every((id) => { const r = document.getElementById(id).getBoundingClientRect(); \
@@ -198,7 +199,7 @@ fn a_browser_plays_the_page() {
     page.resize(844, 390, true);
     thread::sleep(Duration::from_millis(300));
     settled(&mut page);
-    keep("phone-wide", &page.screenshot());
+    keep("phone-wide", &page.screenshot(None));
 
     assert_eq!(page.complaints, Vec::<String>::new());
     assert_eq!(
@@ -226,10 +227,10 @@ fn flight() -> Scene3 {
 
 /// The stage once damping has come to rest: two screenshots in a row that agree.
 fn settled(page: &mut Browser) -> Vec<[u8; 3]> {
-    let mut picture = stage(&page.screenshot());
+    let mut picture = stage(page);
     for _ in 0..60 {
         thread::sleep(Duration::from_millis(100));
-        let next = stage(&page.screenshot());
+        let next = stage(page);
         if next.len() == picture.len() && changed(&picture, &next) == 0.0 {
             return next;
         }

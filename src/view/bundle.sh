@@ -14,8 +14,8 @@ npm install --silent --no-audit --no-fund --save-exact "three@$three" "esbuild@$
 
 cat >entry.js <<'JS'
 export {
-  BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, GreaterDepth,
-  HemisphereLight, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, NearestFilter, PerspectiveCamera, RGBAFormat,
+  BufferAttribute, BufferGeometry, Color, DataTexture, DirectionalLight, DoubleSide, FloatType, FrontSide,
+  GreaterDepth, HemisphereLight, InstancedMesh, Matrix4, Mesh, MeshStandardMaterial, NearestFilter, PerspectiveCamera, RGBAFormat,
   Scene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/addons/controls/OrbitControls.js";

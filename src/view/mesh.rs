@@ -108,6 +108,19 @@ impl Mesh {
         once && directed.iter().all(|&[a, b]| directed.binary_search(&[b, a]).is_ok())
     }
 
+    /// The volume that a closed mesh encloses; negative where g > 0 inside.
+    ///
+    /// ```
+    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+    /// let mesh = rattle::view::Mesh::of(sphere, [-1.5; 3], [1.5; 3], 60)?;
+    /// assert!((mesh.volume() - 4.0 / 3.0 * std::f64::consts::PI).abs() < 0.01);
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn volume(&self) -> f64 {
+        let corner = |vertex: u32| self.vertices[vertex as usize];
+        self.triangles.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c))) / 6.0).sum()
+    }
+
     /// Every edge of every triangle, lower vertex first, sorted.
     fn edges(&self) -> Vec<[u32; 2]> {
         let ordered = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -236,6 +249,14 @@ fn project(
 
 fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn length([x, y, z]: [f64; 3]) -> f64 {

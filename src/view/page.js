@@ -21,8 +21,8 @@ function decodePoints({ corner, size, points }) {
 
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const palette = () =>
-  dark.matches ? { surface: 0x6d7a90, sky: 0xffffff, ground: 0x20242e, light: 0.8, chroma: 0.15, ghost: 0.3 }
-               : { surface: 0xd9d3c7, sky: 0xffffff, ground: 0x8d8578, light: 0.56, chroma: 0.19, ghost: 0.22 };
+  dark.matches ? { surface: 0x6d7a90, sky: 0xffffff, ground: 0x20242e, light: 0.8, chroma: 0.15, ghost: 0.4 }
+               : { surface: 0xd9d3c7, sky: 0xffffff, ground: 0x8d8578, light: 0.56, chroma: 0.19, ghost: 0.36 };
 
 /** OKLCH (Ottosson 2020) to linear sRGB: hues of equal lightness, told apart equally well. */
 function oklch(lightness, chroma, turn) {
@@ -83,7 +83,7 @@ void main() {
   fade = max(1.0 - age / trail, 0.0);
   side = place.y;
   hue = colour;
-  float thickness = max(width * projectionMatrix[1][1] * pixels.y / here.w, 2.2) * (0.25 + 0.75 * fade);
+  float thickness = max(width * projectionMatrix[1][1] * pixels.y / here.w, 2.5) * (0.2 + 0.8 * fade);
   here.xy += across * side * thickness / pixels * here.w;
   gl_Position = here;
 }`;
@@ -94,7 +94,7 @@ varying vec3 hue;
 varying float fade, side;
 void main() {
   float edge = 1.0 - smoothstep(1.0 - 1.5 * fwidth(side), 1.0, abs(side));
-  gl_FragColor = vec4(hue, strength * edge * pow(fade, 1.3));
+  gl_FragColor = vec4(hue, strength * edge * pow(fade, 0.8));
   #include <colorspace_fragment>
 }`;
 
@@ -135,12 +135,13 @@ function samplesTexture(positions) {
 const surfaces = [];
 function surface(number) {
   if (surfaces[number]) return surfaces[number];
-  const { vertices, normals, triangles, wide } = data.meshes[number];
+  const { vertices, normals, triangles, wide, closed } = data.meshes[number];
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(decodePoints(vertices), 3));
   geometry.setAttribute("normal", new THREE.BufferAttribute(decode(normals, Int16Array), 3, true));
   geometry.setIndex(new THREE.BufferAttribute(decode(triangles, wide ? Uint32Array : Uint16Array), 1));
-  const material = new THREE.MeshStandardMaterial({ roughness: 0.5, metalness: 0.05, side: THREE.DoubleSide });
+  const side = closed ? THREE.FrontSide : THREE.DoubleSide;
+  const material = new THREE.MeshStandardMaterial({ roughness: 0.5, metalness: 0.05, side });
   return (surfaces[number] = new THREE.Mesh(geometry, material));
 }
 
@@ -155,6 +156,7 @@ class Motion {
     this.pace = (this.times[this.last] - this.times[0]) / source.seconds;
     this.digits = Math.min(Math.max(Math.ceil(-Math.log10((this.times[this.last] - this.times[0]) / this.last) - 0.01), 0), 6);
     this.surface = source.mesh === null ? null : surface(source.mesh);
+    this.shapes = [this.positions, this.surface?.geometry.attributes.position.array ?? []];
     this.corners = this.#bounds();
     this.radius = 0.5 * new THREE.Vector3(...this.corners[0]).distanceTo(new THREE.Vector3(...this.corners[1]));
     this.objects = [...this.#ribbons(), ...this.#heads()];
@@ -165,8 +167,7 @@ class Motion {
   #bounds() {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
-    const sources = [this.positions, this.surface?.geometry.attributes.position.array ?? []];
-    for (const array of sources) {
+    for (const array of this.shapes) {
       for (let i = 0; i < array.length; i++) {
         low[i % 3] = Math.min(low[i % 3], array[i]);
         high[i % 3] = Math.max(high[i % 3], array[i]);
@@ -182,7 +183,7 @@ class Motion {
       frame: { value: 0 },
       frames: { value: this.frames },
       trail: { value: this.trail },
-      width: { value: 0.0035 * this.radius },
+      width: { value: 0.0055 * this.radius },
       lift: { value: 0.008 * this.radius },
       pixels: { value: new THREE.Vector2(1, 1) },
     };
@@ -237,7 +238,7 @@ class Motion {
   }
 
   /** Puts heads and trails to the current frame. `worldPerPixel` keeps heads visible from far away. */
-  place(worldPerPixel, pixels) {
+  place(eye, worldPerPixel, pixels) {
     this.uniforms.frame.value = this.frame;
     this.uniforms.pixels.value.copy(pixels);
     const size = Math.max(0.014 * this.radius, 3.5 * worldPerPixel);
@@ -247,7 +248,9 @@ class Motion {
       const here = 3 * (particle * this.frames + whole);
       const next = whole < this.last ? here + 3 : here;
       const at = (i) => this.positions[here + i] + part * (this.positions[next + i] - this.positions[here + i]);
-      matrix.makeScale(size, size, size).setPosition(at(0), at(1), at(2));
+      point.set(at(0), at(1), at(2));
+      lifted.copy(eye).sub(point).setLength(size).add(point); // towards the eye, so that no head is half sunk in
+      matrix.makeScale(size, size, size).setPosition(lifted);
       this.heads.forEach((mesh) => mesh.setMatrixAt(particle, matrix));
     }
     this.heads.forEach((mesh) => (mesh.instanceMatrix.needsUpdate = true));
@@ -276,6 +279,8 @@ class Motion {
   }
 }
 const matrix = new THREE.Matrix4();
+const point = new THREE.Vector3();
+const lifted = new THREE.Vector3();
 
 // ---- stage: camera, light, drawing ------------------------------------------------------------------------------------
 
@@ -309,23 +314,33 @@ function start() {
 
   // -- camera
 
-  /** The nearest place from which the whole scene is seen. */
-  function frameAll() {
-    const [low, high] = motion().corners;
-    controls.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
-    camera.position.set(0.32, -1, 0.8).add(controls.target);
-    camera.lookAt(controls.target);
-    camera.updateMatrixWorld();
+  /** How far away the eye must be in the direction it looks from, so that every point is in sight. */
+  function neededDistance() {
+    const turn = camera.quaternion.clone().invert();
     const tangent = Math.tan((camera.fov * Math.PI) / 360);
     let distance = 0;
-    for (let i = 0; i < 8; i++) {
-      const corner = new THREE.Vector3(...[0, 1, 2].map((k) => ((i >> k) & 1 ? high : low)[k])).sub(controls.target);
-      corner.applyQuaternion(camera.quaternion.clone().invert());
-      const needed = Math.max(Math.abs(corner.x) / camera.aspect, Math.abs(corner.y)) / tangent;
-      distance = Math.max(distance, corner.z + needed);
+    for (const array of motion().shapes) {
+      for (let i = 0; i < array.length; i += 3) {
+        point.fromArray(array, i).sub(controls.target).applyQuaternion(turn);
+        distance = Math.max(distance, point.z + Math.max(Math.abs(point.x) / camera.aspect, Math.abs(point.y)) / tangent);
+      }
     }
+    return distance;
+  }
+
+  /** Of two directions, the one from which the scene fills the stage better: along y on a wide one, along x on a tall. */
+  function frameAll() {
+    const [low, high] = motion().corners;
     const { radius } = motion();
-    camera.position.sub(controls.target).setLength(1.06 * distance).add(controls.target);
+    controls.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
+    let best = { distance: Infinity };
+    for (const direction of [new THREE.Vector3(0.32, -1, 0.8), new THREE.Vector3(1, -0.32, 1.5)]) {
+      camera.position.copy(controls.target).add(direction);
+      camera.lookAt(controls.target);
+      const distance = neededDistance();
+      if (distance < best.distance) best = { distance, direction };
+    }
+    camera.position.copy(best.direction).setLength(1.1 * best.distance).add(controls.target);
     camera.near = 0.02 * radius;
     camera.far = 40 * radius;
     camera.updateProjectionMatrix();
@@ -351,7 +366,7 @@ function start() {
   function draw() {
     const distance = camera.position.distanceTo(controls.target);
     const worldPerPixel = (2 * distance * Math.tan((camera.fov * Math.PI) / 360) * renderer.getPixelRatio()) / size.y;
-    motion().place(worldPerPixel, size);
+    motion().place(camera.position, worldPerPixel, size);
     renderer.render(world, camera);
     stale = false;
   }
@@ -434,6 +449,7 @@ function start() {
     tab.type = "button";
     tab.textContent = title;
     tab.setAttribute("role", "tab");
+    tab.setAttribute("aria-controls", "stage");
     tab.addEventListener("click", () => show(number));
     tabs.append(tab);
   });

@@ -175,10 +175,12 @@ impl Scene3 {
         self
     }
 
-    /// Length of the trails in samples; 100 unless told.
+    /// Length of the trails in samples, at most the whole motion; 100 unless told.
     ///
     /// ```
-    /// let scene = rattle::view::Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]).trail(25);
+    /// let times: Vec<f64> = (0..60).map(f64::from).collect();
+    /// let path: Vec<[f64; 3]> = times.iter().map(|&t| [t, 0.0, 0.0]).collect();
+    /// let scene = rattle::view::Scene3::new("flight").particles(&times, &[path]).trail(25);
     /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html()?.contains(r#""trail":25"#));
     /// # Ok::<(), rattle::view::PageError>(())
     /// ```
@@ -260,18 +262,24 @@ impl Scene3 {
     }
 }
 
+/// A closed mesh is turned outwards, so that the page needs to draw front faces only: where a back face peeps out at
+/// the outline, its light would fray the edge.
 fn mesh_json(mesh: &Mesh) -> Value {
+    let closed = mesh.is_closed();
+    let inverted = closed && mesh.volume() < 0.0;
+    let sign = if inverted { -1.0 } else { 1.0 };
     let wide = mesh.vertices.len() > usize::from(u16::MAX);
-    let indices = mesh.triangles.iter().flatten();
-    let normal = |&component: &f64| ((component * f64::from(i16::MAX)).round() as i16).to_le_bytes();
+    let indices = mesh.triangles.iter().flat_map(|&[a, b, c]| if inverted { [a, c, b] } else { [a, b, c] });
+    let normal = |&component: &f64| ((sign * component * f64::from(i16::MAX)).round() as i16).to_le_bytes();
     json!({
+        "closed": closed,
         "vertices": points_json(mesh.vertices.iter()),
         "normals": base64(mesh.normals.iter().flatten().flat_map(normal)),
         "wide": wide,
         "triangles": if wide {
-            base64(indices.flat_map(|&i| i.to_le_bytes()))
+            base64(indices.flat_map(u32::to_le_bytes))
         } else {
-            base64(indices.flat_map(|&i| (i as u16).to_le_bytes()))
+            base64(indices.flat_map(|i| (i as u16).to_le_bytes()))
         },
     })
 }

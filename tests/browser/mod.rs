@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Chromium's path: from `CHROME`, or a usual name on the path. Without one the test is skipped, but fails in CI.
-pub fn find() -> Option<PathBuf> {
+pub(crate) fn find() -> Option<PathBuf> {
     let named = std::env::var_os("CHROME").map(PathBuf::from);
     let folders: Vec<PathBuf> =
         std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()).collect();
@@ -33,19 +33,19 @@ pub fn find() -> Option<PathBuf> {
 }
 
 /// One browser with one page.
-pub struct Browser {
+pub(crate) struct Browser {
     child: Child,
     input: ChildStdin,
     messages: Receiver<Value>,
     session: String,
     number: u64,
     /// Uncaught exceptions, and what the console calls an error.
-    pub complaints: Vec<String>,
+    pub(crate) complaints: Vec<String>,
     _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    pub fn start(chromium: &Path, flags: &[&str]) -> Self {
+    pub(crate) fn start(chromium: &Path, flags: &[&str]) -> Self {
         let profile = tempfile::tempdir().unwrap();
         let mut child = Command::new("sh")
             .args(["-c", r#"exec "$0" "$@" 3<&0 4>&1 </dev/null >/dev/null"#])
@@ -87,7 +87,7 @@ impl Browser {
     }
 
     /// Sends a command and waits for its answer.
-    pub fn call(&mut self, method: &str, parameters: Value) -> Value {
+    pub(crate) fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.number += 1;
         let mut message = json!({ "id": self.number, "method": method, "params": parameters });
         if !self.session.is_empty() {
@@ -123,12 +123,12 @@ impl Browser {
     }
 
     /// Opens a file and waits until it has loaded.
-    pub fn open(&mut self, file: &Path) {
+    pub(crate) fn open(&mut self, file: &Path) {
         self.call("Page.navigate", json!({ "url": format!("file://{}", file.display()) }));
         self.wait("document.readyState === 'complete' && location.protocol === 'file:'");
     }
 
-    pub fn evaluate(&mut self, expression: &str) -> Value {
+    pub(crate) fn evaluate(&mut self, expression: &str) -> Value {
         let answer =
             self.call("Runtime.evaluate", json!({ "expression": expression, "returnByValue": true }));
         assert!(answer["exceptionDetails"].is_null(), "{expression}: {}", answer["exceptionDetails"]);
@@ -136,7 +136,7 @@ impl Browser {
     }
 
     /// Waits until the expression is true.
-    pub fn wait(&mut self, expression: &str) {
+    pub(crate) fn wait(&mut self, expression: &str) {
         let end = Instant::now() + PATIENCE;
         while self.evaluate(expression) != true {
             let complaints = &self.complaints;
@@ -145,36 +145,32 @@ impl Browser {
         }
     }
 
-    pub fn resize(&mut self, width: u32, height: u32, mobile: bool) {
+    pub(crate) fn resize(&mut self, width: u32, height: u32, mobile: bool) {
         let scale = if mobile { 2 } else { 1 };
         let size = json!({ "width": width, "height": height, "deviceScaleFactor": scale, "mobile": mobile });
         self.call("Emulation.setDeviceMetricsOverride", size);
     }
 
-    pub fn dark(&mut self, on: bool) {
+    pub(crate) fn dark(&mut self, on: bool) {
         let value = if on { "dark" } else { "light" };
         let features = json!({ "features": [{ "name": "prefers-color-scheme", "value": value }] });
         self.call("Emulation.setEmulatedMedia", features);
     }
 
-    pub fn mouse(&mut self, kind: &str, x: f64, y: f64) {
+    pub(crate) fn mouse(&mut self, kind: &str, x: f64, y: f64) {
         let event = json!({ "type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1 });
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    pub fn click(&mut self, selector: &str) {
-        let middle = format!(
-            "(() => {{ const r = document.querySelector({selector:?}).getBoundingClientRect(); \
-             return [r.x + r.width / 2, r.y + r.height / 2]; }})()"
-        );
-        let middle = self.evaluate(&middle);
-        let (x, y) = (middle[0].as_f64().unwrap(), middle[1].as_f64().unwrap());
+    pub(crate) fn click(&mut self, selector: &str) {
+        let [x, y, width, height] = self.place(selector);
+        let (x, y) = (x + width / 2.0, y + height / 2.0);
         self.mouse("mousePressed", x, y);
         self.mouse("mouseReleased", x, y);
     }
 
     /// A key by its name and code, as in `KeyboardEvent`.
-    pub fn key(&mut self, key: &str, code: &str, number: u32) {
+    pub(crate) fn key(&mut self, key: &str, code: &str, number: u32) {
         let text = if key.len() == 1 { key } else { "" };
         for kind in ["keyDown", "keyUp"] {
             let text = if kind == "keyDown" { text } else { "" };
@@ -183,9 +179,22 @@ impl Browser {
         }
     }
 
-    pub fn screenshot(&mut self) -> Vec<u8> {
-        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+    /// A PNG of the page, or of one element at the given scale.
+    pub(crate) fn screenshot(&mut self, part: Option<(&str, f64)>) -> Vec<u8> {
+        let mut parameters = json!({ "format": "png" });
+        if let Some((selector, scale)) = part {
+            let [x, y, width, height] = self.place(selector);
+            parameters["clip"] = json!({ "x": x, "y": y, "width": width, "height": height, "scale": scale });
+        }
+        let answer = self.call("Page.captureScreenshot", parameters);
         BASE64_STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()
+    }
+
+    /// Left, top, width and height of an element.
+    fn place(&mut self, selector: &str) -> [f64; 4] {
+        let sides =
+            self.evaluate(&format!("document.querySelector({selector:?}).getBoundingClientRect().toJSON()"));
+        ["x", "y", "width", "height"].map(|side| sides[side].as_f64().unwrap())
     }
 }
 
