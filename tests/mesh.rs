@@ -3,6 +3,7 @@
 use rattle::view::{Mesh, MeshError};
 
 type Point = [f64; 3];
+type Region = (Point, Point);
 type Surface = fn(Point) -> (f64, Point);
 
 fn sphere([x, y, z]: Point) -> (f64, Point) {
@@ -31,12 +32,12 @@ fn scaled_down(q: Point) -> (f64, Point) {
     (g * 1e-60, gradient.map(|component| component * 1e-60)) // far below the range of f32
 }
 
-const EYE: (Point, Point) = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
+const EYE: Region = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
 
 #[test]
 fn meshes_are_closed_and_lie_on_the_surface() {
     #[rustfmt::skip]
-    let cases: [(&str, Surface, (Point, Point), usize, isize, f64); 9] = [
+    let cases: [(&str, Surface, Region, usize, isize, f64); 9] = [
         // name              g            box                                  cells  V−E+F  volume's sign
         ("sphere",           sphere,      ([-1.5; 3], [1.5; 3]),                 32,    2,  1.0),
         ("tight box",        sphere,      ([-1.01; 3], [1.01; 3]),               31,    2,  1.0),

@@ -49,7 +49,7 @@ const TEXTURE_WIDTH = 2048;
 
 const ribbonVertex = `
 uniform highp sampler2D samples;
-uniform float frame, frames, trail, width, lift;
+uniform float frame, frames, trail, width, thin, lift;
 uniform vec2 pixels;
 attribute vec3 place; // age in samples, side −1 or 1, particle
 attribute vec3 colour;
@@ -83,7 +83,7 @@ void main() {
   fade = max(1.0 - age / trail, 0.0);
   side = place.y;
   hue = colour;
-  float thickness = max(width * projectionMatrix[1][1] * pixels.y / here.w, 2.5) * (0.2 + 0.8 * fade);
+  float thickness = max(width * projectionMatrix[1][1] * pixels.y / here.w, thin) * (0.2 + 0.8 * fade);
   here.xy += across * side * thickness / pixels * here.w;
   gl_Position = here;
 }`;
@@ -184,6 +184,7 @@ class Motion {
       frames: { value: this.frames },
       trail: { value: this.trail },
       width: { value: 0.0055 * this.radius },
+      thin: { value: 1 },
       lift: { value: 0.008 * this.radius },
       pixels: { value: new THREE.Vector2(1, 1) },
     };
@@ -238,10 +239,11 @@ class Motion {
   }
 
   /** Puts heads and trails to the current frame. `worldPerPixel` keeps heads visible from far away. */
-  place(eye, worldPerPixel, pixels) {
+  place(eye, worldPerPixel, pixels, pixelRatio) {
     this.uniforms.frame.value = this.frame;
     this.uniforms.pixels.value.copy(pixels);
-    const size = Math.max(0.014 * this.radius, 3.5 * worldPerPixel);
+    this.uniforms.thin.value = 2.4 * pixelRatio;
+    const size = Math.max(0.014 * this.radius, 4.2 * worldPerPixel);
     const whole = Math.min(Math.floor(this.frame), this.last);
     const part = this.frame - whole;
     for (let particle = 0; particle < this.particles; particle++) {
@@ -366,7 +368,7 @@ function start() {
   function draw() {
     const distance = camera.position.distanceTo(controls.target);
     const worldPerPixel = (2 * distance * Math.tan((camera.fov * Math.PI) / 360) * renderer.getPixelRatio()) / size.y;
-    motion().place(camera.position, worldPerPixel, size);
+    motion().place(camera.position, worldPerPixel, size, renderer.getPixelRatio());
     renderer.render(world, camera);
     stale = false;
   }
