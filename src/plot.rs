@@ -34,6 +34,8 @@ const GREY: &str = "#8a8f98";
 const VIRIDIS_END: f64 = 0.9;
 /// A family shows this many of its curves in the legend.
 const FAMILY_LABELS: usize = 5;
+/// Beyond, the arithmetic of the axes would overflow.
+const LARGEST: f64 = 1e150;
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 480.0;
 
@@ -260,10 +262,10 @@ impl Chart {
         for (number, curve) in self.curves.iter().enumerate() {
             for (index, &(x, y)) in curve.points.iter().enumerate() {
                 let (title, label) = (self.title.clone(), curve.label.clone());
-                if !(x.is_finite() && y.is_finite()) {
+                if !(x.abs() <= LARGEST && y.abs() <= LARGEST) {
                     return Err(PlotError::NotFinite { title, curve: number, label, index, x, y });
                 }
-                if self.log && !(x > 0.0 && y > 0.0) {
+                if self.log && !(x >= 1.0 / LARGEST && y >= 1.0 / LARGEST) {
                     return Err(PlotError::NotPositive { title, curve: number, label, index, x, y });
                 }
             }
@@ -470,7 +472,7 @@ pub enum PlotError {
         /// The chart.
         title: String,
     },
-    /// A coordinate is NaN or infinite.
+    /// A coordinate is NaN, infinite or beyond 1e150.
     #[error("chart `{title}`, curve {curve} `{label}`: point {index} is ({x}, {y})")]
     NotFinite {
         /// The chart.
@@ -486,7 +488,7 @@ pub enum PlotError {
         /// The point.
         y: f64,
     },
-    /// A logarithmic axis can't show zero or a negative value.
+    /// A logarithmic axis can't show zero, a negative value or one below 1e-150.
     #[error(
         "chart `{title}`, curve {curve} `{label}`: point {index} is ({x:e}, {y:e}), but the axes are logarithmic; leave it out"
     )]

@@ -27,6 +27,11 @@ fn lemniscate([x, y, z]: Point) -> (f64, Point) {
     (f * f + z * z - 1.0 / 36.0, gradient)
 }
 
+fn scaled_up(q: Point) -> (f64, Point) {
+    let (g, gradient) = lemniscate(q);
+    (g * 1e60, gradient.map(|component| component * 1e60)) // far above it
+}
+
 fn scaled_down(q: Point) -> (f64, Point) {
     let (g, gradient) = lemniscate(q);
     (g * 1e-60, gradient.map(|component| component * 1e-60)) // far below the range of f32
@@ -37,7 +42,7 @@ const EYE: Region = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
 #[test]
 fn meshes_are_closed_and_lie_on_the_surface() {
     #[rustfmt::skip]
-    let cases: [(&str, Surface, Region, usize, isize, f64); 9] = [
+    let cases: [(&str, Surface, Region, usize, isize, f64); 10] = [
         // name              g            box                                  cells  V−E+F  volume's sign
         ("sphere",           sphere,      ([-1.5; 3], [1.5; 3]),                 32,    2,  1.0),
         ("tight box",        sphere,      ([-1.01; 3], [1.01; 3]),               31,    2,  1.0),
@@ -47,6 +52,7 @@ fn meshes_are_closed_and_lie_on_the_surface() {
         ("lemniscate",       lemniscate,  EYE,                                   48,   -2,  1.0),
         ("fine lemniscate",  lemniscate,  EYE,                                  112,   -2,  1.0),
         ("grid on symmetry", lemniscate,  EYE,                                   96,   -2,  1.0),
+        ("huge g",           scaled_up,   EYE,                                   48,   -2,  1.0),
         ("tiny g",           scaled_down, EYE,                                   48,   -2,  1.0),
     ];
     for (name, g, (low, high), cells, euler, sign) in cases {

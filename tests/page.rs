@@ -133,7 +133,8 @@ fn a_browser_plays_the_page() {
 
     // The canvas shows a surface and coloured trails on the ground.
     let ground = held[0];
-    let drawn = held.iter().filter(|&&pixel| distance(pixel, ground) > 40).count() as f64 / held.len() as f64;
+    let drawn = held.iter().filter(|&&pixel| distance(pixel, ground) > 20).count() as f64 / held.len() as f64;
+    println!("drawn {drawn} colourful {}", colourful(&held));
     assert!((0.1..0.9).contains(&drawn), "{drawn} of the stage differs from the ground");
     assert!(colourful(&held) > 0.005, "{} of the stage is in strong colours", colourful(&held));
 
@@ -191,10 +192,12 @@ fn a_browser_plays_the_page() {
     page.dark(false);
     settled(&mut page);
     keep("phone", &page.screenshot(None));
-    let overflow = "document.documentElement.scrollWidth > innerWidth || document.documentElement.scrollHeight > innerHeight";
-    assert_eq!(page.evaluate(overflow), false, "the page overflows a phone");
-    let reachable = "['play', 'slider', 'speed'].every((id) => { const r = document.getElementById(id).getBoundingClientRect(); \
-                     return r.left >= 0 && r.right <= innerWidth && r.bottom <= innerHeight; })";
+    // A phone widens its viewport for what overflows, so the numbers here are the phone's, not the page's.
+    let size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]";
+    assert_eq!(page.evaluate(size), json!([390, 844]), "the page overflows a phone");
+    let reachable = "['play', 'slider', 'speed', 'clock'].every((id) => { \
+                     const r = document.getElementById(id).getBoundingClientRect(); \
+                     return r.left >= 0 && r.right <= 390 && r.bottom <= 844; })";
     assert_eq!(page.evaluate(reachable), true, "a control is out of sight on a phone");
     page.resize(844, 390, true);
     thread::sleep(Duration::from_millis(300));

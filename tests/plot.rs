@@ -46,6 +46,15 @@ fn charts_show_their_words_and_points() {
         ("lemniscate", lemniscate(), vec!["The lemniscate of Bernoulli", ">x<", ">y<"]),
         ("tiny", Chart::new("Rounding").line("", [(0.0, 0.0), (1.0, -4e-16)]), vec!["−2·10⁻¹⁶"]),
         ("constant", Chart::new("Flat").line("", [(0.0, 0.5), (1.0, 0.5)]), vec!["0.5"]),
+        ("a point", Chart::new("Dot").marked("", [(3.0, 0.0)]), vec!["<circle"]),
+        ("widest", Chart::new("Widest").line("", [(-1e150, -1e150), (1e150, 1e150)]), vec!["10¹⁵⁰"]),
+        ("far off", Chart::new("Far").line("", [(1e15, 1e9), (1e15 + 1.0, 1e9 + 1e-6)]), vec!["10¹⁵"]),
+        (
+            "all decades",
+            Chart::new("Decades").log_log().line("", [(1e-150, 1e150), (1e150, 1e-150)]).slope(-1.0, "1/x"),
+            vec!["10¹⁰⁰"],
+        ),
+        ("one decade", Chart::new("Decade").log_log().line("", [(1.0, 1e-9), (1.0, 1e-9)]), vec!["10⁻⁹"]),
         (
             "escaped",
             Chart::new("a < b & \"c\"").line("<x>", [(0.0, 0.0), (1.0, 1.0)]),
@@ -84,6 +93,7 @@ fn errors_name_the_chart_the_curve_and_the_point() {
         (Chart::new("Energy"), "chart `Energy` has no point"),
         (Chart::new("Energy").line("", []), "chart `Energy` has no point"),
         (line(vec![(0.0, 1.0), (1.0, f64::INFINITY)]), "curve 1 `second`: point 1 is (1, inf)"),
+        (line(vec![(0.0, 1.0), (1.0, -2e150)]), "curve 1 `second`: point 1 is (1, -2"),
         (line(vec![(1.0, 1.0), (2.0, 0.0)]).log_log(), "curve 1 `second`: point 1 is (2e0, 0e0)"),
     ] {
         let message = chart.to_svg().unwrap_err().to_string();
