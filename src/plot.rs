@@ -288,8 +288,7 @@ impl Chart {
 
     fn layout(&self, frame: &Frame, curves: &[Curve]) -> Layout {
         let legend: Vec<LegendEntry> = curves.iter().filter(|c| !c.label.is_empty()).map(entry).collect();
-        let (x_shift, y_shift) = frame.shift;
-        let plain_from = if self.log { -2 } else { -3 }; // on log axes 10⁻³ reads better among its neighbours
+        let ticks = |shift, stride| Ticks { log: self.log, shift, stride };
         let mut layout = Layout::new(frame.x, frame.y)
             .with_width(WIDTH)
             .with_height(frame.height)
@@ -310,8 +309,8 @@ impl Chart {
             .with_y_axis_min(frame.y.0)
             .with_y_axis_max(frame.y.1)
             .with_legend_box(false)
-            .with_x_tick_format(TickFormat::Custom(Arc::new(move |v| tick(v, x_shift, plain_from))))
-            .with_y_tick_format(TickFormat::Custom(Arc::new(move |v| tick(v, y_shift, plain_from))));
+            .with_x_tick_format(ticks(frame.shift.0, frame.stride.0).format())
+            .with_y_tick_format(ticks(frame.shift.1, frame.stride.1).format());
         if !self.x.is_empty() {
             layout = layout.with_x_label(self.x.clone());
         }
@@ -337,6 +336,7 @@ struct Frame {
     x: (f64, f64),
     y: (f64, f64),
     shift: (i32, i32),
+    stride: (i32, i32),
     height: f64,
 }
 
@@ -352,7 +352,14 @@ impl Frame {
             let window = |(low, high): (f64, f64), shift| {
                 (scaled(low, shift) / LOG_MARGIN, scaled(high, shift) * LOG_MARGIN)
             };
-            return Self { x: window(x, shift.0), y: window(y, shift.1), shift, height: HEIGHT };
+            let stride = |(low, high): (f64, f64)| 1 + ((high / low).log10() / LOG_LABELS) as i32;
+            return Self {
+                x: window(x, shift.0),
+                y: window(y, shift.1),
+                shift,
+                stride: (stride(x), stride(y)),
+                height: HEIGHT,
+            };
         }
         let (x, y) = (padded(x, if chart.equal { 0.05 } else { 0.0 }), padded(y, 0.06));
         let height = if chart.equal {
@@ -361,7 +368,7 @@ impl Frame {
         } else {
             HEIGHT
         };
-        Self { x, y, shift: (0, 0), height }
+        Self { x, y, shift: (0, 0), stride: (1, 1), height }
     }
 
     fn plots(&self, curve: &Curve) -> Vec<Plot> {
@@ -384,6 +391,8 @@ impl Frame {
     }
 }
 
+/// Decades that fit on a logarithmic axis with a label each.
+const LOG_LABELS: f64 = 16.0;
 /// Room at the ends of a logarithmic axis.
 const LOG_MARGIN: f64 = 1.35;
 
@@ -433,20 +442,37 @@ fn scaled(value: f64, decades: i32) -> f64 {
     value * 10f64.powi(decades)
 }
 
-/// A tick's label: plain where that is short, else a power of ten: 0.25, 12000, 5·10⁻⁴, 10⁻¹⁶.
-fn tick(value: f64, shift: i32, plain_from: i32) -> String {
-    if value == 0.0 {
-        return "0".into();
+/// How an axis writes its ticks.
+#[derive(Clone, Copy)]
+struct Ticks {
+    log: bool,
+    shift: i32,
+    /// On wide logarithmic axes only every n-th decade is labelled.
+    stride: i32,
+}
+
+impl Ticks {
+    fn format(self) -> TickFormat {
+        TickFormat::Custom(Arc::new(move |value| self.label(value)))
     }
-    let text = format!("{:.3e}", value);
-    let (mantissa, exponent) = text.split_once('e').expect("`{:e}` writes an exponent");
-    let exponent = exponent.parse::<i32>().expect("an integer") - shift;
-    let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.').replace('-', "−");
-    match (exponent, mantissa.as_str()) {
-        (exponent, _) if (plain_from..=4).contains(&exponent) => plain(value * 10f64.powi(-shift)),
-        (_, "1") => format!("10{}", superscript(exponent)),
-        (_, "−1") => format!("−10{}", superscript(exponent)),
-        _ => format!("{mantissa}·10{}", superscript(exponent)),
+
+    /// Plain where that is short, else a power of ten: 0.25, 12000, 5·10⁻⁴, 10⁻¹⁶.
+    fn label(self, value: f64) -> String {
+        if value == 0.0 {
+            return "0".into();
+        }
+        let text = format!("{value:.5e}");
+        let (mantissa, exponent) = text.split_once('e').expect("`{:e}` writes an exponent");
+        let exponent = exponent.parse::<i32>().expect("an integer") - self.shift;
+        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.').replace('-', "−");
+        let plain_from = if self.log { -2 } else { -3 }; // on log axes 10⁻³ reads better among its neighbours
+        match (exponent, mantissa.as_str()) {
+            _ if self.log && exponent % self.stride != 0 => String::new(),
+            _ if (plain_from..=4).contains(&exponent) => plain(value * 10f64.powi(-self.shift)),
+            (_, "1") => format!("10{}", superscript(exponent)),
+            (_, "−1") => format!("−10{}", superscript(exponent)),
+            _ => format!("{mantissa}·10{}", superscript(exponent)),
+        }
     }
 }
 
