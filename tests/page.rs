@@ -129,10 +129,7 @@ fn a_browser_plays_the_page() {
     assert_eq!(changed(&held, &stage(&mut page)), 0.0, "the picture moves while paused");
     keep("frame-700", &page.screenshot(None));
 
-    // The canvas shows a surface and coloured trails on the ground.
-    let ground = held[0];
-    let drawn = held.iter().filter(|&&pixel| distance(pixel, ground) > 20).count() as f64 / held.len() as f64;
-    assert!((0.1..0.9).contains(&drawn), "{drawn} of the stage differs from the ground");
+    // Coloured trails and heads are there.
     assert!(colourful(&held) > 0.005, "{} of the stage is in strong colours", colourful(&held));
 
     // The slider, the keys and the read-out.
@@ -176,6 +173,10 @@ fn a_browser_plays_the_page() {
     let dark = settled(&mut page);
     assert!(changed(&gas, &dark) > 0.9, "the dark theme looks like the light one");
     assert!(colourful(&dark) > 0.005, "no strong colours in the dark");
+    // In the dark the surface stands out from the ground, which itself varies by about 30.
+    let drawn =
+        dark.iter().filter(|&&pixel| distance(pixel, dark[0]) > 45).count() as f64 / dark.len() as f64;
+    assert!((0.2..0.8).contains(&drawn), "{drawn} of the stage differs from the ground");
     keep("gas-dark", &page.screenshot(None));
     page.evaluate("rattle.show(0)");
     settled(&mut page);
