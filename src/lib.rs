@@ -1,15 +1,72 @@
-//! Mechanics with constraints.
+//! Mechanics with constraints: write the constraint as mathematics, simulate it by methods that keep
+//! its structure.
+//!
+//! ```
+//! use rattle::prelude::*;
+//!
+//! constraint! {
+//!     /// The Bernoulli lemniscate, inflated into a surface of genus two (for r < a⁴/4).
+//!     pub struct Lemniscate { a, r }
+//!
+//!     |x, y, z| {
+//!         let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+//!         f^2 + z^2 - r^2
+//!     }
+//! }
+//!
+//! potential! {
+//!     /// Uniform gravity along −z.
+//!     pub struct Gravity { g }
+//!     |x, y, z| g * z
+//! }
+//!
+//! fn main() -> Result<(), rattle::Error> {
+//!     let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
+//!     let start = State::at([0.0, 0.0, 1.0 / 6.0]).moving([1.0, 0.0, 0.0]);
+//!     let mut simulation = scene.simulate(start, Rattle::new(0.01))?;
+//!     simulation.run(2000)?;
+//!     println!("q = {:?}, energy error = {:e}", simulation.position(), simulation.energy_error());
+//!     # assert!(simulation.energy_error().abs() < 2e-2);
+//!     Ok(())
+//! }
+//! ```
+//!
+//! A macro differentiates the expression when it compiles and writes native functions for the value,
+//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Stepper`] how: [`Rattle`]
+//! or a [`Composition`] of it. What a scene does not name costs nothing.
+//!
+//! Signs and scales stand on one page: [`conventions`].
 
 extern crate self as rattle; // the macros write `::rattle`, also in here
 
-pub use rattle_core::{kernel, real};
+pub mod conventions;
+#[cfg(feature = "data")]
+pub mod data;
+#[cfg(feature = "plot")]
+pub mod plot;
+#[cfg(feature = "view")]
+pub mod view;
+
+pub use rattle_core::{
+    bodies, composition, counted, effect, error, kernel, real, recorder, simulation, stepper,
+};
+
+pub use rattle_core::composition::Composition;
+pub use rattle_core::counted::Counted;
+pub use rattle_core::error::Error;
+pub use rattle_core::rattle::Rattle;
+pub use rattle_core::recorder::{Recorder, Trajectory};
+pub use rattle_core::scene::Scene;
+pub use rattle_core::simulation::Simulation;
+pub use rattle_core::state::State;
+pub use rattle_core::stepper::Stepper;
+pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, pair_potential, potential};
 
-/// What a program needs to say `use rattle::prelude::*;` for.
+/// What most programs use.
 pub mod prelude {
-    pub use crate::kernel::{
-        Constraint, ConstraintKernel, PairKernel, PairPotential, Potential, PotentialKernel,
-    };
-    pub use crate::real::Real;
-    pub use crate::{constraint, pair_potential, potential};
+    pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
+    pub use crate::kernel::{Constraint, PairPotential, Potential};
+    pub use crate::recorder::{Recorder, Trajectory};
+    pub use crate::{Rattle, Scene, Simulation, State, Stepper, constraint, pair_potential, potential};
 }

@@ -15,6 +15,7 @@
 use nalgebra::{SMatrix, SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::prelude::*;
+use rattle::real::Real;
 use std::ops::Range;
 
 const POINTS: usize = 2000;

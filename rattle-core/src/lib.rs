@@ -1,4 +1,22 @@
-//! The runtime of `rattle`.
+//! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and what is kept
+//! of a run. Draws in nothing for files, plots or progress.
 
+pub mod bodies;
+pub mod composition;
+pub mod counted;
+pub mod effect;
+pub mod error;
 pub mod kernel;
+pub mod rattle;
 pub mod real;
+pub mod recorder;
+pub mod scene;
+pub mod simulation;
+mod solver;
+mod start;
+pub mod state;
+pub mod stepper;
+mod vector;
+
+pub use nalgebra;
+pub use solver::START_TOLERANCE;

@@ -17,6 +17,8 @@ pub trait Mask: Copy + Debug {
     fn or(self, other: Self) -> Self;
     /// Lane-wise not.
     fn not(self) -> Self;
+    /// The lanes in turn; one for a plain scalar.
+    fn lanes(self) -> impl Iterator<Item = bool>;
 }
 
 impl Mask for bool {
@@ -35,6 +37,10 @@ impl Mask for bool {
     #[inline(always)]
     fn not(self) -> Self {
         !self
+    }
+    #[inline(always)]
+    fn lanes(self) -> impl Iterator<Item = bool> {
+        std::iter::once(self)
     }
 }
 

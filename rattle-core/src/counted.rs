@@ -1,0 +1,121 @@
+//! Counting evaluations, to see what a run really evaluates.
+
+use crate::kernel::{Constraint, ConstraintKernel, Potential, PotentialKernel};
+use crate::real::Real;
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// A constraint or potential that counts how often it is evaluated.
+///
+/// ```
+/// # use rattle_core::{counted::Counted, kernel::Potential, kernel::PotentialKernel, real::Real};
+/// # #[derive(Clone)] struct Flat;
+/// # impl Potential<1> for Flat { type Kernel<T: Real> = Flat; fn kernel<T: Real>(&self) -> Flat { Flat } }
+/// # impl<T: Real> PotentialKernel<T, 1> for Flat {
+/// #     fn value(&self, q: &[T; 1]) -> T { q[0] }
+/// #     fn gradient(&self, _: &[T; 1]) -> [T; 1] { [T::from_f64(1.0)] }
+/// # }
+/// let potential = Counted::new(Flat);
+/// let counts = potential.counts();
+/// Potential::gradient(&potential, &[2.0].into());
+/// assert_eq!((counts.values(), counts.gradients()), (0, 1));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Counted<X> {
+    inner: X,
+    counts: Counts,
+}
+
+/// How often each function was evaluated, for however many copies of a kernel.
+#[derive(Debug, Clone, Default)]
+pub struct Counts(Rc<[Cell<u64>; 3]>);
+
+impl<X> Counted<X> {
+    /// `inner`, counted from zero.
+    pub fn new(inner: X) -> Self {
+        Self { inner, counts: Counts::default() }
+    }
+
+    /// The counts, which go on while `self` is in use.
+    pub fn counts(&self) -> Counts {
+        self.counts.clone()
+    }
+}
+
+impl Counts {
+    /// Evaluations of the function itself, alone or together with its gradient.
+    #[must_use]
+    pub fn values(&self) -> u64 {
+        self.0[0].get()
+    }
+    /// Evaluations of the gradient, alone or together with the function.
+    #[must_use]
+    pub fn gradients(&self) -> u64 {
+        self.0[1].get()
+    }
+    /// Evaluations of second derivatives.
+    #[must_use]
+    pub fn curvatures(&self) -> u64 {
+        self.0[2].get()
+    }
+    /// Starts counting from zero again.
+    pub fn reset(&self) {
+        self.0.iter().for_each(|count| count.set(0));
+    }
+
+    fn add(&self, value: bool, gradient: bool, curvature: bool) {
+        for (count, evaluated) in self.0.iter().zip([value, gradient, curvature]) {
+            count.set(count.get() + u64::from(evaluated));
+        }
+    }
+}
+
+impl<C: Constraint<D, M>, const D: usize, const M: usize> Constraint<D, M> for Counted<C> {
+    type Kernel<T: Real> = Counted<C::Kernel<T>>;
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Counted { inner: self.inner.kernel(), counts: self.counts.clone() }
+    }
+}
+
+impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> ConstraintKernel<T, D, M>
+    for Counted<K>
+{
+    fn value(&self, q: &[T; D]) -> [T; M] {
+        self.counts.add(true, false, false);
+        self.inner.value(q)
+    }
+    fn jacobian(&self, q: &[T; D]) -> [[T; D]; M] {
+        self.counts.add(false, true, false);
+        self.inner.jacobian(q)
+    }
+    fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]) {
+        self.counts.add(true, true, false);
+        self.inner.value_and_jacobian(q)
+    }
+    fn hessian_vector(&self, q: &[T; D], v: &[T; D]) -> [[T; D]; M] {
+        self.counts.add(false, false, true);
+        self.inner.hessian_vector(q, v)
+    }
+    fn jet(&self, q: &[T; D], v: &[T; D]) -> ([T; M], [T; M], [T; M]) {
+        self.counts.add(false, false, true);
+        self.inner.jet(q, v)
+    }
+}
+
+impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
+    type Kernel<T: Real> = Counted<P::Kernel<T>>;
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Counted { inner: self.inner.kernel(), counts: self.counts.clone() }
+    }
+}
+
+impl<T: Real, K: PotentialKernel<T, D>, const D: usize> PotentialKernel<T, D> for Counted<K> {
+    fn value(&self, q: &[T; D]) -> T {
+        self.counts.add(true, false, false);
+        self.inner.value(q)
+    }
+    fn gradient(&self, q: &[T; D]) -> [T; D] {
+        self.counts.add(false, true, false);
+        self.inner.gradient(q)
+    }
+}

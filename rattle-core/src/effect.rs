@@ -1,0 +1,250 @@
+//! Effects: what acts on the bodies besides the constraint. What a scene does not name costs nothing.
+//!
+//! A scene's effects are a list in its type: `()` is none, [`With`] adds one. The list without
+//! effects has a force of size zero, so the steppers' force phase vanishes when compiling.
+
+use crate::kernel::{PairKernel, PairPotential, Potential, PotentialKernel};
+use crate::real::Real;
+use crate::vector::{add_scaled, dot};
+use std::any::type_name;
+use std::fmt::Debug;
+use std::marker::PhantomData;
+
+/// The force on one body, or its absence.
+pub trait Force<T: Real, const D: usize>: Copy + Debug {
+    /// No force.
+    fn zero() -> Self;
+    /// a + c f; `a` itself where forces are absent.
+    fn add_to(&self, a: [T; D], c: T) -> [T; D];
+    /// f·n; zero where forces are absent.
+    fn dot(&self, n: &[T; D]) -> T;
+    /// |c f|²; zero where forces are absent.
+    fn square(&self, c: T) -> T;
+    /// The components; zeros where forces are absent.
+    fn components(&self) -> [T; D];
+}
+
+/// The force in a scene without effects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Absent;
+
+impl<T: Real, const D: usize> Force<T, D> for Absent {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self
+    }
+    #[inline(always)]
+    fn add_to(&self, a: [T; D], _: T) -> [T; D] {
+        a
+    }
+    #[inline(always)]
+    fn dot(&self, _: &[T; D]) -> T {
+        T::from_f64(-0.0) // x + (−0) is x, bit for bit, also for the compiler
+    }
+    #[inline(always)]
+    fn square(&self, _: T) -> T {
+        T::from_f64(-0.0)
+    }
+    #[inline(always)]
+    fn components(&self) -> [T; D] {
+        [T::from_f64(0.0); D]
+    }
+}
+
+impl<T: Real, const D: usize> Force<T, D> for [T; D] {
+    #[inline(always)]
+    fn zero() -> Self {
+        [T::from_f64(-0.0); D]
+    }
+    #[inline(always)]
+    fn add_to(&self, a: [T; D], c: T) -> [T; D] {
+        add_scaled(&a, c, self)
+    }
+    #[inline(always)]
+    fn dot(&self, n: &[T; D]) -> T {
+        dot(self, n)
+    }
+    #[inline(always)]
+    fn square(&self, c: T) -> T {
+        c * c * dot(self, self)
+    }
+    #[inline(always)]
+    fn components(&self) -> [T; D] {
+        *self
+    }
+}
+
+/// A list of effects, as users name them.
+pub trait Effects<const D: usize> {
+    /// The list, ready for the scalar `T`.
+    type Field<T: Real>: Field<T, D>;
+    /// The field with these effects' parameters.
+    fn field<T: Real>(&self) -> Self::Field<T>;
+}
+
+/// All effects of a scene together, over the scalar `T`.
+pub trait Field<T: Real, const D: usize>: Clone {
+    /// What is stored per body: `[T; D]`, or [`Absent`].
+    type Force: Force<T, D>;
+
+    /// Sets the force −∇ᵢU on every body i.
+    fn evaluate(&self, positions: &[[T; D]], forces: &mut [Self::Force]);
+    /// Adds −∇ᵢU to the force on every body i.
+    fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
+    /// U, summed over the effects.
+    fn energy(&self, positions: &[[T; D]]) -> T;
+    /// The first effect whose force on `body` is not finite, by the name of its type, and that force.
+    fn culprit(&self, positions: &[[T; D]], body: usize) -> Option<(&'static str, [T; D])>;
+}
+
+/// The effects `E` and one more, `P`.
+#[derive(Debug, Clone, Copy)]
+pub struct With<E, P, Kind> {
+    pub(crate) others: E,
+    pub(crate) effect: P,
+    pub(crate) kind: PhantomData<Kind>,
+}
+
+impl<const D: usize> Effects<D> for () {
+    type Field<T: Real> = ();
+    fn field<T: Real>(&self) {}
+}
+
+impl<T: Real, const D: usize> Field<T, D> for () {
+    type Force = Absent;
+
+    #[inline(always)]
+    fn evaluate(&self, _: &[[T; D]], _: &mut [Absent]) {}
+    #[inline(always)]
+    fn contribute(&self, _: &[[T; D]], _: &mut [[T; D]]) {}
+    fn energy(&self, _: &[[T; D]]) -> T {
+        T::from_f64(0.0)
+    }
+    fn culprit(&self, _: &[[T; D]], _: usize) -> Option<(&'static str, [T; D])> {
+        None
+    }
+}
+
+impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for With<E, P, Kind> {
+    type Field<T: Real> = Superposed<<P as Effect<D, Kind>>::Acting<T>, E::Field<T>>;
+
+    fn field<T: Real>(&self) -> Self::Field<T> {
+        Superposed { effect: self.effect.acting(), name: type_name::<P>(), others: self.others.field() }
+    }
+}
+
+/// One effect on top of others.
+#[derive(Debug, Clone)]
+pub struct Superposed<A, F> {
+    effect: A,
+    name: &'static str,
+    others: F,
+}
+
+impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for Superposed<A, F> {
+    type Force = [T; D];
+
+    #[inline(always)]
+    fn evaluate(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        forces.fill(Force::zero());
+        self.contribute(positions, forces);
+    }
+    #[inline(always)]
+    fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        self.others.contribute(positions, forces);
+        self.effect.add_forces(positions, forces);
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        self.others.energy(positions) + self.effect.energy(positions)
+    }
+    fn culprit(&self, positions: &[[T; D]], body: usize) -> Option<(&'static str, [T; D])> {
+        self.others.culprit(positions, body).or_else(|| {
+            let mut forces = vec![Force::zero(); positions.len()];
+            self.effect.add_forces(positions, &mut forces);
+            let force = forces[body];
+            let finite = force.iter().all(|f| f.lanes().all(f64::is_finite));
+            (!finite).then_some((self.name, force))
+        })
+    }
+}
+
+/// What a scene takes in `with`. The kind ([`OnEach`] or [`BetweenPairs`]) is found by inference:
+/// every [`Potential`] acts on each body, every [`PairPotential`] between every two.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no effect on bodies with {D} coordinates",
+    note = "an effect is made by `potential!` with {D} variables, or by `pair_potential!`"
+)]
+pub trait Effect<const D: usize, Kind> {
+    /// The effect over the scalar `T`.
+    type Acting<T: Real>: Acting<T, D>;
+    /// The effect with this value's parameters.
+    fn acting<T: Real>(&self) -> Self::Acting<T>;
+}
+
+/// One effect over the scalar `T`.
+pub trait Acting<T: Real, const D: usize>: Clone {
+    /// Adds −∇ᵢU to the force on every body i.
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
+    /// U.
+    fn energy(&self, positions: &[[T; D]]) -> T;
+}
+
+/// A potential that acts on each body by itself.
+#[derive(Debug, Clone, Copy)]
+pub struct OnEach<K>(K);
+
+impl<P: Potential<D>, const D: usize> Effect<D, OnEach<()>> for P {
+    type Acting<T: Real> = OnEach<P::Kernel<T>>;
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        OnEach(self.kernel())
+    }
+}
+
+impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<K> {
+    #[inline(always)]
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        for (q, force) in positions.iter().zip(forces) {
+            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient(q));
+        }
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
+    }
+}
+
+/// A potential between every two bodies.
+#[derive(Debug, Clone, Copy)]
+pub struct BetweenPairs<K>(K);
+
+impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
+    type Acting<T: Real> = BetweenPairs<P::Kernel<T>>;
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        BetweenPairs(self.kernel())
+    }
+}
+
+impl<T: Real, K: PairKernel<T>, const D: usize> Acting<T, D> for BetweenPairs<K> {
+    #[inline(always)]
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        for i in 1..positions.len() {
+            let mut on_i = forces[i];
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                let pull = T::from_f64(-2.0) * self.0.slope(dot(&apart, &apart)); // −U′(r)/r
+                on_i = add_scaled(&on_i, pull, &apart);
+                forces[j] = add_scaled(&forces[j], -pull, &apart);
+            }
+            forces[i] = on_i;
+        }
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        let mut energy = T::from_f64(-0.0);
+        for i in 1..positions.len() {
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                energy = energy + self.0.value(dot(&apart, &apart));
+            }
+        }
+        energy
+    }
+}

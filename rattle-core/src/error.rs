@@ -1,0 +1,250 @@
+//! What can go wrong, with the numbers that explain it.
+
+use std::fmt;
+
+/// Why a scene could not be set up or a step could not be taken.
+///
+/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation
+/// as it was before the step, bit for bit.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The step size is zero, infinite or NaN.
+    #[error("the step size must be finite and not zero, found {0}")]
+    StepSize(f64),
+
+    /// The state has another number of bodies than the scene.
+    #[error(
+        "the scene has {scene} particle(s) and the state has {state}; see `Scene::particles` and `State::of`"
+    )]
+    BodyCount {
+        /// Bodies of the scene.
+        scene: usize,
+        /// Bodies of the state.
+        state: usize,
+    },
+
+    /// A start that cannot be simulated.
+    #[error("start of particle {body}: {cause}")]
+    Start {
+        /// Which body, counted from 0.
+        body: usize,
+        /// What is wrong with it.
+        cause: StartFailure,
+    },
+
+    /// A step that cannot be taken.
+    #[error("step {step} (t = {time}), particle {body}: {cause}")]
+    Step {
+        /// The step that failed; the first step is 1.
+        step: u64,
+        /// Time at which the failed step began.
+        time: f64,
+        /// Which body, counted from 0.
+        body: usize,
+        /// What stopped it.
+        cause: StepFailure,
+    },
+}
+
+/// What is wrong with a start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartFailure {
+    /// A coordinate or momentum component is NaN or infinite.
+    #[error("{quantity}[{component}] is {value}; every component must be finite")]
+    NotFinite {
+        /// `position` or `momentum`.
+        quantity: &'static str,
+        /// Which component.
+        component: usize,
+        /// The offending number.
+        value: f64,
+    },
+    /// The constraint function is NaN or infinite at the start.
+    #[error("the constraint is {value} at q = {position:?}; it must be finite with a finite gradient")]
+    ConstraintNotFinite {
+        /// g(q).
+        value: f64,
+        /// q.
+        position: Vec<f64>,
+    },
+    /// The start is not on the surface.
+    #[error(
+        "off the surface by {distance:.3e} (g = {value:.3e}), allowed {tolerance:.1e}; \
+         `scene.project(state)` moves the start onto the surface"
+    )]
+    OffSurface {
+        /// |g|/|∇g|, to first order the distance from the surface.
+        distance: f64,
+        /// The largest distance allowed.
+        tolerance: f64,
+        /// g(q).
+        value: f64,
+    },
+    /// The momentum is not tangent to the surface.
+    #[error(
+        "momentum is not tangent: |∇g·p|/(|∇g||p|) = {sine:.3e}, allowed {tolerance:.1e}; \
+         `scene.project(state)` takes its normal part away"
+    )]
+    NotTangent {
+        /// Sine of the angle between p and the tangent plane.
+        sine: f64,
+        /// The largest sine allowed.
+        tolerance: f64,
+    },
+    /// The gradient is zero here or so near that it has no direction in floating point.
+    #[error(
+        "the gradient vanishes here (|∇g| = {gradient:.3e}, singular point about {distance:.1e} away); \
+         start elsewhere, or write a constraint whose gradient is not zero on the surface"
+    )]
+    SingularPoint {
+        /// |∇g(q)|.
+        gradient: f64,
+        /// |∇g|/|∇²g n| with n = ∇g/|∇g|, to first order the distance to the point where ∇g = 0.
+        distance: f64,
+    },
+    /// The force at the start is NaN or infinite.
+    #[error("the force of `{effect}` is {force:?}; check the start against the potential's domain")]
+    ForceNotFinite {
+        /// The type of the effect.
+        effect: &'static str,
+        /// −∇U.
+        force: Vec<f64>,
+    },
+    /// No point of the surface was found near the start.
+    #[error(
+        "no point of the surface found: distances {distances} after {} Newton steps; start nearer to the surface",
+        distances.len()
+    )]
+    NoProjection {
+        /// First-order distance from the surface before every Newton step.
+        distances: History,
+    },
+}
+
+/// What stopped a step.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// h·κ·|v| > 1: the surface curves away within one step, so that the position equation has no
+    /// solution that the motion could follow.
+    #[error(
+        "step too long for the curvature: h·κ·|v| = {reach:.3} must stay below 1 \
+         (κ = {curvature:.4}, |v| = {speed:.4}); here |h| < {longest:.3e} passes, a fifth of it is accurate"
+    )]
+    StepTooLong {
+        /// h·κ·|v|.
+        reach: f64,
+        /// Normal curvature κ along v.
+        curvature: f64,
+        /// |v|.
+        speed: f64,
+        /// 1/(κ·|v|).
+        longest: f64,
+    },
+    /// The position equation was not solved to the rounding floor.
+    #[error(
+        "projection onto the surface did not converge: corrections {corrections}, floor {floor:.1e}, \
+         |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
+    )]
+    NoConvergence {
+        /// Length of every correction in turn.
+        corrections: History,
+        /// Corrections shorter than this count as converged.
+        floor: f64,
+        /// |∇g| at the start of the step.
+        gradient: f64,
+        /// h·κ·|v|.
+        reach: f64,
+    },
+    /// The position equation has a solution, but not one that the motion can reach: followed from h = 0, its root ends.
+    #[error(
+        "the projection found another sheet: moved {correction:.3e} along the normal on a path of {path:.3e}, normals at \
+         cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
+    )]
+    OtherSheet {
+        /// Cosine of the angle between ∇g before and after.
+        cosine: f64,
+        /// How far the constraint would have moved the body.
+        correction: f64,
+        /// How far the body would have moved without the constraint.
+        path: f64,
+        /// h·κ·|v|.
+        reach: f64,
+    },
+    /// The gradient of the constraint is zero, NaN or infinite at the new point.
+    #[error(
+        "the constraint has no normal at q = {position:?}: ∇g = {gradient:?}; the surface is singular there"
+    )]
+    NoNormal {
+        /// Where.
+        position: Vec<f64>,
+        /// ∇g.
+        gradient: Vec<f64>,
+    },
+    /// A force is NaN or infinite.
+    #[error(
+        "the force of `{effect}` is {force:?} at q = {position:?}; check the potential's domain, or try a smaller step"
+    )]
+    ForceNotFinite {
+        /// The type of the effect.
+        effect: &'static str,
+        /// −∇U.
+        force: Vec<f64>,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// The momentum is beyond what can be squared, about 1e154.
+    #[error("the momentum is no longer finite at q = {position:?}; try a smaller step, or other units")]
+    MomentumNotFinite {
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// The constraint function is NaN or infinite where the solver evaluated it.
+    #[error(
+        "the constraint is not a number near q = {position:?}; the step left the domain of its expression"
+    )]
+    ConstraintNotFinite {
+        /// The position at the start of the step.
+        position: Vec<f64>,
+    },
+}
+
+/// The first numbers of a sequence, printed in brackets.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History(Vec<f64>);
+
+impl History {
+    /// The numbers, first one first.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f64] {
+        &self.0
+    }
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl FromIterator<f64> for History {
+    fn from_iter<I: IntoIterator<Item = f64>>(numbers: I) -> Self {
+        Self(numbers.into_iter().collect())
+    }
+}
+
+impl fmt::Display for History {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (i, x) in self.0.iter().take(8).enumerate() {
+            write!(f, "{}{x:.1e}", if i == 0 { "" } else { ", " })?;
+        }
+        f.write_str(if self.0.len() > 8 { ", …]" } else { "]" })
+    }
+}

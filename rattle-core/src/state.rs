@@ -1,0 +1,78 @@
+//! Positions and momenta, as a user gives and gets them.
+
+use crate::bodies::Body;
+use nalgebra::SVector;
+
+/// Positions and momenta of all bodies, each with `D` coordinates.
+///
+/// Masses are 1, so momenta are velocities. Taken from a simulation, a state also holds what rounding
+/// took from positions and momenta: a simulation started from it goes on bit for bit.
+///
+/// ```
+/// use rattle_core::state::State;
+///
+/// let one = State::at([0.0, 0.0, 1.0]).moving([1.0, 0.0, 0.0]);
+/// let two = State::of([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]); // at rest
+/// assert_eq!((one.len(), two.len()), (1, 2));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<const D: usize> {
+    pub(crate) bodies: Vec<Body<f64, D>>,
+}
+
+impl<const D: usize> State<D> {
+    /// One body at rest at `position`.
+    #[must_use]
+    pub fn at(position: impl Into<SVector<f64, D>>) -> Self {
+        Self::of([position])
+    }
+
+    /// Bodies at rest at these positions.
+    #[must_use]
+    pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
+        let zero = [0.0; D];
+        let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
+        Self { bodies: positions.into_iter().map(at_rest).collect() }
+    }
+
+    /// The same, every body with this momentum.
+    #[must_use]
+    pub fn moving(mut self, momentum: impl Into<SVector<f64, D>>) -> Self {
+        let p = momentum.into().into();
+        for body in &mut self.bodies {
+            (body.p, body.p_low) = (p, [0.0; D]);
+        }
+        self
+    }
+
+    /// The same, with these momenta in turn; bodies beyond the last one keep theirs.
+    #[must_use]
+    pub fn with_momenta<P: Into<SVector<f64, D>>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
+        for (body, p) in self.bodies.iter_mut().zip(momenta) {
+            (body.p, body.p_low) = (p.into().into(), [0.0; D]);
+        }
+        self
+    }
+
+    /// The number of bodies.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there is no body.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// The positions in turn.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.iter().map(|body| body.q.into())
+    }
+
+    /// The momenta in turn.
+    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.iter().map(|body| body.p.into())
+    }
+}

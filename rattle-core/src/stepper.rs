@@ -1,0 +1,231 @@
+//! What a method is: a map that takes all bodies one step on.
+
+use crate::bodies::{Bodies, Body, Count, Normal};
+use crate::effect::{Field, Force};
+use crate::error::StepFailure;
+use crate::kernel::ConstraintKernel;
+use crate::real::{Mask, Real};
+use crate::solver::Departure;
+use crate::vector::dot;
+
+/// A scene made ready for the scalar type: the constraint of every body and the field they are in.
+#[derive(Debug, Clone)]
+pub struct System<K, F> {
+    /// g, one equation per body.
+    pub constraint: K,
+    /// U, from all effects.
+    pub field: F,
+}
+
+impl<K, F> System<K, F> {
+    /// The bodies in these places, with normals and forces evaluated there.
+    pub fn bodies<T, N, const D: usize>(
+        &self,
+        count: N,
+        place: impl Fn(usize) -> Body<T, D>,
+    ) -> Bodies<N, T, F::Force, D>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+        N: Count,
+    {
+        let zero = [T::from_f64(0.0); D];
+        let mut bodies: Bodies<N, T, F::Force, D> = Bodies {
+            q: count.each(zero),
+            q_low: count.each(zero),
+            p: count.each(zero),
+            p_low: count.each(zero),
+            normal: count.each(Normal::new(zero)),
+            force: count.each(Force::zero()),
+        };
+        for i in 0..count.number() {
+            let Body { q, q_low, p, p_low } = place(i);
+            let [gradient] = self.constraint.jacobian(&q);
+            (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
+            (bodies.p.as_mut()[i], bodies.p_low.as_mut()[i]) = (p, p_low);
+            bodies.normal.as_mut()[i] = Normal::new(gradient);
+        }
+        self.field.evaluate(bodies.q.as_ref(), bodies.force.as_mut());
+        bodies
+    }
+}
+
+/// A one-step method.
+pub trait Stepper: Clone {
+    /// The time that one step takes; negative to run backwards.
+    fn step_size(&self) -> f64;
+    /// The order p: errors fall like hᵖ.
+    fn order(&self) -> u32;
+    /// The method's name, as in the literature.
+    fn name(&self) -> &'static str;
+
+    /// Takes `bodies` one step on. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// Says which body cannot be moved and why; `bodies` are then left half way.
+    fn step<T, K, F, N, W, const D: usize>(
+        &self,
+        system: &System<K, F>,
+        bodies: &mut Bodies<N, T, F::Force, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+        N: Count,
+        W: Witness<T>;
+}
+
+/// Is told the multipliers as a step finds them; `()` does not listen, and then they are not formed.
+pub trait Witness<T> {
+    /// λ of the position equation. A method of several stages tells that of each, the last one last.
+    fn position_multiplier(&mut self, body: usize, lambda: T);
+    /// μ of the momentum equation.
+    fn momentum_multiplier(&mut self, body: usize, mu: T);
+}
+
+impl<T> Witness<T> for () {
+    #[inline(always)]
+    fn position_multiplier(&mut self, _: usize, _: T) {}
+    #[inline(always)]
+    fn momentum_multiplier(&mut self, _: usize, _: T) {}
+}
+
+/// Why a step failed, and for which body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failure {
+    /// Which body, counted from 0.
+    pub body: usize,
+    /// What stopped it.
+    pub cause: StepFailure,
+}
+
+impl Failure {
+    /// A failure of `body` in the first lane where the condition does not hold.
+    #[cold]
+    pub(crate) fn at<M: Mask>(body: usize, holds: M) -> FailureAt {
+        FailureAt { body, lane: holds.lanes().position(|held| !held).unwrap_or(0) }
+    }
+}
+
+/// Where a step failed; its methods find out why.
+pub(crate) struct FailureAt {
+    body: usize,
+    lane: usize,
+}
+
+impl FailureAt {
+    fn number<T: Real>(&self, x: T) -> f64 {
+        x.lanes().nth(self.lane).unwrap_or(f64::NAN)
+    }
+
+    fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
+        x.iter().map(|&x| self.number(x)).collect()
+    }
+
+    fn because(&self, cause: StepFailure) -> Failure {
+        Failure { body: self.body, cause }
+    }
+
+    /// |∇g|, |v| and κ at the start of the step.
+    fn curvature<T: Real, const D: usize>(
+        &self,
+        normal: &Normal<T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> (f64, f64, f64) {
+        let gradient = self.number(dot(&normal.gradient, &normal.gradient)).sqrt();
+        let speed = self.number(dot(p, p)).sqrt();
+        (gradient, speed, self.number(bend).abs() / (gradient * speed * speed))
+    }
+
+    fn no_normal<T: Real, const D: usize>(&self, q: &[T; D], gradient: &[T; D]) -> Option<Failure> {
+        let (position, gradient) = (self.numbers(q), self.numbers(gradient));
+        let square: f64 = gradient.iter().map(|n| n * n).sum();
+        let none = !(square > 0.0 && square.is_finite());
+        none.then(|| self.because(StepFailure::NoNormal { position, gradient }))
+    }
+
+    /// h·κ·|v| is not below 1.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn too_long<T: Real, const D: usize>(
+        &self,
+        h: f64,
+        departure: &Departure<'_, T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> Failure {
+        let (_, speed, curvature) = self.curvature(departure.normal, p, bend);
+        let reach = h.abs() * curvature * speed;
+        self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
+            self.because(if reach.is_finite() {
+                StepFailure::StepTooLong { reach, curvature, speed, longest: h.abs() / reach }
+            } else {
+                StepFailure::ConstraintNotFinite { position: self.numbers(departure.q) }
+            })
+        })
+    }
+
+    /// The position equation has no solution that can be used: solves it once more, taking notes.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn lost<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
+        &self,
+        h: f64,
+        constraint: &K,
+        departure: &Departure<'_, T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> Failure {
+        let mut corrections = Vec::new();
+        let landing = departure.land(constraint, |length| corrections.push(self.number(length)));
+        corrections.retain(|&length| length != 0.0); // second corrections that were not made
+        let (gradient, speed, curvature) = self.curvature(departure.normal, p, bend);
+        let reach = h.abs() * curvature * speed;
+        if corrections.iter().any(|length| !length.is_finite()) {
+            let position = self.numbers(departure.q);
+            return self.because(StepFailure::ConstraintNotFinite { position });
+        }
+        if !landing.converged.lanes().nth(self.lane).unwrap_or(false) {
+            return self.because(StepFailure::NoConvergence {
+                corrections: corrections.into_iter().collect(),
+                floor: self.number(landing.floor),
+                gradient,
+                reach,
+            });
+        }
+        let arrival = departure.point(landing.multiplier);
+        if let Some(failure) = self.no_normal(&arrival, &landing.gradient) {
+            return failure;
+        }
+        let after = self.number(dot(&landing.gradient, &landing.gradient)).sqrt();
+        let cosine = self.number(dot(&landing.gradient, &departure.normal.gradient)) / (gradient * after);
+        let correction = self.number(landing.multiplier).abs() * gradient;
+        let path = self.number(dot(&departure.free, &departure.free)).sqrt();
+        self.because(StepFailure::OtherSheet { cosine, correction, path, reach })
+    }
+
+    /// The momentum is not finite: a force or a normal is not.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn not_finite<T: Real, K, F: Field<T, D>, const D: usize>(
+        &self,
+        system: &System<K, F>,
+        positions: &[[T; D]],
+        normals: &[Normal<T, D>],
+    ) -> Failure {
+        let position = self.numbers(&positions[self.body]);
+        if let Some((effect, force)) = system.field.culprit(positions, self.body) {
+            return self.because(StepFailure::ForceNotFinite {
+                effect,
+                force: self.numbers(&force),
+                position,
+            });
+        }
+        self.no_normal(&positions[self.body], &normals[self.body].gradient)
+            .unwrap_or_else(|| self.because(StepFailure::MomentumNotFinite { position }))
+    }
+}

@@ -1,0 +1,22 @@
+//! Signs, scales and units, in one place.
+//!
+//! ```text
+//! q̈ = −∇U(q) + ∇g(q) λ,   g(q) = 0                     H′ = |p|²/2 + U(q) − λ g(q)
+//! ```
+//!
+//! * **Masses** are 1: momenta are velocities.
+//! * **Forces** are −∇U. Between two bodies, Fᵢ = −(U′(r)/r)(qᵢ − qⱼ): repulsive where U falls with r.
+//! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and
+//!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a
+//!   factor h/2 in its half of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h)
+//!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
+//! * **Residuals** are |g(q)| in the unit of g, and |∇g·p|. Errors give distances, |g|/|∇g|.
+//! * **Units** are the user's; nothing depends on how large they are, or on how g is scaled: with g
+//!   multiplied by a power of two a simulation is the same, bit for bit.
+//!
+//! | elsewhere | there | here |
+//! |---|---|---|
+//! | Hairer–Lubich–Wanner, Leimkuhler–Reich, Mici | q̈ = −∇U − ∇g λ | −λ |
+//! | the notebook “Billiards on surfaces”, text | q̈ = −∇U + ∇g λ | λ |
+//! | the same, its code: position | q̈ = −∇U − ∇g λ | −λ |
+//! | the same, its code: momentum, without h/2 | p = p̂ − ∇g μ | −(2/h) μ |

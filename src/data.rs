@@ -1,0 +1,223 @@
+//! Results as NumPy archives: named arrays of `f64` in one `.npz` file.
+//!
+//! ```text
+//! file.npz  =  zip { name.npy, … },   each array f64, little-endian, C order (last index fastest)
+//! ```
+//!
+//! ```
+//! use rattle::data::{Npz, read};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("run.npz");
+//! let q = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5]; // two steps of one particle in space
+//! Npz::create(&path)?.array("t", &[2], &[0.0, 0.01])?.array("q", &[2, 3], &q)?.finish()?;
+//!
+//! let array = read(&path, "q")?;
+//! assert_eq!((array.shape, array.data), (vec![2, 3], q.to_vec()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! In Python the same file is `numpy.load("run.npz")["q"]`.
+
+use npyz::{NpyFile, WriteOptions, WriterBuilder};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+/// An archive being written. [`finish`](Npz::finish) completes the file.
+#[derive(Debug)]
+#[must_use = "the file is complete only after `finish`"]
+pub struct Npz {
+    path: PathBuf,
+    zip: ZipWriter<BufWriter<File>>,
+}
+
+impl Npz {
+    /// Starts the file, with its folder where that is missing; an old file of that name is replaced.
+    ///
+    /// # Errors
+    /// [`DataError::Io`] when the file can't be made.
+    ///
+    /// ```
+    /// # let folder = tempfile::tempdir()?;
+    /// let npz = rattle::data::Npz::create(folder.path().join("out/run.npz"))?;
+    /// npz.array("lambda", &[3], &[1.0, 2.0, 3.0])?.finish()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, DataError> {
+        let path = path.as_ref().to_path_buf();
+        let file =
+            create_with_folder(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
+        Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)) })
+    }
+
+    /// Adds an array; `data` runs with the last index fastest.
+    ///
+    /// # Errors
+    /// [`DataError::Shape`] when the shape's product is not the number of values,
+    /// [`DataError::Repeated`] when the archive has an array of that name, [`DataError::Io`].
+    ///
+    /// ```
+    /// # let folder = tempfile::tempdir()?;
+    /// let npz = rattle::data::Npz::create(folder.path().join("run.npz"))?;
+    /// let message = npz.array("q", &[2, 3], &[0.0; 5]).unwrap_err().to_string();
+    /// assert!(message.contains("array `q`: shape [2, 3] holds 6 values, but 5 were given"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn array(mut self, name: &str, shape: &[usize], data: &[f64]) -> Result<Self, DataError> {
+        if product(shape) != Some(data.len()) {
+            return Err(DataError::Shape {
+                path: self.path,
+                name: name.into(),
+                shape: shape.into(),
+                length: data.len(),
+            });
+        }
+        match self.append(name, shape, data) {
+            Ok(()) => Ok(self),
+            Err(source) if source.kind() == io::ErrorKind::InvalidInput => {
+                Err(DataError::Repeated { path: self.path, name: name.into() })
+            }
+            Err(source) => Err(DataError::Io { path: self.path, source }),
+        }
+    }
+
+    /// Writes the archive's directory and closes the file.
+    ///
+    /// # Errors
+    /// [`DataError::Io`], for a full disk say.
+    ///
+    /// ```
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("run.npz");
+    /// rattle::data::Npz::create(&path)?.array("t", &[1], &[0.0])?.finish()?;
+    /// assert!(path.exists());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn finish(self) -> Result<(), DataError> {
+        let written = self.zip.finish().map_err(io::Error::from).and_then(|mut file| file.flush());
+        written.map_err(|source| DataError::Io { path: self.path, source })
+    }
+
+    fn append(&mut self, name: &str, shape: &[usize], data: &[f64]) -> io::Result<()> {
+        let large = data.len() >= (u32::MAX as usize) / 8; // beyond 4 GiB zip needs its 64-bit form
+        let options =
+            SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
+        self.zip.start_file(format!("{name}.npy"), options).map_err(|error| match error {
+            zip::result::ZipError::InvalidArchive(_) => io::Error::from(io::ErrorKind::InvalidInput),
+            other => other.into(),
+        })?;
+        let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
+        let mut npy = WriteOptions::new().default_dtype().shape(&shape).writer(&mut self.zip).begin_nd()?;
+        npy.extend(data)?;
+        npy.finish()
+    }
+}
+
+/// An array read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Array {
+    /// Extent along each index.
+    pub shape: Vec<usize>,
+    /// The values, last index fastest.
+    pub data: Vec<f64>,
+}
+
+/// Reads one array of `f64` from a `.npz` file, Rust's or NumPy's (uncompressed, as `numpy.savez` writes it).
+///
+/// # Errors
+/// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than
+/// `f64` or for Fortran order, [`DataError::Io`].
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path().join("run.npz");
+/// # rattle::data::Npz::create(&path)?.array("t", &[2], &[0.0, 0.5])?.finish()?;
+/// assert_eq!(rattle::data::read(&path, "t")?.data, [0.0, 0.5]);
+/// assert!(rattle::data::read(&path, "x").is_err());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
+    let path = path.as_ref();
+    let failed = |source| DataError::Io { path: path.into(), source };
+    let file = File::open(path).map_err(failed)?;
+    let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| failed(error.into()))?;
+    let member = archive.by_name(&format!("{name}.npy")).map_err(|error| match error {
+        zip::result::ZipError::FileNotFound => DataError::Missing { path: path.into(), name: name.into() },
+        other => failed(other.into()),
+    })?;
+    let npy = NpyFile::new(member).map_err(failed)?;
+    let shape = npy.shape().iter().map(|&n| n as usize).collect();
+    let layout = || DataError::Layout { path: path.into(), name: name.into() };
+    if npy.order() != npyz::Order::C {
+        return Err(layout());
+    }
+    let values = npy.data::<f64>().map_err(|_| layout())?;
+    Ok(Array { shape, data: values.collect::<io::Result<_>>().map_err(failed)? })
+}
+
+/// What can go wrong with an archive.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DataError {
+    /// The file can't be made, written or read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The shape does not hold as many values as were given.
+    #[error("{}: array `{name}`: shape {shape:?} holds {} values, but {length} were given", path.display(), size(shape))]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        name: String,
+        /// The shape asked for.
+        shape: Vec<usize>,
+        /// How many values came.
+        length: usize,
+    },
+    /// The archive already has an array of that name.
+    #[error("{}: array `{name}` is written twice", path.display())]
+    Repeated {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        name: String,
+    },
+    /// The archive has no array of that name.
+    #[error("{}: no array `{name}`", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        name: String,
+    },
+    /// The array is not `f64` in C order.
+    #[error("{}: array `{name}` is not f64 in C order, try `numpy.ascontiguousarray(a, dtype=float)`", path.display())]
+    Layout {
+        /// The file.
+        path: PathBuf,
+        /// The array.
+        name: String,
+    },
+}
+
+fn create_with_folder(path: &Path) -> io::Result<File> {
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder)?;
+    }
+    File::create(path)
+}
+
+fn product(shape: &[usize]) -> Option<usize> {
+    shape.iter().try_fold(1, |size: usize, &n| size.checked_mul(n))
+}
+
+fn size(shape: &[usize]) -> String {
+    product(shape).map_or_else(|| "too many".into(), |size| size.to_string())
+}

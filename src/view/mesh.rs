@@ -1,0 +1,306 @@
+//! The surface {g = 0} as triangles.
+//!
+//! ```text
+//! sample g on a grid  ─surface nets─▶  one vertex per cell that the surface crosses, one quad per crossed grid edge
+//!                     ─Newton──────▶  x ← x − g ∇g / |∇g|²   until x lies on the surface
+//! ```
+//!
+//! Surface nets (Gibson 1998) and not marching cubes: the vertices are shared, so the mesh is closed without welding,
+//! and the triangles are even instead of slivers; `fast-surface-nets` does the net, Newton and ∇g the accuracy.
+
+use fast_surface_nets::ndshape::{RuntimeShape, Shape};
+use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
+
+/// Steps of Newton's method at most; from within a cell it takes three or four.
+const NEWTON_STEPS: usize = 12;
+/// A vertex is on the surface when the next displacement is below this part of a cell.
+const ON_SURFACE: f64 = 1e-9;
+
+/// Triangles with a normal at each vertex. Seen from the side where g > 0, triangles run counter-clockwise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    /// Points on the surface.
+    pub vertices: Vec<[f64; 3]>,
+    /// ∇g/|∇g| at each vertex.
+    pub normals: Vec<[f64; 3]>,
+    /// Three vertices each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Meshes {g = 0} inside the box from `low` to `high` with `cells` grid cells along its longest side.
+    ///
+    /// `g` returns the value and the gradient. It is evaluated on a grid of about `cells`³ points or fewer, and a few
+    /// times per vertex; about 100 cells make a smooth picture. Sheets nearer to each other than two cells may join.
+    ///
+    /// # Errors
+    /// [`MeshError::Empty`] when g does not change its sign in the box, [`MeshError::Cut`] when the surface leaves the
+    /// box, [`MeshError::NotFinite`] when g or ∇g is NaN or infinite at a point, [`MeshError::Box`] for a box without
+    /// volume or with too few or too many cells.
+    ///
+    /// ```
+    /// use rattle::view::Mesh;
+    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+    /// let mesh = Mesh::of(sphere, [-1.5; 3], [1.5; 3], 20)?;
+    /// assert_eq!(mesh.euler_characteristic(), 2);
+    /// assert!(mesh.vertices.iter().all(|&q| sphere(q).0.abs() < 1e-12));
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn of(
+        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        low: [f64; 3],
+        high: [f64; 3],
+        cells: usize,
+    ) -> Result<Self, MeshError> {
+        let grid = Grid::new(low, high, cells)?;
+        let net = grid.net(&grid.sample(&g)?);
+        let mut mesh = Self { vertices: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
+        for &[i, j, k] in &net.positions {
+            let start = grid.point([i, j, k].map(f64::from));
+            let (vertex, normal) = project(&g, start, grid.cell)?;
+            mesh.vertices.push(vertex);
+            mesh.normals.push(normal);
+        }
+        mesh.triangles = net.indices.as_chunks().0.to_vec();
+        mesh.drop_slivers(1e-6 * grid.cell);
+        Ok(mesh)
+    }
+
+    /// V − E + F: 2 for a sphere, 0 for a torus, 2 − 2n for a surface with n holes.
+    ///
+    /// ```
+    /// let ring = |[x, y, z]: [f64; 3]| {
+    ///     let (rho, r) = (x.hypot(y), 0.4);
+    ///     let d = 2.0 * (rho - 1.0) / rho;
+    ///     ((rho - 1.0).powi(2) + z * z - r * r, [d * x, d * y, 2.0 * z])
+    /// };
+    /// # let ring = |q: [f64; 3]| if q[0] == 0.0 && q[1] == 0.0 { (1.0, [0.0; 3]) } else { ring(q) };
+    /// let torus = rattle::view::Mesh::of(ring, [-1.6, -1.6, -0.6], [1.6, 1.6, 0.6], 30)?;
+    /// assert_eq!(torus.euler_characteristic(), 0);
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn euler_characteristic(&self) -> isize {
+        let mut used = vec![false; self.vertices.len()];
+        self.triangles.iter().flatten().for_each(|&vertex| used[vertex as usize] = true);
+        let vertices = used.iter().filter(|&&used| used).count();
+        let mut edges = self.edges();
+        edges.dedup();
+        vertices as isize - edges.len() as isize + self.triangles.len() as isize
+    }
+
+    /// Whether every edge belongs to exactly two triangles, which run along it in opposite directions: no hole, no
+    /// seam, one side everywhere.
+    ///
+    /// ```
+    /// use rattle::view::Mesh;
+    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+    /// let mut mesh = Mesh::of(sphere, [-1.5; 3], [1.5; 3], 20)?;
+    /// assert!(mesh.is_closed());
+    /// mesh.triangles.pop();
+    /// assert!(!mesh.is_closed());
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn is_closed(&self) -> bool {
+        let mut directed: Vec<[u32; 2]> =
+            self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        directed.sort_unstable();
+        let once = directed.windows(2).all(|pair| pair[0] != pair[1]);
+        once && directed.iter().all(|&[a, b]| directed.binary_search(&[b, a]).is_ok())
+    }
+
+    /// The volume that a closed mesh encloses; negative where g > 0 inside.
+    ///
+    /// ```
+    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+    /// let mesh = rattle::view::Mesh::of(sphere, [-1.5; 3], [1.5; 3], 60)?;
+    /// assert!((mesh.volume() - 4.0 / 3.0 * std::f64::consts::PI).abs() < 0.01);
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn volume(&self) -> f64 {
+        let corner = |vertex: u32| self.vertices[vertex as usize];
+        self.triangles.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c))) / 6.0).sum()
+    }
+
+    /// Every edge of every triangle, lower vertex first, sorted.
+    fn edges(&self) -> Vec<[u32; 2]> {
+        let ordered = |a: u32, b: u32| [a.min(b), a.max(b)];
+        let mut edges: Vec<[u32; 2]> = self
+            .triangles
+            .iter()
+            .flat_map(|&[a, b, c]| [ordered(a, b), ordered(b, c), ordered(c, a)])
+            .collect();
+        edges.sort_unstable();
+        edges
+    }
+
+    /// Merges vertices nearer than `distance` along an edge, so that no triangle is degenerate and no hole opens.
+    fn drop_slivers(&mut self, distance: f64) {
+        let mut same: Vec<u32> = (0..self.vertices.len() as u32).collect();
+        for [a, b] in self.edges() {
+            if length(minus(self.vertices[a as usize], self.vertices[b as usize])) < distance {
+                same[b as usize] = same[a as usize]; // edges are sorted: `same[a]` is final
+            }
+        }
+        for triangle in &mut self.triangles {
+            *triangle = triangle.map(|vertex| same[vertex as usize]);
+        }
+        self.triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
+    }
+}
+
+/// A grid of points: `count` along each side, `cell` apart.
+struct Grid {
+    low: [f64; 3],
+    cell: f64,
+    count: [u32; 3],
+}
+
+impl Grid {
+    fn new(low: [f64; 3], high: [f64; 3], cells: usize) -> Result<Self, MeshError> {
+        let sides = minus(high, low);
+        let longest = sides.into_iter().fold(0.0, f64::max);
+        let proper = sides.iter().all(|side| side.is_finite() && *side > 0.0);
+        if !proper || !(4..=600).contains(&cells) {
+            return Err(MeshError::Box { low, high, cells });
+        }
+        let cell = longest / cells as f64;
+        // Cubic cells; the box grows about its middle to whole ones.
+        let count = sides.map(|side| (side / cell - 1e-9).ceil().max(2.0) as u32 + 1);
+        let low = [0, 1, 2].map(|i| 0.5 * (low[i] + high[i] - f64::from(count[i] - 1) * cell));
+        Ok(Self { low, cell, count })
+    }
+
+    fn point(&self, index: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.low[i] + self.cell * index[i])
+    }
+
+    fn shape(&self) -> RuntimeShape<u32, 3> {
+        RuntimeShape::<u32, 3>::new(self.count)
+    }
+
+    /// g at every point, first coordinate fastest, as single precision: the net needs the sign and roughly the size.
+    fn sample(&self, g: impl Fn([f64; 3]) -> (f64, [f64; 3])) -> Result<Vec<f32>, MeshError> {
+        let shape = self.shape();
+        let mut values = Vec::with_capacity(shape.usize());
+        let (mut inside, mut border) = ([false; 2], [None; 2]);
+        for n in 0..shape.size() {
+            let index = shape.delinearize(n);
+            let point = self.point(index.map(f64::from));
+            let value = g(point).0;
+            if !value.is_finite() {
+                return Err(MeshError::NotFinite { point, value });
+            }
+            let side = usize::from(value < 0.0);
+            inside[side] = true;
+            if (0..3).any(|i| index[i] == 0 || index[i] + 1 == self.count[i]) {
+                border[side].get_or_insert((point, value));
+            }
+            values.push(value);
+        }
+        if inside != [true; 2] {
+            return Err(MeshError::Empty { positive: inside[0] });
+        }
+        if let [Some((above, _)), Some((below, _))] = border {
+            return Err(MeshError::Cut { above, below });
+        }
+        // Scaled so that neither huge nor tiny g leaves the range of f32; the sign is kept.
+        let scale = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        let single = |value: f64| {
+            let value_f32 = (value / scale) as f32;
+            if value < 0.0 && value_f32 == 0.0 { -f32::MIN_POSITIVE } else { value_f32 }
+        };
+        Ok(values.into_iter().map(single).collect())
+    }
+
+    fn net(&self, values: &[f32]) -> SurfaceNetsBuffer {
+        let mut net = SurfaceNetsBuffer::default();
+        surface_nets(values, &self.shape(), [0; 3], self.count.map(|n| n - 1), &mut net);
+        net
+    }
+}
+
+/// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is at
+/// most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
+fn project(
+    g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+    start: [f64; 3],
+    cell: f64,
+) -> Result<([f64; 3], [f64; 3]), MeshError> {
+    let mut point = start;
+    let mut normal = [0.0, 0.0, 1.0];
+    for _ in 0..NEWTON_STEPS {
+        let (value, gradient) = g(point);
+        let slope = length(gradient);
+        if !(value.is_finite() && slope.is_finite()) {
+            return Err(MeshError::NotFinite { point, value });
+        }
+        if slope == 0.0 {
+            break;
+        }
+        normal = gradient.map(|component| component / slope);
+        let step = (value / slope).clamp(-cell, cell);
+        point = [0, 1, 2].map(|i| point[i] - step * normal[i]);
+        if step.abs() <= ON_SURFACE * cell {
+            break;
+        }
+    }
+    Ok((point, normal))
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn length([x, y, z]: [f64; 3]) -> f64 {
+    x.hypot(y).hypot(z)
+}
+
+/// What can go wrong with a mesh.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// g has one sign at all grid points.
+    #[error("no surface in the box: g is {} at every grid point; try a larger box or more cells", if *positive { "≥ 0" } else { "< 0" })]
+    Empty {
+        /// Whether g ≥ 0.
+        positive: bool,
+    },
+    /// The surface leaves the box.
+    #[error(
+        "the box cuts the surface: on its border g ≥ 0 at {above:?} and g < 0 at {below:?}; try a larger box"
+    )]
+    Cut {
+        /// A point of the border where g ≥ 0.
+        above: [f64; 3],
+        /// A point of the border where g < 0.
+        below: [f64; 3],
+    },
+    /// g or its gradient is NaN or infinite.
+    #[error(
+        "g or its gradient is not finite at {point:?}, where g = {value:e}; try a box that avoids that point"
+    )]
+    NotFinite {
+        /// Where.
+        point: [f64; 3],
+        /// g there.
+        value: f64,
+    },
+    /// The box has no volume, or the number of cells is out of range.
+    #[error("can't lay {cells} cells (4 to 600) along a box from {low:?} to {high:?}")]
+    Box {
+        /// Lowest corner.
+        low: [f64; 3],
+        /// Highest corner.
+        high: [f64; 3],
+        /// Cells asked for along the longest side.
+        cells: usize,
+    },
+}

@@ -1,0 +1,21 @@
+//! Pictures in space: the surface as a mesh, and a web page on which particles move on it.
+//!
+//! ```
+//! use rattle::view::{Mesh, Page, Scene3};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("sphere.html");
+//! let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+//! let mesh = Mesh::of(sphere, [-1.2; 3], [1.2; 3], 24)?;
+//!
+//! let times: Vec<f64> = (0..=100).map(|i| 0.1 * f64::from(i)).collect();
+//! let equator: Vec<[f64; 3]> = times.iter().map(|t| [t.cos(), t.sin(), 0.0]).collect();
+//! let scene = Scene3::new("Equator").surface(&mesh).particles(&times, &[equator]).caption("One free particle.");
+//! Page::new("Motion on a sphere").scene(scene).write(&path)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod mesh;
+mod page;
+
+pub use mesh::{Mesh, MeshError};
+pub use page::{Page, PageError, Scene3};

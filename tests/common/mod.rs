@@ -1,0 +1,118 @@
+//! Systems and reference data that several tests use.
+#![allow(dead_code, unused_imports, unreachable_pub, reason = "each test uses its part")]
+
+use rattle::prelude::*;
+use std::collections::HashMap;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+constraint! {
+    /// The lemniscate inflated into a surface of genus two.
+    pub struct Lemniscate { a, r }
+    |x, y, z| {
+        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+        f^2 + z^2 - r^2
+    }
+}
+
+constraint! {
+    /// A sphere.
+    pub struct Sphere { radius }
+    |x, y, z| x^2 + y^2 + z^2 - radius^2
+}
+
+constraint! {
+    /// A torus about the z axis, with a root.
+    pub struct Torus { major, minor }
+    |x, y, z| (sqrt(x^2 + y^2) - major)^2 + z^2 - minor^2
+}
+
+constraint! {
+    /// The same torus as a polynomial.
+    pub struct QuarticTorus { major, minor }
+    |x, y, z| (x^2 + y^2 + z^2 + major^2 - minor^2)^2 - 4 * major^2 * (x^2 + y^2)
+}
+
+constraint! {
+    /// A rod of this length about the origin, in the plane.
+    pub struct Pendulum { length }
+    |x, y| x^2 + y^2 - length^2
+}
+
+potential! {
+    /// Uniform gravity along −z.
+    pub struct Gravity { g }
+    |x, y, z| g * z
+}
+
+potential! {
+    /// Uniform gravity along −y, in the plane.
+    pub struct PlanarGravity { g }
+    |x, y| g * y
+}
+
+pair_potential! {
+    /// Repulsive inside `radius`, attractive outside, finite everywhere.
+    pub struct Ricker { depth, radius }
+    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
+}
+
+/// The notebook's surface, r = a/6.
+pub const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
+
+/// The notebook's start in the direction θ, in radians.
+pub fn billiard(theta: f64) -> State<3> {
+    State::at([0.0, 0.0, SURFACE.r]).moving([theta.cos(), theta.sin(), 0.0])
+}
+
+/// The start of the `f64` rows at θ = 45°: cos and sin of the rounded angle, rounded.
+pub fn billiard_45() -> State<3> {
+    State::at([0.0, 0.0, SURFACE.r]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2.next_down(), 0.0])
+}
+
+/// θ of the notebook's 25 directions, 2π·linspace(0, 1, 25).
+pub fn directions() -> impl Iterator<Item = f64> {
+    (0..25).map(|i| std::f64::consts::TAU * (f64::from(i) / 24.0))
+}
+
+/// A row of a reference table: text by column name.
+pub struct Row(HashMap<String, String>);
+
+impl Row {
+    pub fn text(&self, column: &str) -> &str {
+        &self.0[column]
+    }
+    pub fn number(&self, column: &str) -> f64 {
+        self.text(column).parse().unwrap()
+    }
+    pub fn numbers<const D: usize>(&self, columns: [&str; D]) -> [f64; D] {
+        columns.map(|column| self.number(column))
+    }
+}
+
+/// The rows of a table in `tests/data`.
+pub fn table(name: &str) -> Vec<Row> {
+    let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+    let rows: Vec<_> =
+        csv::Reader::from_path(path).unwrap().deserialize().map(|row| Row(row.unwrap())).collect();
+    assert!(!rows.is_empty());
+    rows
+}
+
+/// maxᵢ |aᵢ − bᵢ|.
+pub fn distance<const D: usize>(a: impl Into<[f64; D]>, b: impl Into<[f64; D]>) -> f64 {
+    a.into().iter().zip(b.into()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// Slope of log₂ error under halved steps, by least squares over all of them.
+pub fn order(errors: &[f64]) -> f64 {
+    let n = errors.len() as f64;
+    let mean = (n - 1.0) / 2.0;
+    let spread: f64 = (0..errors.len()).map(|i| (i as f64 - mean).powi(2)).sum();
+    let slope: f64 = errors.iter().enumerate().map(|(i, error)| (i as f64 - mean) * error.log2()).sum();
+    -slope / spread
+}
+
+/// The bits of a state, low parts included.
+pub fn bits<const D: usize>(state: &State<D>) -> String {
+    format!("{state:?}")
+}

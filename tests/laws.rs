@@ -1,0 +1,170 @@
+//! What every step must obey, whatever the scene.
+
+mod common;
+use common::*;
+use rattle::prelude::*;
+use rattle::{Counted, Error};
+
+#[test]
+fn one_step_forth_and_back_returns() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    for theta in directions() {
+        // Somewhere on the way, where nothing is symmetric.
+        let mut there = scene.simulate(billiard(theta), Rattle::new(0.01)).unwrap();
+        there.run(77).unwrap();
+        let before = there.state();
+        let mut forth = scene.simulate(before.clone(), Rattle::new(0.01)).unwrap();
+        forth.step().unwrap();
+        assert!(forth.position() != there.position(), "nothing moved");
+        let mut back = scene.simulate(forth.state(), Rattle::new(-0.01)).unwrap();
+        back.step().unwrap();
+        let (q, p) = (before.positions().next().unwrap(), before.momenta().next().unwrap());
+        let (dq, dp) = (distance(back.position(), q), distance(back.momentum(), p));
+        assert!(dq <= 1e-15 && dp <= 1e-14, "θ = {theta}: {dq:e}, {dp:e}");
+    }
+}
+
+constraint! {
+    /// The lemniscate surface, as c·g = 0.
+    struct Scaled { a, r, c }
+    |x, y, z| {
+        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+        c * (f^2 + z^2 - r^2)
+    }
+}
+
+#[test]
+fn scaling_the_constraint_by_a_power_of_two_changes_no_bit() {
+    let run = |c: f64| {
+        let scaled = Scaled { a: 1.0, r: SURFACE.r, c };
+        let scene = Scene::on(scaled).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+        simulation.run(2000).unwrap();
+        bits(&simulation.state())
+    };
+    let reference = run(1.0);
+    for exponent in [-60, -1, 1, 60] {
+        assert_eq!(run(2.0_f64.powi(exponent)), reference, "c = 2^{exponent}");
+    }
+    assert_ne!(run(1.1), reference, "the comparison sees a difference");
+}
+
+#[test]
+fn a_saved_state_goes_on_bit_for_bit() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut whole = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+    whole.run(500).unwrap();
+    let mut half = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+    half.run(250).unwrap();
+    let mut rest = scene.simulate(half.state(), Rattle::new(0.01)).unwrap();
+    rest.run(250).unwrap();
+    assert_eq!(bits(&rest.state()), bits(&whole.state()));
+}
+
+#[test]
+fn one_particle_alone_or_among_many_moves_the_same() {
+    let one = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let starts = [0.3, 0.7, 2.0].map(billiard);
+    let together = State::of(starts.iter().flat_map(State::positions))
+        .with_momenta(starts.iter().flat_map(State::momenta));
+    let mut many = one.particles(3).simulate(together, Rattle::new(0.01)).unwrap();
+    many.run(300).unwrap();
+    for (i, start) in starts.into_iter().enumerate() {
+        let mut alone = one.simulate(start, Rattle::new(0.01)).unwrap();
+        alone.run(300).unwrap();
+        assert_eq!(many.positions().nth(i).unwrap(), alone.position(), "particle {i}");
+    }
+}
+
+#[test]
+fn a_step_takes_few_evaluations() {
+    let (mut values, mut gradients, mut forces) = (0, 0, 0);
+    for theta in directions() {
+        let (surface, gravity) = (Counted::new(SURFACE), Counted::new(Gravity { g: 1.0 }));
+        let (on_surface, on_gravity) = (surface.counts(), gravity.counts());
+        let mut simulation =
+            Scene::on(surface).with(gravity).simulate(billiard(theta), Rattle::new(0.01)).unwrap();
+        on_surface.reset();
+        on_gravity.reset();
+        simulation.run(2000).unwrap();
+        values += on_surface.values();
+        gradients += on_surface.gradients();
+        forces += on_gravity.gradients();
+        assert_eq!(on_gravity.values(), 0, "no step needs the energy");
+        assert_eq!(on_surface.curvatures(), 2000);
+    }
+    let steps = 25.0 * 2000.0;
+    let (values, gradients) = (values as f64 / steps, gradients as f64 / steps);
+    assert!((2.0..=2.3).contains(&values), "{values} evaluations of g per step");
+    assert!((2.0..=2.1).contains(&gradients), "{gradients} evaluations of ∇g per step");
+    assert_eq!(forces, 25 * 2000, "one force per step");
+}
+
+#[test]
+fn second_order_multiplier_is_the_mean_of_both() {
+    // λ(t) of the exact motion at t = 1, θ = 45°; each multiplier alone is first order.
+    let rows = table("lemniscate_gravity");
+    let row = rows.iter().find(|row| row.text("ic") == "f64" && row.number("theta_deg") == 45.0).unwrap();
+    let exact = row.number("lambda");
+    let mut errors = [Vec::new(), Vec::new(), Vec::new(), Vec::new()];
+    for n in [400, 800, 1600] {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(billiard_45(), Rattle::new(1.0 / n as f64)).unwrap();
+        let mut trajectory = Trajectory::with_multipliers(&simulation);
+        simulation.run_recording(n, &mut trajectory).unwrap();
+        let from_state = simulation.multiplier();
+        simulation.run_recording(1, &mut trajectory).unwrap();
+        let found = trajectory.multipliers().unwrap();
+        let (lambda, mu) = (found.position[n as usize + 1], found.momentum[n as usize]);
+        for (errors, found) in errors.iter_mut().zip([lambda, mu, (lambda + mu) / 2.0, from_state]) {
+            errors.push((found - exact).abs());
+        }
+    }
+    for (errors, expected) in errors.iter().zip([1.0, 1.0, 2.0, 2.0]) {
+        assert!((order(errors) - expected).abs() < 0.1, "{errors:?}");
+    }
+}
+
+#[test]
+fn gas_energy_is_second_order_with_the_right_sign_of_force() {
+    let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut path = surface.simulate(billiard(directions().nth(3).unwrap()), Rattle::new(0.01)).unwrap();
+    let mut points = vec![path.position()];
+    for _ in 0..20 {
+        path.run(100).unwrap();
+        points.push(path.position());
+    }
+    let gas = Scene::on(SURFACE).particles(21).with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let deviation = |h: f64, steps: u64| {
+        let mut simulation = gas.simulate(State::of(points.clone()), Rattle::new(h)).unwrap();
+        let (mut largest, mut kinetic) = (0.0_f64, 0.0_f64);
+        let run = simulation.run_with(steps, |now| {
+            largest = largest.max(now.energy_error().abs());
+            kinetic = kinetic.max(now.kinetic_energy());
+        });
+        run.unwrap();
+        assert!(kinetic > 0.1, "the particles move");
+        largest / kinetic
+    };
+    // To t = 1, while the paths at all step sizes still agree.
+    let errors = [deviation(0.01, 100), deviation(0.005, 200), deviation(0.0025, 400)];
+    assert!((order(&errors) - 2.0).abs() < 0.1, "{errors:?}");
+}
+
+#[test]
+fn a_failed_step_leaves_no_trace() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.05)).unwrap();
+    let mut before = bits(&simulation.state());
+    let error = loop {
+        match simulation.step() {
+            Ok(()) => before = bits(&simulation.state()),
+            Err(error) => break error,
+        }
+        assert!(simulation.steps() < 10_000, "this step size fails sooner or later");
+    };
+    assert_eq!(bits(&simulation.state()), before);
+    let Error::Step { step, .. } = error else { panic!("{error:?}") };
+    assert_eq!(step, simulation.steps() + 1);
+    assert_eq!(simulation.step().unwrap_err(), error, "and fails in the same way again");
+}

@@ -1,0 +1,119 @@
+//! Meshes: closed, of the right topology, on the surface, wound and lit the right way; and typed errors.
+
+use rattle::view::{Mesh, MeshError};
+
+type Point = [f64; 3];
+type Region = (Point, Point);
+type Surface = fn(Point) -> (f64, Point);
+
+fn sphere([x, y, z]: Point) -> (f64, Point) {
+    (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z])
+}
+
+fn hollow(q: Point) -> (f64, Point) {
+    let (g, gradient) = sphere(q);
+    (-g, gradient.map(|component| -component)) // negative outside
+}
+
+fn torus([x, y, z]: Point) -> (f64, Point) {
+    let s = x * x + y * y + z * z + 1.0 - 0.16;
+    (s * s - 4.0 * (x * x + y * y), [4.0 * s * x - 8.0 * x, 4.0 * s * y - 8.0 * y, 4.0 * s * z])
+}
+
+fn lemniscate([x, y, z]: Point) -> (f64, Point) {
+    let s = x * x + y * y;
+    let f = s * s - (x * x - y * y);
+    let gradient = [2.0 * f * (4.0 * s * x - 2.0 * x), 2.0 * f * (4.0 * s * y + 2.0 * y), 2.0 * z];
+    (f * f + z * z - 1.0 / 36.0, gradient)
+}
+
+fn scaled_up(q: Point) -> (f64, Point) {
+    let (g, gradient) = lemniscate(q);
+    (g * 1e60, gradient.map(|component| component * 1e60)) // far above it
+}
+
+fn scaled_down(q: Point) -> (f64, Point) {
+    let (g, gradient) = lemniscate(q);
+    (g * 1e-60, gradient.map(|component| component * 1e-60)) // far below the range of f32
+}
+
+const EYE: Region = ([-1.2, -0.6, -0.3], [1.2, 0.6, 0.3]);
+
+#[test]
+fn meshes_are_closed_and_lie_on_the_surface() {
+    #[rustfmt::skip]
+    let cases: [(&str, Surface, Region, usize, isize, f64); 10] = [
+        // name              g            box                                  cells  V−E+F  volume's sign
+        ("sphere",           sphere,      ([-1.5; 3], [1.5; 3]),                 32,    2,  1.0),
+        ("tight box",        sphere,      ([-1.01; 3], [1.01; 3]),               31,    2,  1.0),
+        ("off-centre",       sphere,      ([-1.1, -1.7, -1.03], [1.9, 1.2, 2.3]), 40,   2,  1.0),
+        ("hollow",           hollow,      ([-1.5; 3], [1.5; 3]),                 32,    2, -1.0),
+        ("torus",            torus,       ([-1.6, -1.6, -0.6], [1.6, 1.6, 0.6]), 40,    0,  1.0),
+        ("lemniscate",       lemniscate,  EYE,                                   48,   -2,  1.0),
+        ("fine lemniscate",  lemniscate,  EYE,                                  112,   -2,  1.0),
+        ("grid on symmetry", lemniscate,  EYE,                                   96,   -2,  1.0),
+        ("huge g",           scaled_up,   EYE,                                   48,   -2,  1.0),
+        ("tiny g",           scaled_down, EYE,                                   48,   -2,  1.0),
+    ];
+    for (name, g, (low, high), cells, euler, sign) in cases {
+        let mesh = Mesh::of(g, low, high, cells).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(mesh.triangles.len() > 500, "{name}: {} triangles", mesh.triangles.len());
+        assert!(mesh.is_closed(), "{name}: not closed");
+        assert_eq!(mesh.euler_characteristic(), euler, "{name}");
+        for (&vertex, normal) in mesh.vertices.iter().zip(&mesh.normals) {
+            let (value, gradient) = g(vertex);
+            let slope = dot(gradient, gradient).sqrt();
+            assert!((value / slope).abs() < 1e-13, "{name}: {:e} off the surface", value / slope);
+            assert!(dot(gradient, *normal) > (1.0 - 1e-9) * slope, "{name}: normal {normal:?}");
+        }
+        let volume = mesh.volume();
+        assert!(volume * sign > 0.0, "{name}: wound the wrong way, volume {volume}");
+        if (euler, sign) == (2, 1.0) {
+            let exact = 4.0 / 3.0 * std::f64::consts::PI;
+            // An inscribed polyhedron with edges of a cell c is missing about c²/2 of it.
+            let cell = (high[0] - low[0]).max(high[1] - low[1]).max(high[2] - low[2]) / cells as f64;
+            assert!((0.0..cell * cell).contains(&(1.0 - volume / exact)), "{name}: volume {volume}");
+        }
+        for &[a, b, c] in &mesh.triangles {
+            let corner = |vertex: u32| mesh.vertices[vertex as usize];
+            let normal = cross(minus(corner(b), corner(a)), minus(corner(c), corner(a)));
+            let facing = dot(normal, mesh.normals[a as usize]);
+            assert!(dot(normal, normal) > 0.0 && facing > 0.0, "{name}: a degenerate or folded triangle");
+        }
+    }
+}
+
+#[test]
+fn boxes_and_numbers_that_cannot_serve_are_errors() {
+    let nan: Surface = |[x, _, _]| ((x + 2.0).sqrt(), [0.0; 3]);
+    #[rustfmt::skip]
+    let cases: [(&str, Surface, Point, Point, usize, &str); 8] = [
+        ("inside it",    sphere, [-0.3; 3], [0.3; 3],  20, "g is < 0 at every grid point"),
+        ("beside it",    sphere, [2.0; 3],  [3.0; 3],  20, "g is ≥ 0 at every grid point"),
+        ("cut",          sphere, [-1.5, -1.5, 0.0], [1.5; 3], 20, "the box cuts the surface"),
+        ("turned box",   sphere, [1.5; 3],  [-1.5; 3], 20, "can't lay 20 cells"),
+        ("flat box",     sphere, [-1.5, -1.5, 0.0], [1.5, 1.5, 0.0], 20, "can't lay 20 cells"),
+        ("NaN box",      sphere, [f64::NAN; 3], [1.5; 3], 20, "can't lay 20 cells"),
+        ("no cells",     sphere, [-1.5; 3], [1.5; 3],   0, "can't lay 0 cells"),
+        ("NaN in g",     nan,    [-3.0; 3], [3.0; 3],  20, "not finite at [-3.0, -3.0, -3.0]"),
+    ];
+    for (name, g, low, high, cells, words) in cases {
+        let error = Mesh::of(g, low, high, cells).expect_err(name);
+        assert!(error.to_string().contains(words), "{name}: {error}");
+    }
+    // The gradient is looked at too.
+    let blind = |q| (sphere(q).0, [f64::NAN; 3]);
+    assert!(matches!(Mesh::of(blind, [-1.5; 3], [1.5; 3], 20), Err(MeshError::NotFinite { .. })));
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|i| a[i] - b[i])
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,277 @@
+//! The 3-D page, opened in headless Chromium: it draws, plays, pauses, seeks, turns, and complains of nothing.
+
+mod browser;
+
+use browser::Browser;
+use rattle::view::{Mesh, Page, PageError, Scene3};
+use serde_json::json;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use std::{fs, thread};
+
+/// The lemniscate's tube of genus two, a = 1 and r = 1/6.
+fn tube([x, y, z]: [f64; 3]) -> (f64, [f64; 3]) {
+    let s = x * x + y * y;
+    let f = s * s - (x * x - y * y);
+    let gradient = [2.0 * f * (4.0 * s * x - 2.0 * x), 2.0 * f * (4.0 * s * y + 2.0 * y), 2.0 * z];
+    (f * f + z * z - 1.0 / 36.0, gradient)
+}
+
+/// Curves on the tube that look like motion: straight steps, pulled back by Newton's method. No physics.
+fn curve(start: [f64; 3], angle: f64, steps: usize) -> Vec<[f64; 3]> {
+    let (mut q, mut v) = (start, [angle.cos(), angle.sin(), 0.0]);
+    let mut path = vec![q];
+    for _ in 0..steps {
+        let before = q;
+        q = [0, 1, 2].map(|i| q[i] + 0.01 * v[i]);
+        for _ in 0..8 {
+            let (g, n) = tube(q);
+            let step = g / dot(n, n);
+            q = [0, 1, 2].map(|i| q[i] - step * n[i]);
+        }
+        let (_, n) = tube(q);
+        let moved = [0, 1, 2].map(|i| q[i] - before[i]);
+        let off = dot(moved, n) / dot(n, n);
+        let along = [0, 1, 2].map(|i| moved[i] - off * n[i]);
+        v = along.map(|component| component / dot(along, along).sqrt());
+        path.push(q);
+    }
+    path
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn billiards() -> Page {
+    let steps = 2000;
+    let times: Vec<f64> = (0..=steps).map(|i| 0.01 * i as f64).collect();
+    let top = [0.0, 0.0, 1.0 / 6.0];
+    let fan: Vec<_> =
+        (0..25).map(|k| curve(top, std::f64::consts::TAU * f64::from(k) / 24.0, steps)).collect();
+    let crowd: Vec<_> = (0..21).map(|k| curve(fan[3][100 * k], 0.3 * k as f64, steps)).collect();
+    let mesh = Mesh::of(tube, [-1.2, -0.6, -0.3], [1.2, 0.6, 0.3], 112).unwrap();
+    let fan = Scene3::new("25 trajectories")
+        .surface(&mesh)
+        .particles(&times, &fan)
+        .caption("From the middle of the saddle in 25 directions. </script> & <b>not bold</b>");
+    let crowd = Scene3::new("Gas of 21")
+        .surface(&mesh)
+        .particles(&times, &crowd)
+        .trail(50)
+        .caption("Each on its own.");
+    Page::new("Billiards on a surface of <genus> two & more").scene(fan).scene(crowd)
+}
+
+/// RATTLE_PICTURES=folder keeps the screenshots, to be looked at.
+fn keep(name: &str, png: &[u8]) {
+    if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
+        fs::write(Path::new(&folder).join(format!("{name}.png")), png).unwrap();
+    }
+}
+
+/// Red, green and blue of the stage, at half its size.
+fn stage(page: &mut Browser) -> Vec<[u8; 3]> {
+    let png = page.screenshot(Some(("#canvas", 0.5)));
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut buffer = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut buffer).unwrap();
+    let samples = info.color_type.samples();
+    buffer.chunks(info.line_size).flat_map(|row| row.chunks(samples).map(|p| [p[0], p[1], p[2]])).collect()
+}
+
+fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
+    a.iter().zip(b).map(|(&a, b)| u32::from(a.abs_diff(b))).max().unwrap()
+}
+
+/// Part of the pixels that differ visibly.
+fn changed(a: &[[u8; 3]], b: &[[u8; 3]]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).filter(|&(&a, &b)| distance(a, b) > 12).count() as f64 / a.len() as f64
+}
+
+/// Part of the pixels with a strong colour: particles and trails; surface and ground are nearly grey.
+fn colourful(pixels: &[[u8; 3]]) -> f64 {
+    let strong = |pixel: &&[u8; 3]| pixel.iter().max().unwrap() - pixel.iter().min().unwrap() > 70;
+    pixels.iter().filter(strong).count() as f64 / pixels.len() as f64
+}
+
+#[test]
+fn a_browser_plays_the_page() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("billiards.html");
+    billiards().write(&file).unwrap();
+    let bytes = fs::metadata(&file).unwrap().len();
+    assert!(bytes < 2_000_000, "the page has {bytes} bytes");
+
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(1120, 720, false);
+    page.open(&file);
+    page.wait("window.rattle !== undefined && rattle.frame() > 0");
+    assert_eq!(page.evaluate("rattle.playing()"), true, "the page starts by playing");
+    assert_eq!(page.evaluate("document.querySelectorAll('b').length"), 0, "a caption became markup");
+    assert_eq!(page.evaluate("document.title"), "Billiards on a surface of <genus> two & more");
+
+    // Playing follows the clock: 2000 samples take 30 s at speed 1, so 100 of them 1.5 s. A busy machine may be late,
+    // but none may be early (by more than the quarter of a second that one slow picture before the seek may count).
+    let start = Instant::now();
+    page.evaluate("rattle.seek(0)");
+    page.wait("rattle.frame() >= 100 && rattle.frame() < 1900");
+    assert!(start.elapsed() > Duration::from_millis(1200), "100 frames in {:?}", start.elapsed());
+
+    // Pausing by the button holds the frame and the picture.
+    page.click("#play");
+    page.evaluate("rattle.seek(700)");
+    let held = settled(&mut page);
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(page.evaluate("[rattle.playing(), rattle.frame()]"), json!([false, 700]));
+    assert_eq!(changed(&held, &stage(&mut page)), 0.0, "the picture moves while paused");
+    keep("frame-700", &page.screenshot(None));
+
+    // Coloured trails and heads are there.
+    assert!(colourful(&held) > 0.005, "{} of the stage is in strong colours", colourful(&held));
+
+    // The slider, the keys and the read-out.
+    page.evaluate("slider.value = 1500; slider.dispatchEvent(new Event('input'))");
+    assert_eq!(page.evaluate("rattle.frame()"), 1500);
+    let later = settled(&mut page);
+    assert!(changed(&held, &later) > 0.005, "frames 700 and 1500 look the same");
+    assert_eq!(page.evaluate("clock.textContent"), "t = 15.00 1500 / 2000");
+    keep("frame-1500", &page.screenshot(None));
+    page.key("ArrowRight", "ArrowRight", 39);
+    assert_eq!(page.evaluate("rattle.frame()"), 1501);
+    page.key("Home", "Home", 36);
+    assert_eq!(page.evaluate("rattle.frame()"), 0);
+    page.key(" ", "Space", 32);
+    page.wait("rattle.playing() && rattle.frame() > 0");
+    page.evaluate("document.getElementById('play').focus()");
+    page.key(" ", "Space", 32);
+    assert_eq!(page.evaluate("rattle.playing()"), false, "space on the button presses it once");
+
+    // Dragging turns the surface, and the button turns it back.
+    page.evaluate("rattle.seek(700)");
+    assert_eq!(changed(&held, &settled(&mut page)), 0.0, "the same frame looks different");
+    page.mouse("mousePressed", 560.0, 360.0);
+    (1..=8).for_each(|i| page.mouse("mouseMoved", 560.0 + 25.0 * f64::from(i), 360.0 - 10.0 * f64::from(i)));
+    page.mouse("mouseReleased", 760.0, 280.0);
+    let turned = settled(&mut page);
+    assert!(changed(&held, &turned) > 0.1, "dragging changed {} of the picture", changed(&held, &turned));
+    keep("turned", &page.screenshot(None));
+    page.click("#reset");
+    assert!(changed(&held, &settled(&mut page)) < 0.002, "the view did not come back");
+
+    // The switch, in both themes.
+    page.click("#tabs button:nth-child(2)");
+    assert_eq!(page.evaluate("[rattle.scene(), caption.textContent]"), json!([1, "Each on its own."]));
+    page.evaluate("rattle.seek(900)");
+    let gas = settled(&mut page);
+    assert!(changed(&held, &gas) > 0.005, "the second scene looks like the first");
+    keep("gas", &page.screenshot(None));
+    page.dark(true);
+    thread::sleep(Duration::from_millis(300));
+    let dark = settled(&mut page);
+    assert!(changed(&gas, &dark) > 0.9, "the dark theme looks like the light one");
+    assert!(colourful(&dark) > 0.005, "no strong colours in the dark");
+    // In the dark the surface stands out from the ground, which itself varies by about 30.
+    let drawn =
+        dark.iter().filter(|&&pixel| distance(pixel, dark[0]) > 45).count() as f64 / dark.len() as f64;
+    assert!((0.2..0.8).contains(&drawn), "{drawn} of the stage differs from the ground");
+    keep("gas-dark", &page.screenshot(None));
+    page.evaluate("rattle.show(0)");
+    settled(&mut page);
+    keep("dark", &page.screenshot(None));
+
+    // A phone, upright: everything is in sight, nothing overflows.
+    page.resize(390, 844, true);
+    thread::sleep(Duration::from_millis(300));
+    settled(&mut page);
+    keep("phone-dark", &page.screenshot(None));
+    page.dark(false);
+    settled(&mut page);
+    keep("phone", &page.screenshot(None));
+    // A phone widens its viewport for what overflows, so the numbers here are the phone's, not the page's.
+    let size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]";
+    assert_eq!(page.evaluate(size), json!([390, 844]), "the page overflows a phone");
+    let reachable = "['play', 'slider', 'speed', 'clock'].every((id) => { \
+                     const r = document.getElementById(id).getBoundingClientRect(); \
+                     return r.left >= 0 && r.right <= 390 && r.bottom <= 844; })";
+    assert_eq!(page.evaluate(reachable), true, "a control is out of sight on a phone");
+    page.resize(844, 390, true);
+    thread::sleep(Duration::from_millis(300));
+    settled(&mut page);
+    keep("phone-wide", &page.screenshot(None));
+
+    assert_eq!(page.complaints, Vec::<String>::new());
+    assert_eq!(
+        page.evaluate("performance.getEntriesByType('resource').length"),
+        0,
+        "the page loads something"
+    );
+}
+
+#[test]
+fn without_webgl_the_page_says_so() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("page.html");
+    Page::new("Flight").scene(flight()).write(&file).unwrap();
+    let mut page = Browser::start(&chromium, &["--disable-3d-apis"]);
+    page.open(&file);
+    page.wait("!problem.hidden && problem.textContent.includes('needs WebGL 2')");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+fn flight() -> Scene3 {
+    Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]])
+}
+
+/// The stage once damping has come to rest: two screenshots in a row that agree.
+fn settled(page: &mut Browser) -> Vec<[u8; 3]> {
+    let mut picture = stage(page);
+    for _ in 0..60 {
+        thread::sleep(Duration::from_millis(100));
+        let next = stage(page);
+        if next.len() == picture.len() && changed(&picture, &next) == 0.0 {
+            return next;
+        }
+        picture = next;
+    }
+    panic!("the picture does not come to rest");
+}
+
+#[test]
+fn scenes_that_cannot_be_drawn_are_errors() {
+    let path = [[0.0; 3], [1.0; 3]];
+    let scene = |times: &[f64], paths: &[Vec<[f64; 3]>]| Scene3::new("flight").particles(times, paths);
+    let far = vec![[0.0; 3], [1e39, 0.0, 0.0]];
+    #[rustfmt::skip]
+    let cases = [
+        ("nobody",    scene(&[0.0, 1.0], &[]),                                  "nothing moves"),
+        ("no time",   scene(&[0.0], &[vec![[0.0; 3]]]),                         "nothing moves"),
+        ("backwards", scene(&[0.0, -1.0], &[path.to_vec()]),                    "time 1 is -1"),
+        ("NaN time",  scene(&[f64::NAN, 1.0], &[path.to_vec()]),                "time 1 is 1"),
+        ("as one",    scene(&[1.0, 1.0 + 1e-12], &[path.to_vec()]),             "does not follow"),
+        ("short",     scene(&[0.0, 1.0, 2.0], &[path.to_vec()]),                "particle 0 has 2 positions for 3 times"),
+        ("NaN",       scene(&[0.0, 1.0], &[path.to_vec(), vec![[0.0; 3], [0.0, f64::NAN, 0.0]]]), "particle 1 is at [0.0, NaN, 0.0] at time 1"),
+        ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
+    ];
+    for (name, scene, words) in cases {
+        let message = Page::new("Page").scene(flight()).scene(scene).to_html().expect_err(name).to_string();
+        assert!(message.contains("scene `flight`") && message.contains(words), "{name}: {message}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    let error = Page::new("Page").scene(flight()).write(folder.path().join("file/page.html"));
+    assert!(matches!(error, Err(PageError::Io { .. })));
+}
+
+#[test]
+fn text_is_escaped_and_a_shared_mesh_is_written_once() {
+    let html = billiards().to_html().unwrap();
+    assert_eq!(html.matches("</script>").count(), 3, "data, three.js and the page's own script");
+    assert_eq!(html.matches("\"triangles\"").count(), 1);
+    assert!(html.contains("<title>Billiards on a surface of &lt;genus&gt; two &amp; more</title>"));
+    assert!(html.contains("The MIT License"), "three.js keeps its licence");
+    assert!(!html.contains("{{"), "a hole in the template is left");
+}
