@@ -1,0 +1,111 @@
+//! The notebook's curves, the data, and the page.
+
+use crate::{Lemniscate, Run, SURFACE, directions};
+use rattle::data::Npz;
+use rattle::plot::Chart;
+use rattle::prelude::*;
+use rattle::view::{Mesh, Page, Scene3};
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::path::Path;
+
+pub(crate) fn write(falling: &[Run], gas: &Run) -> Result<(), Box<dyn Error>> {
+    let folder = Path::new("out/billiards");
+    curves(falling, gas, folder)?;
+    data(falling, gas, folder)?;
+    page(falling, gas, folder)
+}
+
+/// The curve itself, energies, and the multipliers of one path.
+fn curves(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let parametric = (0..=256).map(|i| {
+        let (sin, cos) = (TAU * f64::from(i) / 256.0).sin_cos();
+        let scale = SURFACE.a * sin / (1.0 + cos * cos);
+        (scale, scale * cos)
+    });
+    Chart::new("The Bernoulli lemniscate, a = 1")
+        .x("x")
+        .y("y")
+        .equal_aspect()
+        .line("", parametric)
+        .save(folder.join("lemniscate.svg"))?;
+
+    let energy = |run: &Run| {
+        let scaled = run.energy_errors.iter().map(|error| error / run.mean_kinetic);
+        run.trajectory.times().iter().copied().zip(scaled).collect::<Vec<_>>()
+    };
+    let labels = directions().map(|theta| format!("θ = {:.0}°", theta.to_degrees()));
+    Chart::new("Energy error of 25 paths under gravity, h = 0.01")
+        .x("time t")
+        .y("(E − E₀) / mean kinetic energy")
+        .family(labels.zip(falling.iter().map(energy)))
+        .save(folder.join("energy.svg"))?;
+    Chart::new("Energy error of the gas, h = 0.01")
+        .x("time t")
+        .y("(E − E₀) / mean kinetic energy")
+        .line("21 particles", energy(gas))
+        .save(folder.join("gas_energy.svg"))?;
+
+    // The notebook's path 6. Each multiplier alone is first order, their mean second: λ(tₙ) = (μₙ + λₙ₊₁)/2.
+    let path = &falling[6].trajectory;
+    let Some(multipliers) = path.multipliers() else { return Err("no multipliers were recorded".into()) };
+    let means =
+        multipliers.momentum.iter().zip(&multipliers.position[1..]).map(|(mu, lambda)| (mu + lambda) / 2.0);
+    Chart::new("Multiplier of the path θ = 90°")
+        .x("time t")
+        .y("λ(t) = (μₙ + λₙ₊₁)/2")
+        .line("", path.times().iter().copied().zip(means))
+        .save(folder.join("multipliers.svg"))?;
+    Ok(())
+}
+
+/// Arrays for `numpy.load`.
+fn data(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let times = falling[0].trajectory.times();
+    let (paths, rows) = (falling.len(), times.len());
+    let joined = |part: &dyn Fn(&Run) -> &[f64]| falling.iter().flat_map(part).copied().collect::<Vec<f64>>();
+    let multipliers = |run: &Run| run.trajectory.multipliers().cloned().unwrap_or_default();
+    let lambda: Vec<f64> = falling.iter().flat_map(|run| multipliers(run).position).collect();
+    let mu: Vec<f64> = falling.iter().flat_map(|run| multipliers(run).momentum).collect();
+    Npz::create(folder.join("trajectories.npz"))?
+        .array("t", &[rows], times)?
+        .array("q", &[paths, rows, 3], &joined(&|run| run.trajectory.positions()))?
+        .array("p", &[paths, rows, 3], &joined(&|run| run.trajectory.momenta()))?
+        .array("lambda", &[paths, rows], &lambda)?
+        .array("mu", &[paths, rows], &mu)?
+        .finish()?;
+    let bodies = gas.trajectory.positions().len() / (3 * rows);
+    Npz::create(folder.join("gas.npz"))?
+        .array("t", &[rows], gas.trajectory.times())?
+        .array("q", &[rows, bodies, 3], gas.trajectory.positions())?
+        .array("p", &[rows, bodies, 3], gas.trajectory.momenta())?
+        .finish()?;
+    Ok(())
+}
+
+/// One page with both halves, meshed from the constraint itself.
+fn page(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>> {
+    let surface = |q: [f64; 3]| {
+        let (g, gradient) = Lemniscate::value_and_jacobian(&SURFACE, &q.into());
+        (g[0], gradient.row(0).transpose().into())
+    };
+    let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 160)?;
+    let times = falling[0].trajectory.times();
+    let bodies = gas.trajectory.positions().len() / (3 * times.len());
+    let paths: Vec<Vec<[f64; 3]>> = falling.iter().map(|run| run.positions().collect()).collect();
+    let particles: Vec<Vec<[f64; 3]>> =
+        (0..bodies).map(|body| gas.positions().skip(body).step_by(bodies).collect()).collect();
+    Page::new("Billiards on a surface of genus two")
+        .scene(
+            Scene3::new("25 directions under gravity").surface(&mesh).particles(times, &paths).caption(
+                "25 particles start at the crossing of the lemniscate, each in a direction of its own.",
+            ),
+        )
+        .scene(
+            Scene3::new("A gas of 21 particles").surface(&mesh).particles(times, &particles).caption(
+                "Particles at rest on one path of the first scene: near ones repel, far ones attract.",
+            ),
+        )
+        .write(folder.join("index.html"))?;
+    Ok(())
+}
