@@ -70,3 +70,7 @@ pub mod prelude {
     pub use crate::recorder::{Recorder, Trajectory};
     pub use crate::{Rattle, Scene, Simulation, State, Stepper, constraint, pair_potential, potential};
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

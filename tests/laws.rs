@@ -101,6 +101,25 @@ fn a_step_takes_few_evaluations() {
 }
 
 #[test]
+fn a_step_does_not_allocate() {
+    let mut one =
+        Scene::on(SURFACE).with(Gravity { g: 1.0 }).simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+    let scene = Scene::on(SURFACE)
+        .with(Gravity { g: 1.0 })
+        .particles(2)
+        .with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let pair = scene.project(&State::of([[0.0, 0.0, 0.2], [0.1, 0.0, 0.2]])).unwrap();
+    let mut two = scene.simulate(pair, Composition::new(SUZUKI_1990_ORDER_4, 0.01)).unwrap();
+    let allocated = allocation_counter::measure(|| {
+        one.run(500).unwrap();
+        two.run(500).unwrap();
+    });
+    assert_eq!((one.steps(), two.steps()), (500, 500));
+    assert_eq!(allocated.count_total, 0);
+    assert!(allocation_counter::measure(|| drop(one.state())).count_total > 0, "the counter counts");
+}
+
+#[test]
 fn second_order_multiplier_is_the_mean_of_both() {
     // λ(t) of the exact motion at t = 1, θ = 45°; each multiplier alone is first order.
     let rows = table("lemniscate_gravity");
