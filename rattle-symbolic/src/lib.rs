@@ -36,4 +36,6 @@ pub mod schedule;
 
 mod emit;
 
+mod interface;
+
 pub mod interpret;
