@@ -129,7 +129,9 @@ fn branches_select() {
         let kernel = g.kernel::<f64>();
         <_ as ConstraintKernel<f64, 2, 3>>::kinks(&kernel, &q.into(), &mut kinks);
         // x, −x < 0, x − c, y, y + 1, x − y and so on: away from all of them the function is smooth.
-        if [q[0], q[0] - c, q[1], q[1] + 1.0, q[0] - q[1], q[1] - c, q[0] * (q[1] - 1.0)].iter().any(|k| k.abs() < 0.05)
+        if [q[0], q[0] - c, q[1], q[1] + 1.0, q[0] - q[1], q[1] - c, q[0] * (q[1] - 1.0)]
+            .iter()
+            .any(|k| k.abs() < 0.05)
         {
             continue;
         }
@@ -144,7 +146,10 @@ fn branches_select() {
             for i in 0..3 {
                 let (found, expected) = (jacobian[(i, k)], difference[i]);
                 // h²g‴/6 with g‴ ≤ 2e4 this near to the kinks
-                assert!((found - expected).abs() <= 1e-6 * (1.0 + expected.abs()), "∂g{i}/∂q{k} at {q:?}: {found} {expected}");
+                assert!(
+                    (found - expected).abs() <= 1e-6 * (1.0 + expected.abs()),
+                    "∂g{i}/∂q{k} at {q:?}: {found} {expected}"
+                );
             }
         }
     }

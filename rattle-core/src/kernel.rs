@@ -235,13 +235,7 @@ pub trait PhaseConstraintKernel<T: Real, const D: usize, const M: usize>: Clone 
     /// g, ∂g/∂q and ∂g/∂p.
     fn value_and_jacobians(&self, q: &[T; D], p: &[T; D]) -> ([T; M], [[T; D]; M], [[T; D]; M]);
     /// Row i holds the two halves of ∇²gᵢ (dq, dp).
-    fn hessian_vector(
-        &self,
-        q: &[T; D],
-        p: &[T; D],
-        dq: &[T; D],
-        dp: &[T; D],
-    ) -> ([[T; D]; M], [[T; D]; M]);
+    fn hessian_vector(&self, q: &[T; D], p: &[T; D], dq: &[T; D], dp: &[T; D]) -> ([[T; D]; M], [[T; D]; M]);
 }
 
 fn coordinates<const D: usize>(v: &SVector<f64, D>) -> [f64; D] {

@@ -1,9 +1,10 @@
 //! From a macro's input to the items it makes.
 
 use crate::emit::Emitter;
+use crate::formula::{self, Names};
 use crate::graph::{Graph, Id, Input};
-use crate::lower::{Expectation, lower};
 use crate::interface::Method;
+use crate::lower::{Expectation, lower};
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
@@ -40,7 +41,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
         return quote!(#stub #report);
     }
     let routines = which.routines(graph, &roots, sizes.variables as u32);
-    let documentation = which.documentation(&routines);
+    let documentation = which.documentation(&item, &routines);
     let structure = structure(&item, &documentation);
     let emitter = Emitter::new(&routines);
     let kernel = Kernel { item: &item, emitter: &emitter, routines: &routines, sizes: &sizes };
@@ -82,7 +83,8 @@ impl Macro {
                 }
             }
             (Macro::Hamiltonian | Macro::PhaseConstraint, variables @ [first, ..]) => {
-                let message = "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
+                let message =
+                    "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
                 match variables {
                     [q, p] if q.shape == p.shape => {}
                     [_, p] => problems.note_at(&p.name, message),
@@ -104,13 +106,41 @@ impl Macro {
         }
     }
 
-    fn documentation(self, routines: &Routines) -> Vec<String> {
-        let counts: Vec<String> = routines
-            .list
-            .iter()
-            .map(|routine| format!("`{}` {}", routine.name, routines.operations(&routine.roots)))
+    fn letter(self) -> &'static str {
+        match self {
+            Macro::Constraint | Macro::PhaseConstraint => "g",
+            Macro::Potential | Macro::PairPotential => "U",
+            Macro::Hamiltonian => "H",
+        }
+    }
+
+    /// The formula, its derivatives and what they cost, below what the user wrote.
+    fn documentation(self, item: &Item, routines: &Routines) -> Vec<String> {
+        let letter = self.letter();
+        let mut lines = vec![String::new(), "```text".to_owned()];
+        lines.extend(formula::written(item, letter));
+        let names = Names::of(item);
+        let (graph, gradients) = &routines.gradients;
+        let variables: usize = item.variables.iter().map(|variable| size(&variable.shape)).sum();
+        if (1..=variables * 3).contains(&gradients.len()) {
+            let of = |i: usize| {
+                if gradients.len() > variables { format!("{letter}[{i}]") } else { letter.to_owned() }
+            };
+            for (i, row) in gradients.chunks(variables).enumerate() {
+                let row: Option<Vec<String>> =
+                    row.iter().map(|&entry| formula::derivative(graph, entry, &names)).collect();
+                if let Some(row) = row.filter(|row| row.len() <= 6) {
+                    lines.push(format!("∇{} = ({})", of(i), row.join(", ")));
+                }
+            }
+        }
+        lines.push("```".to_owned());
+        let counts = routines.list.iter().filter(|routine| !routine.roots.is_empty());
+        let counts: Vec<String> = counts
+            .map(|routine| format!("{} `{}`", routines.operations(&routine.roots), routine.name))
             .collect();
-        vec![String::new(), format!("Operations per call: {}.", counts.join(", "))]
+        lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
+        lines
     }
 
     /// The struct, and functions that only satisfy the compiler, so that no second wave of errors follows.

@@ -123,7 +123,10 @@ impl Macro {
                 ]
             }
             Macro::PairPotential => {
-                vec![method("value", &[("s", &number)], number.clone()), method("slope", &[("s", &number)], number.clone())]
+                vec![
+                    method("value", &[("s", &number)], number.clone()),
+                    method("slope", &[("s", &number)], number.clone()),
+                ]
             }
             Macro::Hamiltonian => {
                 let q = Form::array(d / 2);

@@ -38,4 +38,6 @@ mod emit;
 
 mod interface;
 
+mod formula;
+
 pub mod interpret;

@@ -32,9 +32,11 @@ fn precedence(operator: Operator) -> usize {
     match operator {
         Operator::Or => 0,
         Operator::And => 1,
-        Operator::Less | Operator::LessOrEqual | Operator::Greater | Operator::GreaterOrEqual | Operator::Equal => {
-            COMPARISON
-        }
+        Operator::Less
+        | Operator::LessOrEqual
+        | Operator::Greater
+        | Operator::GreaterOrEqual
+        | Operator::Equal => COMPARISON,
         Operator::Add | Operator::Sub => SUM,
         Operator::Mul | Operator::Div => 4,
     }
@@ -144,7 +146,8 @@ impl<'p> Parser<'p> {
         let mut left = self.signed(input)?;
         while let Some(level) = self.operator(input).map(precedence).filter(|&level| level >= least) {
             let mut rest: Vec<(Operator, Expr)> = Vec::new();
-            while let Some(operator) = self.operator(input).filter(|&operator| precedence(operator) == level) {
+            while let Some(operator) = self.operator(input).filter(|&operator| precedence(operator) == level)
+            {
                 if level == COMPARISON && !rest.is_empty() {
                     return Err(error(input, "comparisons do not chain; write `a < b && b < c`"));
                 }

@@ -27,12 +27,14 @@ pub struct Routines {
     pub graph: Graph,
     /// The functions.
     pub list: Vec<Routine>,
+    /// The gradient of each equation, for the documentation: in a graph of sums and products.
+    pub(crate) gradients: (Graph, Vec<Scaled>),
 }
 
 impl Routines {
     /// No function at all.
     pub(crate) fn empty() -> Self {
-        Routines { graph: Graph::new(), list: Vec::new() }
+        Routines { graph: Graph::new(), list: Vec::new(), gradients: (Graph::new(), Vec::new()) }
     }
 
     fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) {
@@ -90,7 +92,8 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
     let speed = calculus.tangents(&values, along);
     let acceleration = calculus.tangents(&speed, along);
     let hessian = hessian(&mut calculus, &jacobian, variables);
-    let weights: Vec<(Scaled, Id)> = (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
+    let weights: Vec<(Scaled, Id)> =
+        (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
     let weighted = calculus.gradient(&weights, variables);
     let weighted = calculus.tangents(&weighted, along);
     routines.add("value", &source, &values);
@@ -101,6 +104,7 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
     routines.add("hessian", &source, &hessian);
     routines.add("weighted_hessian_vector", &source, &weighted);
     routines.add("kinks", &source, &scaled(&kinks));
+    routines.gradients = (source, jacobian);
     routines
 }
 
@@ -145,6 +149,7 @@ pub fn potential(mut source: Graph, root: Id, variables: u32) -> Routines {
     routines.add("value", &source, &[root.into()]);
     routines.add("value_and_gradient", &source, &[&[root.into()][..], &gradient].concat());
     routines.rest("gradient", 1);
+    routines.gradients = (source, gradient);
     routines
 }
 
@@ -157,6 +162,7 @@ pub fn hamiltonian(mut source: Graph, root: Id, variables: u32) -> Routines {
     routines.add("value", &source, &[root.into()]);
     routines.add("gradients", &source, &gradient);
     routines.add("hessian_vector", &source, &product);
+    routines.gradients = (source, gradient);
     routines
 }
 
@@ -169,8 +175,10 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Rout
         roots.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
     let half = variables as usize / 2;
     let halves = [0..half, half..2 * half];
-    let jacobians: Vec<Scaled> =
-        halves.into_iter().flat_map(|part| rows.iter().flat_map(move |row| row[part.clone()].to_vec())).collect();
+    let jacobians: Vec<Scaled> = halves
+        .into_iter()
+        .flat_map(|part| rows.iter().flat_map(move |row| row[part.clone()].to_vec()))
+        .collect();
     let products = calculus.tangents(&jacobians, along);
     routines.add("value", &source, &values);
     routines.add("value_and_jacobians", &source, &[&values[..], &jacobians].concat());

@@ -162,7 +162,8 @@ fn expression(random: &mut StdRng) -> (Graph, Id) {
             7 => g.power(a, random.random_range(-7..8)),
             8 => {
                 let (c, d) = (any(random), any(random));
-                let comparison = if random.random_bool(0.5) { Comparison::Less } else { Comparison::LessOrEqual };
+                let comparison =
+                    if random.random_bool(0.5) { Comparison::Less } else { Comparison::LessOrEqual };
                 g.select(comparison, a, b, c, d)
             }
             9 => g.min(a, b),
@@ -311,7 +312,8 @@ fn planted_faults_are_caught() {
         Rule::Branch,
     ];
     let functions = Function::ALL.iter().filter(|&&function| function != Function::Sign); // 0 times anything
-    let rules: Vec<Rule> = structural.into_iter().chain(functions.map(|&function| Rule::Call(function))).collect();
+    let rules: Vec<Rule> =
+        structural.into_iter().chain(functions.map(|&function| Rule::Call(function))).collect();
     for rule in rules {
         for factor in [-1.0, 2.0, 1.001, 0.0] {
             let caught = (0..4000).find(|&seed| try_one(seed, Some(Fault { rule, factor })).is_err());
