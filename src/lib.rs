@@ -44,6 +44,7 @@ pub mod conventions;
 pub mod data;
 #[cfg(feature = "plot")]
 pub mod plot;
+pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;
 
@@ -61,14 +62,15 @@ pub use rattle_core::simulation::Simulation;
 pub use rattle_core::state::State;
 pub use rattle_core::stepper::Stepper;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
-pub use rattle_macros::{constraint, pair_potential, potential};
+pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
 /// What most programs use.
 pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
-    pub use crate::kernel::{Constraint, PairPotential, Potential};
+    pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Rattle, Scene, Simulation, State, Stepper, constraint, pair_potential, potential};
+    pub use crate::{Rattle, Scene, Simulation, State, Stepper};
+    pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 
 #[cfg(doctest)]

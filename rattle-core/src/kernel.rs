@@ -17,6 +17,9 @@ pub trait Constraint<const D: usize, const M: usize> {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
 
+    /// Which entries of the Jacobian can be other than zero.
+    const SPARSITY: [[bool; D]; M] = [[true; D]; M];
+
     /// The kernel with this value's parameters.
     fn kernel<T: Real>(&self) -> Self::Kernel<T>;
 
@@ -46,6 +49,20 @@ pub trait Constraint<const D: usize, const M: usize> {
         let (g, dg, ddg) = self.kernel::<f64>().jet(&coordinates(q), &coordinates(v));
         (g.into(), dg.into(), ddg.into())
     }
+    /// ∇²gᵢ(q), one matrix for each equation.
+    fn hessian(&self, q: &SVector<f64, D>) -> [SMatrix<f64, D, D>; M] {
+        self.kernel::<f64>().hessian(&coordinates(q)).map(matrix)
+    }
+    /// Σ λᵢ ∇²gᵢ(q) v.
+    fn weighted_hessian_vector(
+        &self,
+        q: &SVector<f64, D>,
+        weights: &SVector<f64, M>,
+        v: &SVector<f64, D>,
+    ) -> SVector<f64, D> {
+        let weights = coordinates(weights);
+        self.kernel::<f64>().weighted_hessian_vector(&coordinates(q), &weights, &coordinates(v)).into()
+    }
 }
 
 /// The functions of a [`Constraint`] over the scalar `T`.
@@ -61,6 +78,36 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
     /// g, G v and vᵀ∇²g v.
     #[allow(clippy::type_complexity, reason = "three values of one shape")]
     fn jet(&self, q: &[T; D], v: &[T; D]) -> ([T; M], [T; M], [T; M]);
+    /// ∇²gᵢ for each i.
+    fn hessian(&self, q: &[T; D]) -> [[[T; D]; D]; M] {
+        let zero = T::from_f64(0.0);
+        let mut hessian = [[[zero; D]; D]; M];
+        for k in 0..D {
+            let mut unit = [zero; D];
+            unit[k] = T::from_f64(1.0);
+            let columns = self.hessian_vector(q, &unit);
+            for (matrix, column) in hessian.iter_mut().zip(columns) {
+                matrix[k] = column; // symmetric: a column is a row
+            }
+        }
+        hessian
+    }
+    /// Σ λᵢ ∇²gᵢ v.
+    fn weighted_hessian_vector(&self, q: &[T; D], weights: &[T; M], v: &[T; D]) -> [T; D] {
+        let mut sum = [T::from_f64(0.0); D];
+        for (row, &weight) in self.hessian_vector(q, v).iter().zip(weights) {
+            for (total, &entry) in sum.iter_mut().zip(row) {
+                *total = *total + weight * entry;
+            }
+        }
+        sum
+    }
+
+    /// How many numbers [`kinks`](Self::kinks) writes.
+    const KINKS: usize = 0;
+    /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
+    /// differences that `min`, `max` and `if` compare. A step across which one changes sign saw a kink.
+    fn kinks(&self, _q: &[T; D], _found: &mut [T]) {}
 }
 
 /// A potential energy U(q) of one body with D coordinates. Written by `potential!`.
@@ -87,6 +134,10 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone {
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
+    /// U(q) and ∇U(q), sharing their subexpressions.
+    fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
+        (self.value(q), self.gradient(q))
+    }
 }
 
 /// A potential energy U(r) of two bodies at distance r. Written by `pair_potential!`.
@@ -116,6 +167,75 @@ pub trait PairKernel<T: Real>: Clone {
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
     fn slope(&self, s: T) -> T;
+}
+
+/// An energy H(q, p) with D degrees of freedom. Written by `hamiltonian!`.
+///
+/// ```text
+/// q̇ = ∂H/∂p      ṗ = −∂H/∂q
+/// ```
+pub trait Hamiltonian<const D: usize> {
+    /// The functions, ready for the scalar `T`.
+    type Kernel<T: Real>: HamiltonianKernel<T, D>;
+
+    /// The kernel with this value's parameters.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+
+    /// H(q, p).
+    fn value(&self, q: &SVector<f64, D>, p: &SVector<f64, D>) -> f64 {
+        self.kernel::<f64>().value(&coordinates(q), &coordinates(p))
+    }
+    /// (∂H/∂q, ∂H/∂p).
+    fn gradients(&self, q: &SVector<f64, D>, p: &SVector<f64, D>) -> (SVector<f64, D>, SVector<f64, D>) {
+        let (by_q, by_p) = self.kernel::<f64>().gradients(&coordinates(q), &coordinates(p));
+        (by_q.into(), by_p.into())
+    }
+}
+
+/// The functions of a [`Hamiltonian`] over the scalar `T`.
+pub trait HamiltonianKernel<T: Real, const D: usize>: Clone {
+    /// H(q, p).
+    fn value(&self, q: &[T; D], p: &[T; D]) -> T;
+    /// ∂H/∂q and ∂H/∂p.
+    fn gradients(&self, q: &[T; D], p: &[T; D]) -> ([T; D], [T; D]);
+    /// The two halves of ∇²H (dq, dp).
+    fn hessian_vector(&self, q: &[T; D], p: &[T; D], dq: &[T; D], dp: &[T; D]) -> ([T; D], [T; D]);
+}
+
+/// M equations g(q, p) = 0 in phase space. Written by `phase_constraint!`.
+pub trait PhaseConstraint<const D: usize, const M: usize> {
+    /// The functions, ready for the scalar `T`.
+    type Kernel<T: Real>: PhaseConstraintKernel<T, D, M>;
+
+    /// The kernel with this value's parameters.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+
+    /// g(q, p).
+    fn value(&self, q: &SVector<f64, D>, p: &SVector<f64, D>) -> SVector<f64, M> {
+        self.kernel::<f64>().value(&coordinates(q), &coordinates(p)).into()
+    }
+    /// (∂g/∂q, ∂g/∂p); row i belongs to gᵢ.
+    fn jacobians(
+        &self,
+        q: &SVector<f64, D>,
+        p: &SVector<f64, D>,
+    ) -> (SMatrix<f64, M, D>, SMatrix<f64, M, D>) {
+        let (by_q, by_p) = self.kernel::<f64>().jacobians(&coordinates(q), &coordinates(p));
+        (matrix(by_q), matrix(by_p))
+    }
+}
+
+/// The functions of a [`PhaseConstraint`] over the scalar `T`.
+#[allow(clippy::type_complexity, reason = "tuples of arrays of one shape")]
+pub trait PhaseConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
+    /// g(q, p).
+    fn value(&self, q: &[T; D], p: &[T; D]) -> [T; M];
+    /// ∂g/∂q and ∂g/∂p.
+    fn jacobians(&self, q: &[T; D], p: &[T; D]) -> ([[T; D]; M], [[T; D]; M]);
+    /// g, ∂g/∂q and ∂g/∂p.
+    fn value_and_jacobians(&self, q: &[T; D], p: &[T; D]) -> ([T; M], [[T; D]; M], [[T; D]; M]);
+    /// Row i holds the two halves of ∇²gᵢ (dq, dp).
+    fn hessian_vector(&self, q: &[T; D], p: &[T; D], dq: &[T; D], dp: &[T; D]) -> ([[T; D]; M], [[T; D]; M]);
 }
 
 fn coordinates<const D: usize>(v: &SVector<f64, D>) -> [f64; D] {

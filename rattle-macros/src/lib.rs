@@ -22,3 +22,15 @@ pub fn potential(input: TokenStream) -> TokenStream {
 pub fn pair_potential(input: TokenStream) -> TokenStream {
     expand(Macro::PairPotential, input.into()).into()
 }
+
+/// An energy H(q, p).
+#[proc_macro]
+pub fn hamiltonian(input: TokenStream) -> TokenStream {
+    expand(Macro::Hamiltonian, input.into()).into()
+}
+
+/// Equations g(q, p) = 0 between coordinates and momenta.
+#[proc_macro]
+pub fn phase_constraint(input: TokenStream) -> TokenStream {
+    expand(Macro::PhaseConstraint, input.into()).into()
+}

@@ -1,13 +1,15 @@
 //! From a macro's input to the items it makes.
 
 use crate::emit::Emitter;
+use crate::formula::{self, Names};
 use crate::graph::{Graph, Id, Input};
+use crate::interface::Method;
 use crate::lower::{Expectation, lower};
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
 use crate::syntax::{Item, Shape};
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
 /// Which macro it is.
@@ -19,6 +21,10 @@ pub enum Macro {
     Potential,
     /// `pair_potential!`
     PairPotential,
+    /// `hamiltonian!`
+    Hamiltonian,
+    /// `phase_constraint!`
+    PhaseConstraint,
 }
 
 /// The items for an input: always a struct that can be named, and an error for every mistake.
@@ -35,7 +41,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
         return quote!(#stub #report);
     }
     let routines = which.routines(graph, &roots, sizes.variables as u32);
-    let documentation = which.documentation(&routines);
+    let documentation = which.documentation(&item, &routines);
     let structure = structure(&item, &documentation);
     let emitter = Emitter::new(&routines);
     let kernel = Kernel { item: &item, emitter: &emitter, routines: &routines, sizes: &sizes };
@@ -44,9 +50,9 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
 }
 
 /// How many coordinates and equations there are.
-struct Sizes {
-    variables: usize,
-    roots: usize,
+pub(crate) struct Sizes {
+    pub(crate) variables: usize,
+    pub(crate) roots: usize,
 }
 
 fn size(shape: &Shape) -> usize {
@@ -55,26 +61,38 @@ fn size(shape: &Shape) -> usize {
 
 impl Macro {
     fn expectation(self) -> Expectation {
+        let equations = Expectation { several: true, every_variable: true, noun: "this equation" };
+        let energy = |noun| Expectation { several: false, every_variable: false, noun };
         match self {
-            Macro::Constraint => Expectation { several: true, every_variable: true, noun: "this equation" },
-            Macro::Potential => Expectation { several: false, every_variable: false, noun: "the potential" },
-            Macro::PairPotential => {
-                Expectation { several: false, every_variable: true, noun: "the potential" }
-            }
+            Macro::Constraint | Macro::PhaseConstraint => equations,
+            Macro::Potential => energy("the potential"),
+            Macro::Hamiltonian => energy("the Hamiltonian"),
+            Macro::PairPotential => Expectation { every_variable: true, ..energy("the potential") },
         }
     }
 
     /// What holds for this macro beyond its expression.
     fn check(self, item: &Item, problems: &mut Problems) {
-        if self == Macro::PairPotential
-            && let [first, rest @ ..] = &item.variables[..]
-        {
-            let message = "a pair potential has one variable, the distance, as in `|r| depth / r`";
-            if let Some(second) = rest.first() {
-                problems.note_at(&second.name, message);
-            } else if !first.shape.is_empty() {
-                problems.note_at(&first.name, message);
+        match (self, &item.variables[..]) {
+            (Macro::PairPotential, [first, rest @ ..]) => {
+                let message = "a pair potential has one variable, the distance, as in `|r| depth / r`";
+                if let Some(second) = rest.first() {
+                    problems.note_at(&second.name, message);
+                } else if !first.shape.is_empty() {
+                    problems.note_at(&first.name, message);
+                }
             }
+            (Macro::Hamiltonian | Macro::PhaseConstraint, variables @ [first, ..]) => {
+                let message =
+                    "expected coordinates and momenta of one shape, as in `|q: [f64; 2], p: [f64; 2]|`";
+                match variables {
+                    [q, p] if q.shape == p.shape => {}
+                    [_, p] => problems.note_at(&p.name, message),
+                    [_, _, third, ..] => problems.note_at(&third.name, message),
+                    _ => problems.note_at(&first.name, message),
+                }
+            }
+            _ => {}
         }
     }
 
@@ -83,16 +101,46 @@ impl Macro {
             Macro::Constraint => routine::constraint(graph, roots, variables),
             Macro::Potential => routine::potential(graph, roots[0], variables),
             Macro::PairPotential => routine::pair(graph, roots[0]),
+            Macro::Hamiltonian => routine::hamiltonian(graph, roots[0], variables),
+            Macro::PhaseConstraint => routine::phase_constraint(graph, roots, variables),
         }
     }
 
-    fn documentation(self, routines: &Routines) -> Vec<String> {
-        let counts: Vec<String> = routines
-            .list
-            .iter()
-            .map(|routine| format!("`{}` {}", routine.name, routines.operations(&routine.roots)))
+    fn letter(self) -> &'static str {
+        match self {
+            Macro::Constraint | Macro::PhaseConstraint => "g",
+            Macro::Potential | Macro::PairPotential => "U",
+            Macro::Hamiltonian => "H",
+        }
+    }
+
+    /// The formula, its derivatives and what they cost, below what the user wrote.
+    fn documentation(self, item: &Item, routines: &Routines) -> Vec<String> {
+        let letter = self.letter();
+        let mut lines = vec![String::new(), "```text".to_owned()];
+        lines.extend(formula::written(item, letter));
+        let names = Names::of(item);
+        let (graph, gradients) = &routines.gradients;
+        let variables: usize = item.variables.iter().map(|variable| size(&variable.shape)).sum();
+        if (1..=variables * 3).contains(&gradients.len()) {
+            let of = |i: usize| {
+                if gradients.len() > variables { format!("{letter}[{i}]") } else { letter.to_owned() }
+            };
+            for (i, row) in gradients.chunks(variables).enumerate() {
+                let row: Option<Vec<String>> =
+                    row.iter().map(|&entry| formula::derivative(graph, entry, &names)).collect();
+                if let Some(row) = row.filter(|row| row.len() <= 6) {
+                    lines.push(format!("∇{} = ({})", of(i), row.join(", ")));
+                }
+            }
+        }
+        lines.push("```".to_owned());
+        let counts = routines.list.iter().filter(|routine| !routine.roots.is_empty());
+        let counts: Vec<String> = counts
+            .map(|routine| format!("{} `{}`", routines.operations(&routine.roots), routine.name))
             .collect();
-        vec![String::new(), format!("Operations per call: {}.", counts.join(", "))]
+        lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
+        lines
     }
 
     /// The struct, and functions that only satisfy the compiler, so that no second wave of errors follows.
@@ -151,69 +199,15 @@ impl Kernel<'_> {
     fn implementation(&self, which: Macro) -> TokenStream {
         let name = &self.item.name;
         let kernel = format_ident!("{}Kernel", name);
-        let (d, m) = (self.sizes.variables, self.sizes.roots);
-        let (d_size, m_size) = (Literal::usize_unsuffixed(d), Literal::usize_unsuffixed(m));
-        let (owner, interface, functions) = match which {
-            Macro::Constraint => {
-                let g = self.array("value", 0, m);
-                let jacobian = self.rows("jacobian", 0);
-                let with_value = self.rows("value_and_jacobian", m);
-                let with_value = {
-                    let value = self.array("value_and_jacobian", 0, m);
-                    quote!((#value, #with_value))
-                };
-                let products = self.rows("hessian_vector", 0);
-                let jet: Vec<TokenStream> = (0..3).map(|i| self.array("jet", i * m, m)).collect();
-                let (row, rows) = (quote!([T; #m_size]), quote!([[T; #d_size]; #m_size]));
-                let functions = [
-                    self.function("value", quote!((&self, q: &[T; #d_size]) -> #row), g),
-                    self.function("jacobian", quote!((&self, q: &[T; #d_size]) -> #rows), jacobian),
-                    self.function(
-                        "value_and_jacobian",
-                        quote!((&self, q: &[T; #d_size]) -> (#row, #rows)),
-                        with_value,
-                    ),
-                    self.function(
-                        "hessian_vector",
-                        quote!((&self, q: &[T; #d_size], v: &[T; #d_size]) -> #rows),
-                        products,
-                    ),
-                    self.function(
-                        "jet",
-                        quote!((&self, q: &[T; #d_size], v: &[T; #d_size]) -> (#row, #row, #row)),
-                        quote!((#(#jet),*)),
-                    ),
-                ];
-                (
-                    quote!(Constraint<#d_size, #m_size>),
-                    quote!(ConstraintKernel<T, #d_size, #m_size>),
-                    quote!(#(#functions)*),
-                )
-            }
-            Macro::Potential => {
-                let value = self.single("value");
-                let gradient = self.array("gradient", 0, d);
-                let functions = [
-                    self.function("value", quote!((&self, q: &[T; #d_size]) -> T), value),
-                    self.function("gradient", quote!((&self, q: &[T; #d_size]) -> [T; #d_size]), gradient),
-                ];
-                (quote!(Potential<#d_size>), quote!(PotentialKernel<T, #d_size>), quote!(#(#functions)*))
-            }
-            Macro::PairPotential => {
-                let functions = ["value", "slope"].map(|name| {
-                    let result = self.single(name);
-                    self.function(name, quote!((&self, s: T) -> T), result)
-                });
-                (quote!(PairPotential), quote!(PairKernel<T>), quote!(#(#functions)*))
-            }
-        };
+        let (owner, interface) = which.traits(self.sizes);
+        let functions = which.methods(self.sizes).into_iter().map(|method| self.function(&method, which));
+        let (constants, kinks) = self.structure_of_equations(which);
         let declarations = self.emitter.declarations();
         let parameters = self.parameters();
         let construction = self.emitter.construction(&kernel, &|input| match input {
             Input::Parameter(k) => parameters.get(k as usize).cloned().unwrap_or_default(),
             _ => TokenStream::new(), // a kernel's fields depend on parameters only
         });
-        let unused = if self.routines.list.is_empty() { quote!(let _ = self;) } else { TokenStream::new() };
         quote! {
             #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
             #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
@@ -226,20 +220,58 @@ impl Kernel<'_> {
                 #[automatically_derived]
                 impl ::rattle::kernel::#owner for #name {
                     type Kernel<T: Real> = #kernel<T>;
+                    #constants
 
                     #[inline(always)]
                     fn kernel<T: Real>(&self) -> #kernel<T> {
-                        #unused
                         #construction
                     }
                 }
 
                 #[automatically_derived]
                 impl<T: Real> ::rattle::kernel::#interface for #kernel<T> {
-                    #functions
+                    #(#functions)*
+                    #kinks
                 }
             };
         }
+    }
+
+    /// Which derivatives can be other than zero, and where the function is not smooth.
+    fn structure_of_equations(&self, which: Macro) -> (TokenStream, TokenStream) {
+        if which != Macro::Constraint {
+            return Default::default();
+        }
+        let (d, m) = (self.sizes.variables, self.sizes.roots);
+        let sparsity = match self.routines.named("jacobian") {
+            Some(jacobian) => {
+                let rows = jacobian.roots.chunks(d).map(|row| {
+                    let entries = row.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
+                    quote!([#(#entries),*])
+                });
+                let (d, m) = (Literal::usize_unsuffixed(d), Literal::usize_unsuffixed(m));
+                quote!(const SPARSITY: [[bool; #d]; #m] = [#(#rows),*];)
+            }
+            None => TokenStream::new(),
+        };
+        let Some(kinks) = self.routines.named("kinks").filter(|kinks| !kinks.roots.is_empty()) else {
+            return (sparsity, TokenStream::new());
+        };
+        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes));
+        let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
+        let count = Literal::usize_unsuffixed(kinks.roots.len());
+        let kinks = quote! {
+            const KINKS: usize = #count;
+
+            #[inline(always)]
+            fn kinks(&self, q: &[T; #d], found: &mut [T]) {
+                #statements
+                for (found, value) in found.iter_mut().zip([#(#values),*]) {
+                    *found = value;
+                }
+            }
+        };
+        (sparsity, kinks)
     }
 
     /// Each component of the parameters, as the scalar.
@@ -252,43 +284,23 @@ impl Kernel<'_> {
         list.into_iter().map(|component| quote!(T::from_f64(#component))).collect()
     }
 
-    fn function(&self, name: &str, signature: TokenStream, result: TokenStream) -> TokenStream {
-        let statements = match self.routines.named(name) {
-            Some(routine) => self.emitter.body(&routine.roots, &spelling(self.is_pair())),
-            None => TokenStream::new(),
+    fn function(&self, method: &Method, which: Macro) -> TokenStream {
+        let (statements, roots) = match self.routines.named(method.name) {
+            Some(routine) => {
+                let statements = self.emitter.body(&routine.roots, &which.spelling(self.sizes));
+                (statements, &routine.roots[..])
+            }
+            None => (TokenStream::new(), &[][..]),
         };
-        let name = Ident::new(name, proc_macro2::Span::call_site());
+        let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
+        let signature = method.signature();
         quote! {
             #[inline(always)]
-            fn #name #signature {
+            #signature {
                 #statements
                 #result
             }
         }
-    }
-
-    fn is_pair(&self) -> bool {
-        self.routines.named("slope").is_some()
-    }
-
-    fn result(&self, name: &str, i: usize) -> TokenStream {
-        let root = self.routines.named(name).and_then(|routine| routine.roots.get(i));
-        root.map_or(quote!(T::from_f64(0.0)), |&root| self.emitter.result(root))
-    }
-
-    fn single(&self, name: &str) -> TokenStream {
-        self.result(name, 0)
-    }
-
-    fn array(&self, name: &str, start: usize, length: usize) -> TokenStream {
-        let components = (start..start + length).map(|i| self.result(name, i));
-        quote!([#(#components),*])
-    }
-
-    fn rows(&self, name: &str, start: usize) -> TokenStream {
-        let d = self.sizes.variables;
-        let rows = (0..self.sizes.roots).map(|i| self.array(name, start + i * d, d));
-        quote!([#(#rows),*])
     }
 }
 
@@ -302,20 +314,4 @@ fn components(path: TokenStream, shape: &[usize], list: &mut Vec<TokenStream>) {
             }
         }
     }
-}
-
-/// The inputs of a function as its arguments.
-fn spelling(is_pair: bool) -> impl Fn(Input) -> TokenStream {
-    move |input| match input {
-        Input::Variable(_) if is_pair => quote!(s),
-        Input::Variable(k) => component("q", k),
-        Input::Direction(k) => component("v", k),
-        Input::Weight(k) => component("weights", k),
-        Input::Parameter(_) => TokenStream::new(), // always held by the kernel
-    }
-}
-
-fn component(name: &str, k: u32) -> TokenStream {
-    let (name, k) = (Ident::new(name, proc_macro2::Span::call_site()), Literal::u32_unsuffixed(k));
-    quote!(#name[#k])
 }

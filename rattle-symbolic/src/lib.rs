@@ -36,4 +36,8 @@ pub mod schedule;
 
 mod emit;
 
+mod interface;
+
+mod formula;
+
 pub mod interpret;

@@ -481,6 +481,7 @@ impl Lowering<'_> {
                     Operator::LessOrEqual => Some(order.is_le()),
                     Operator::Greater => Some(order.is_gt()),
                     Operator::GreaterOrEqual => Some(order.is_ge()),
+                    Operator::Equal => Some(order.is_eq()),
                     _ => None,
                 }
             }
@@ -519,6 +520,11 @@ impl Lowering<'_> {
                             false
                         }
                     };
+                }
+                Operator::Equal => {
+                    self.wrong(expr.extent, "`==` of real numbers is rarely true; compare with `<` or `<=`");
+                    self.unreadable = true;
+                    return false;
                 }
                 _ => {}
             }

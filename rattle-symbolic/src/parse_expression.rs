@@ -23,6 +23,8 @@ const DEEPEST: u32 = 100;
 pub(crate) struct Parser<'p> {
     problems: &'p mut Problems,
     depth: u32,
+    /// Whether this is the condition of an `if`, where `==` compares indices.
+    condition: bool,
 }
 
 /// How tightly an operator binds, from loosest.
@@ -30,7 +32,11 @@ fn precedence(operator: Operator) -> usize {
     match operator {
         Operator::Or => 0,
         Operator::And => 1,
-        Operator::Less | Operator::LessOrEqual | Operator::Greater | Operator::GreaterOrEqual => COMPARISON,
+        Operator::Less
+        | Operator::LessOrEqual
+        | Operator::Greater
+        | Operator::GreaterOrEqual
+        | Operator::Equal => COMPARISON,
         Operator::Add | Operator::Sub => SUM,
         Operator::Mul | Operator::Div => 4,
     }
@@ -38,26 +44,13 @@ fn precedence(operator: Operator) -> usize {
 const COMPARISON: usize = 2;
 const SUM: usize = 3;
 
-/// The binary operator that comes next.
-fn operator(input: ParseStream) -> Option<Operator> {
-    macro_rules! first {
-        ($($token:tt $operator:ident),*) => {
-            $(if input.peek(Token![$token]) { return Some(Operator::$operator); })*
-        };
-    }
-    if input.peek(Token![*]) && input.peek2(Token![*]) {
-        return None; // a slip for `^`
-    }
-    first!(|| Or, && And, <= LessOrEqual, >= GreaterOrEqual, < Less, > Greater, + Add, - Sub, * Mul, / Div);
-    None
-}
-
 fn take(input: ParseStream, operator: Operator) -> Result<()> {
     match operator {
         Operator::Or => input.parse::<Token![||]>().map(drop),
         Operator::And => input.parse::<Token![&&]>().map(drop),
         Operator::LessOrEqual => input.parse::<Token![<=]>().map(drop),
         Operator::GreaterOrEqual => input.parse::<Token![>=]>().map(drop),
+        Operator::Equal => input.parse::<Token![==]>().map(drop),
         Operator::Less => input.parse::<Token![<]>().map(drop),
         Operator::Greater => input.parse::<Token![>]>().map(drop),
         Operator::Add => input.parse::<Token![+]>().map(drop),
@@ -69,7 +62,7 @@ fn take(input: ParseStream, operator: Operator) -> Result<()> {
 
 impl<'p> Parser<'p> {
     pub(crate) fn new(problems: &'p mut Problems) -> Self {
-        Parser { problems, depth: 0 }
+        Parser { problems, depth: 0, condition: false }
     }
 
     /// The expression that the whole input is; problems inside it are noted, not returned.
@@ -131,12 +124,30 @@ impl<'p> Parser<'p> {
         Ok(self.make(Kind::Chain(Box::new(left), vec![(Operator::Sub, right)]), extent))
     }
 
+    /// The binary operator that comes next.
+    fn operator(&self, input: ParseStream) -> Option<Operator> {
+        macro_rules! first {
+            ($($token:tt $operator:ident),*) => {
+                $(if input.peek(Token![$token]) { return Some(Operator::$operator); })*
+            };
+        }
+        if input.peek(Token![*]) && input.peek2(Token![*]) {
+            return None; // a slip for `^`
+        }
+        if self.condition && input.peek(Token![==]) {
+            return Some(Operator::Equal);
+        }
+        first!(|| Or, && And, <= LessOrEqual, >= GreaterOrEqual, < Less, > Greater, + Add, - Sub, * Mul, / Div);
+        None
+    }
+
     /// An expression of operators that bind at least as tightly as `least`.
     fn level(&mut self, input: ParseStream, least: usize) -> Result<Expr> {
         let mut left = self.signed(input)?;
-        while let Some(level) = operator(input).map(precedence).filter(|&level| level >= least) {
+        while let Some(level) = self.operator(input).map(precedence).filter(|&level| level >= least) {
             let mut rest: Vec<(Operator, Expr)> = Vec::new();
-            while let Some(operator) = operator(input).filter(|&operator| precedence(operator) == level) {
+            while let Some(operator) = self.operator(input).filter(|&operator| precedence(operator) == level)
+            {
                 if level == COMPARISON && !rest.is_empty() {
                     return Err(error(input, "comparisons do not chain; write `a < b && b < c`"));
                 }
@@ -412,11 +423,10 @@ impl<'p> Parser<'p> {
     fn branch_inside(&mut self, input: ParseStream) -> Result<Expr> {
         let keyword: Token![if] = input.parse()?;
         let start = self.problems.extent(keyword.span);
-        let condition = self.level(input, 0)?;
-        if input.peek(Token![==]) {
-            let message = "`==` of real numbers is rarely true; compare with `<` or `<=`";
-            return Err(error(input, message));
-        }
+        let outside = std::mem::replace(&mut self.condition, true);
+        let condition = self.level(input, 0);
+        self.condition = outside;
+        let condition = condition?;
         if !input.peek(token::Brace) {
             return Err(error(input, "expected `{` after the condition"));
         }
@@ -449,12 +459,14 @@ impl<'p> Parser<'p> {
                 lets.push(binding);
             }
         }
+        let outside = std::mem::replace(&mut self.condition, false);
         let result = if inside.is_empty() {
             self.problems.note(end, "the block ends without an expression; its last line is its value");
             self.make(Kind::Wrong, end)
         } else {
             self.whole(&inside).unwrap_or_else(|| self.make(Kind::Wrong, end))
         };
+        self.condition = outside;
         Ok(self.make(Kind::Block(lets, Box::new(result)), start.to(end)))
     }
 

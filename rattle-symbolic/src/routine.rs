@@ -6,6 +6,7 @@
 
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
+use crate::functions::Function;
 use crate::graph::{Graph, Id, Input, Node};
 use crate::parity::of_square;
 use crate::schedule::schedule;
@@ -26,12 +27,14 @@ pub struct Routines {
     pub graph: Graph,
     /// The functions.
     pub list: Vec<Routine>,
+    /// The gradient of each equation, for the documentation: in a graph of sums and products.
+    pub(crate) gradients: (Graph, Vec<Scaled>),
 }
 
 impl Routines {
     /// No function at all.
     pub(crate) fn empty() -> Self {
-        Routines { graph: Graph::new(), list: Vec::new() }
+        Routines { graph: Graph::new(), list: Vec::new(), gradients: (Graph::new(), Vec::new()) }
     }
 
     fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) {
@@ -72,22 +75,71 @@ fn scaled(roots: &[Id]) -> Vec<Scaled> {
     roots.iter().map(|&root| root.into()).collect()
 }
 
-/// g, G, G v̇ and the jet of equations in so many variables.
+/// Moves one variable alone.
+fn unit(k: u32) -> impl Fn(&mut Graph, Input) -> Scaled {
+    move |_, input| if input == Input::Variable(k) { Scaled::ONE } else { Scaled::ZERO }
+}
+
+/// Everything about equations in so many variables.
 pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
     let mut routines = Routines::empty();
     let values = scaled(roots);
+    let kinks = kinks(&mut source, roots);
     let mut calculus = Calculus::new(&mut source);
     let jacobian: Vec<Scaled> =
         roots.iter().flat_map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
     let products = calculus.tangents(&jacobian, along);
     let speed = calculus.tangents(&values, along);
     let acceleration = calculus.tangents(&speed, along);
+    let hessian = hessian(&mut calculus, &jacobian, variables);
+    let weights: Vec<(Scaled, Id)> =
+        (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
+    let weighted = calculus.gradient(&weights, variables);
+    let weighted = calculus.tangents(&weighted, along);
     routines.add("value", &source, &values);
     routines.add("value_and_jacobian", &source, &[&values[..], &jacobian].concat());
     routines.rest("jacobian", roots.len());
     routines.add("hessian_vector", &source, &products);
     routines.add("jet", &source, &[values, speed, acceleration].concat());
+    routines.add("hessian", &source, &hessian);
+    routines.add("weighted_hessian_vector", &source, &weighted);
+    routines.add("kinks", &source, &scaled(&kinks));
+    routines.gradients = (source, jacobian);
     routines
+}
+
+fn weight(calculus: &mut Calculus, i: u32) -> Scaled {
+    calculus.graph.input(Input::Weight(i)).into()
+}
+
+/// All second derivatives, row by row for each equation; what is below the diagonal is what is above.
+fn hessian(calculus: &mut Calculus, jacobian: &[Scaled], variables: u32) -> Vec<Scaled> {
+    let columns: Vec<Vec<Scaled>> = (0..variables).map(|k| calculus.tangents(jacobian, unit(k))).collect();
+    let d = variables as usize;
+    let mut list = Vec::with_capacity(jacobian.len() * d);
+    for row in 0..jacobian.len() {
+        let (equation, i) = (row / d, row % d);
+        list.extend((0..d).map(|j| columns[i.max(j)][equation * d + i.min(j)]));
+    }
+    list
+}
+
+/// Where the equations are not smooth: what changes sign there.
+fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
+    let mut list = Vec::new();
+    for id in graph.reachable(roots) {
+        let kink = match *graph.node(id) {
+            Node::Call(Function::Abs | Function::Sqrt | Function::Cbrt | Function::Sign, a) => a,
+            Node::Power(a, halves) if halves % 2 != 0 => a,
+            Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => a,
+            Node::Select(_, a, b, ..) => graph.sub(a, b),
+            _ => continue,
+        };
+        if graph.moving(kink) && !list.contains(&kink) {
+            list.push(kink);
+        }
+    }
+    list
 }
 
 /// U and ∇U.
@@ -95,7 +147,43 @@ pub fn potential(mut source: Graph, root: Id, variables: u32) -> Routines {
     let mut routines = Routines::empty();
     let gradient = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
     routines.add("value", &source, &[root.into()]);
-    routines.add("gradient", &source, &gradient);
+    routines.add("value_and_gradient", &source, &[&[root.into()][..], &gradient].concat());
+    routines.rest("gradient", 1);
+    routines.gradients = (source, gradient);
+    routines
+}
+
+/// H, ∂H/∂q and ∂H/∂p, and ∇²H v.
+pub fn hamiltonian(mut source: Graph, root: Id, variables: u32) -> Routines {
+    let mut routines = Routines::empty();
+    let mut calculus = Calculus::new(&mut source);
+    let gradient = calculus.gradient(&[(Scaled::ONE, root)], variables);
+    let product = calculus.tangents(&gradient, along);
+    routines.add("value", &source, &[root.into()]);
+    routines.add("gradients", &source, &gradient);
+    routines.add("hessian_vector", &source, &product);
+    routines.gradients = (source, gradient);
+    routines
+}
+
+/// g(q, p), ∂g/∂q and ∂g/∂p, and ∇²g v: first all rows by q, then all by p.
+pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
+    let mut routines = Routines::empty();
+    let values = scaled(roots);
+    let mut calculus = Calculus::new(&mut source);
+    let rows: Vec<Vec<Scaled>> =
+        roots.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
+    let half = variables as usize / 2;
+    let halves = [0..half, half..2 * half];
+    let jacobians: Vec<Scaled> = halves
+        .into_iter()
+        .flat_map(|part| rows.iter().flat_map(move |row| row[part.clone()].to_vec()))
+        .collect();
+    let products = calculus.tangents(&jacobians, along);
+    routines.add("value", &source, &values);
+    routines.add("value_and_jacobians", &source, &[&values[..], &jacobians].concat());
+    routines.rest("jacobians", roots.len());
+    routines.add("hessian_vector", &source, &products);
     routines
 }
 

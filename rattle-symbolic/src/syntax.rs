@@ -76,6 +76,8 @@ pub(crate) enum Operator {
     LessOrEqual,
     Greater,
     GreaterOrEqual,
+    /// Of indices only.
+    Equal,
     And,
     Or,
 }
@@ -91,6 +93,7 @@ impl Operator {
             Operator::LessOrEqual => "<=",
             Operator::Greater => ">",
             Operator::GreaterOrEqual => ">=",
+            Operator::Equal => "==",
             Operator::And => "&&",
             Operator::Or => "||",
         }

@@ -1,0 +1,175 @@
+//! The traits that the macros implement: which functions with which arguments and results.
+
+use crate::expand::{Macro, Sizes};
+use crate::graph::Input;
+use proc_macro2::{Ident, Literal, Span, TokenStream};
+use quote::quote;
+
+/// The shape of an argument or a result.
+#[derive(Clone, Debug)]
+pub(crate) enum Form {
+    Number,
+    Array(usize, Box<Form>),
+    Tuple(Vec<Form>),
+}
+
+impl Form {
+    fn array(n: usize) -> Form {
+        Form::Array(n, Box::new(Form::Number))
+    }
+    fn of(self, n: usize) -> Form {
+        Form::Array(n, Box::new(self))
+    }
+
+    /// The type.
+    pub(crate) fn tokens(&self) -> TokenStream {
+        match self {
+            Form::Number => quote!(T),
+            Form::Array(n, inner) => {
+                let (n, inner) = (Literal::usize_unsuffixed(*n), inner.tokens());
+                quote!([#inner; #n])
+            }
+            Form::Tuple(parts) => {
+                let parts = parts.iter().map(Form::tokens);
+                quote!((#(#parts),*))
+            }
+        }
+    }
+
+    /// An expression of this type with the numbers in turn.
+    pub(crate) fn filled(&self, numbers: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
+        match self {
+            Form::Number => numbers.next().unwrap_or(quote!(T::from_f64(0.0))),
+            Form::Array(n, inner) => {
+                let parts: Vec<TokenStream> = (0..*n).map(|_| inner.filled(numbers)).collect();
+                quote!([#(#parts),*])
+            }
+            Form::Tuple(parts) => {
+                let parts: Vec<TokenStream> = parts.iter().map(|part| part.filled(numbers)).collect();
+                quote!((#(#parts),*))
+            }
+        }
+    }
+}
+
+/// A function of a kernel.
+pub(crate) struct Method {
+    pub(crate) name: &'static str,
+    arguments: Vec<(&'static str, Form)>,
+    pub(crate) result: Form,
+}
+
+impl Method {
+    pub(crate) fn signature(&self) -> TokenStream {
+        let name = Ident::new(self.name, Span::call_site());
+        let arguments = self.arguments.iter().map(|(name, form)| {
+            let (name, tokens) = (Ident::new(name, Span::call_site()), form.tokens());
+            match form {
+                Form::Number => quote!(#name: #tokens),
+                _ => quote!(#name: &#tokens),
+            }
+        });
+        let result = self.result.tokens();
+        quote!(fn #name(&self, #(#arguments),*) -> #result)
+    }
+}
+
+impl Macro {
+    /// The trait of the struct and that of its kernel, with their arguments.
+    pub(crate) fn traits(self, sizes: &Sizes) -> (TokenStream, TokenStream) {
+        let [d, half, m] = [sizes.variables, sizes.variables / 2, sizes.roots].map(Literal::usize_unsuffixed);
+        match self {
+            Macro::Constraint => (quote!(Constraint<#d, #m>), quote!(ConstraintKernel<T, #d, #m>)),
+            Macro::Potential => (quote!(Potential<#d>), quote!(PotentialKernel<T, #d>)),
+            Macro::PairPotential => (quote!(PairPotential), quote!(PairKernel<T>)),
+            Macro::Hamiltonian => (quote!(Hamiltonian<#half>), quote!(HamiltonianKernel<T, #half>)),
+            Macro::PhaseConstraint => {
+                (quote!(PhaseConstraint<#half, #m>), quote!(PhaseConstraintKernel<T, #half, #m>))
+            }
+        }
+    }
+
+    /// The functions of the kernel's trait; their results are those of the routines of that name.
+    pub(crate) fn methods(self, sizes: &Sizes) -> Vec<Method> {
+        let (d, m) = (sizes.variables, sizes.roots);
+        let method = |name, arguments: &[(&'static str, &Form)], result: Form| Method {
+            name,
+            arguments: arguments.iter().map(|&(name, form)| (name, form.clone())).collect(),
+            result,
+        };
+        let tuple = |parts: &[&Form]| Form::Tuple(parts.iter().map(|&part| part.clone()).collect());
+        let number = Form::Number;
+        match self {
+            Macro::Constraint => {
+                let (q, row) = (Form::array(d), Form::array(m));
+                let rows = q.clone().of(m);
+                let hessian = q.clone().of(d).of(m);
+                vec![
+                    method("value", &[("q", &q)], row.clone()),
+                    method("jacobian", &[("q", &q)], rows.clone()),
+                    method("value_and_jacobian", &[("q", &q)], tuple(&[&row, &rows])),
+                    method("hessian_vector", &[("q", &q), ("v", &q)], rows),
+                    method("jet", &[("q", &q), ("v", &q)], tuple(&[&row, &row, &row])),
+                    method("hessian", &[("q", &q)], hessian),
+                    method("weighted_hessian_vector", &[("q", &q), ("weights", &row), ("v", &q)], q.clone()),
+                ]
+            }
+            Macro::Potential => {
+                let q = Form::array(d);
+                vec![
+                    method("value", &[("q", &q)], number.clone()),
+                    method("gradient", &[("q", &q)], q.clone()),
+                    method("value_and_gradient", &[("q", &q)], tuple(&[&number, &q])),
+                ]
+            }
+            Macro::PairPotential => {
+                vec![
+                    method("value", &[("s", &number)], number.clone()),
+                    method("slope", &[("s", &number)], number.clone()),
+                ]
+            }
+            Macro::Hamiltonian => {
+                let q = Form::array(d / 2);
+                let both = tuple(&[&q, &q]);
+                vec![
+                    method("value", &[("q", &q), ("p", &q)], number),
+                    method("gradients", &[("q", &q), ("p", &q)], both.clone()),
+                    method("hessian_vector", &[("q", &q), ("p", &q), ("dq", &q), ("dp", &q)], both),
+                ]
+            }
+            Macro::PhaseConstraint => {
+                let (q, row) = (Form::array(d / 2), Form::array(m));
+                let rows = q.clone().of(m);
+                let both = tuple(&[&rows, &rows]);
+                vec![
+                    method("value", &[("q", &q), ("p", &q)], row.clone()),
+                    method("jacobians", &[("q", &q), ("p", &q)], both.clone()),
+                    method("value_and_jacobians", &[("q", &q), ("p", &q)], tuple(&[&row, &rows, &rows])),
+                    method("hessian_vector", &[("q", &q), ("p", &q), ("dq", &q), ("dp", &q)], both),
+                ]
+            }
+        }
+    }
+
+    /// How the functions spell their inputs.
+    pub(crate) fn spelling(self, sizes: &Sizes) -> impl Fn(Input) -> TokenStream {
+        let half = match self {
+            Macro::Hamiltonian | Macro::PhaseConstraint => (sizes.variables / 2) as u32,
+            _ => u32::MAX,
+        };
+        let directions = if half == u32::MAX { ["v", "v"] } else { ["dq", "dp"] };
+        let component = |name: &str, k: u32| {
+            let (name, k) = (Ident::new(name, Span::call_site()), Literal::u32_unsuffixed(k));
+            quote!(#name[#k])
+        };
+        move |input| match input {
+            Input::Variable(_) if self == Macro::PairPotential => quote!(s),
+            Input::Variable(k) if k < half => component("q", k),
+            Input::Variable(k) => component("p", k - half),
+            Input::Direction(k) if k < half => component(directions[0], k),
+            Input::Direction(k) => component(directions[1], k - half),
+            Input::Weight(k) => component("weights", k),
+            Input::Parameter(_) => TokenStream::new(), // always held by the kernel
+        }
+    }
+}

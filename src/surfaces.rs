@@ -1,0 +1,259 @@
+//! Ready-made surfaces g(x, y, z) = 0: those of LAMMPS's MANIFOLD package and of HOOMD-blue, and classical ones.
+//!
+//! Each is a plain [`constraint!`](crate::constraint); its page shows the formula, the gradient and the
+//! number of operations. To vary one, copy its line into a macro of your own.
+//!
+//! ```
+//! use rattle::prelude::*;
+//! use rattle::surfaces::Torus;
+//!
+//! let torus = Torus { major: 1.5, minor: 0.5 };
+//! assert_eq!(torus.value(&[2.0, 0.0, 0.0].into())[0], 0.0);
+//! ```
+
+use crate::constraint;
+
+constraint! {
+    /// A sphere (HOOMD-blue; LAMMPS `sphere`).
+    pub struct Sphere { r }
+    |x, y, z| x^2 + y^2 + z^2 - r^2
+}
+constraint! {
+    /// An ellipsoid (HOOMD-blue; LAMMPS `ellipsoid`).
+    pub struct Ellipsoid { a, b, c }
+    |x, y, z| (x / a)^2 + (y / b)^2 + (z / c)^2 - 1
+}
+constraint! {
+    /// A cylinder along z (HOOMD-blue; LAMMPS `cylinder`).
+    pub struct Cylinder { r }
+    |x, y, _z| x^2 + y^2 - r^2
+}
+constraint! {
+    /// A cylinder with a dent of length 2l and depth a (LAMMPS `cylinder_dent`).
+    pub struct DentedCylinder { r, l, a }
+    |x, y, z| {
+        let radius = if abs(z) > l { r } else { r - a * (1 + cos(pi * z / l)) / 2 };
+        x^2 + y^2 - radius^2
+    }
+}
+constraint! {
+    /// The plane a x + b y + c z = d (HOOMD-blue; LAMMPS `plane`).
+    pub struct Plane { a, b, c, d }
+    |x, y, z| a * x + b * y + c * z - d
+}
+constraint! {
+    /// A plane with waves along x (LAMMPS `plane_wiggle`).
+    pub struct WigglyPlane { a, w }
+    |x, _y, z| z - a * sin(w * x)
+}
+constraint! {
+    /// A plane with a Gaussian bump, brought to zero between two radii by a cubic (LAMMPS `gaussian_bump`).
+    pub struct GaussianBump { a, l, inner, outer }
+    |x, y, z| {
+        let rho = norm(x, y);
+        let edge = a * exp(-inner^2 / (2 * l^2));
+        let slope = -edge * inner / l^2;
+        let w = outer - inner;
+        let t = (rho - inner) / w;
+        let cubic = edge * (1 + 2 * t) * (1 - t)^2 + slope * w * t * (1 - t)^2;
+        let height = if rho < inner { a * exp(-rho^2 / (2 * l^2)) } else if rho < outer { cubic } else { 0 };
+        z - height
+    }
+}
+constraint! {
+    /// A dumbbell (LAMMPS `dumbbell`, with k for A).
+    pub struct Dumbbell { a, k, b, c }
+    |x, y, z| -(x^2 + y^2) + (a^2 - z^2 / c^2) * (1 + (k * sin(b * z^2))^4)
+}
+constraint! {
+    /// A dendritic spine (LAMMPS `spine`).
+    pub struct Spine { a, k, b, b2, c }
+    |x, y, z| {
+        let f = if z > 0 { c } else { 1 };
+        let g = if z > 0 { b } else { b2 };
+        -(x^2 + y^2) + (a^2 - z^2 / f^2) * (1 + (k * sin(g * z^2))^4)
+    }
+}
+constraint! {
+    /// A dendritic spine with a softer neck (LAMMPS `spine_two`).
+    pub struct SpineTwo { a, k, b, b2, c }
+    |x, y, z| {
+        let f = if z > 0 { c } else { 1 };
+        let g = if z > 0 { b } else { b2 };
+        -(x^2 + y^2) + (a^2 - z^2 / f^2) * (1 + (k * sin(g * z^2))^2)
+    }
+}
+constraint! {
+    /// |x|^q + |y|^q + |z|^q = r^q (LAMMPS `supersphere`).
+    pub struct Supersphere { r, q }
+    |x, y, z| abs(x)^q + abs(y)^q + abs(z)^q - r^q
+}
+constraint! {
+    /// A superquadric with exponents n around z and m towards the poles.
+    pub struct Superellipsoid { a, b, c, n, m }
+    |x, y, z| (abs(x / a)^n + abs(y / b)^n)^(m / n) + abs(z / c)^m - 1
+}
+constraint! {
+    /// A torus by its distances (LAMMPS `torus`); not smooth on the axis.
+    pub struct TorusByDistance { major, minor }
+    |x, y, z| (norm(x, y) - major)^2 + z^2 - minor^2
+}
+constraint! {
+    /// A torus as a polynomial, smooth everywhere.
+    pub struct Torus { major, minor }
+    |x, y, z| (x^2 + y^2 + z^2 + major^2 - minor^2)^2 - 4 * major^2 * (x^2 + y^2)
+}
+constraint! {
+    /// Schoen's gyroid (HOOMD-blue).
+    pub struct Gyroid { k, epsilon }
+    |x, y, z| sin(k * x) * cos(k * y) + sin(k * y) * cos(k * z) + sin(k * z) * cos(k * x) - epsilon
+}
+constraint! {
+    /// Schwarz' primitive surface (HOOMD-blue).
+    pub struct Primitive { k, epsilon }
+    |x, y, z| cos(k * x) + cos(k * y) + cos(k * z) - epsilon
+}
+constraint! {
+    /// Schwarz' diamond surface (HOOMD-blue).
+    pub struct Diamond { k, epsilon }
+    |x, y, z| cos(k * x) * cos(k * y) * cos(k * z) - sin(k * x) * sin(k * y) * sin(k * z) - epsilon
+}
+constraint! {
+    /// Neovius' surface.
+    pub struct Neovius { k }
+    |x, y, z| 3 * (cos(k * x) + cos(k * y) + cos(k * z)) + 4 * cos(k * x) * cos(k * y) * cos(k * z)
+}
+constraint! {
+    /// Schoen's I-WP surface.
+    pub struct IWrappedPackage { k }
+    |x, y, z| {
+        let a = cos(k * x);
+        let b = cos(k * y);
+        let c = cos(k * z);
+        2 * (a * b + b * c + c * a) - (cos(2 * k * x) + cos(2 * k * y) + cos(2 * k * z))
+    }
+}
+constraint! {
+    /// Lidin's surface.
+    pub struct Lidinoid { k, epsilon }
+    |x, y, z| {
+        let a = 2 * k * x;
+        let b = 2 * k * y;
+        let c = 2 * k * z;
+        sin(a) * cos(k * y) * sin(k * z) + sin(b) * cos(k * z) * sin(k * x) + sin(c) * cos(k * x) * sin(k * y) - cos(a) * cos(b) - cos(b) * cos(c) - cos(c) * cos(a) + epsilon
+    }
+}
+constraint! {
+    /// The Bernoulli lemniscate, inflated: genus two for r < a⁴/4.
+    pub struct Lemniscate { a, r }
+    |x, y, z| {
+        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+        f^2 + z^2 - r^2
+    }
+}
+constraint! {
+    /// A lemniscate of three foci, inflated: of Klein's type, genus three.
+    pub struct ThreeFoci { a, c, r }
+    |x, y, z| {
+        let p = (x^2 + y^2)^3 - 2 * a^3 * (x^3 - 3 * x * y^2) + a^6;
+        (p - c)^2 + z^2 - r^2
+    }
+}
+constraint! {
+    /// Clebsch's diagonal cubic: 27 real lines.
+    pub struct Clebsch {}
+    |x, y, z| 81 * (x^3 + y^3 + z^3) - 189 * (x^2 * (y + z) + y^2 * (x + z) + z^2 * (x + y)) + 54 * x * y * z + 126 * (x * y + x * z + y * z) - 9 * (x^2 + y^2 + z^2) - 9 * (x + y + z) + 1
+}
+constraint! {
+    /// Cayley's cubic: four nodes.
+    pub struct Cayley {}
+    |x, y, z| 4 * (x^2 + y^2 + z^2) + 16 * x * y * z - 1
+}
+constraint! {
+    /// Barth's sextic: 65 nodes.
+    pub struct BarthSextic { w }
+    |x, y, z| {
+        let phi = (1 + sqrt(5)) / 2;
+        let a = (phi * x)^2 - y^2;
+        let b = (phi * y)^2 - z^2;
+        let c = (phi * z)^2 - x^2;
+        4 * a * b * c - (1 + 2 * phi) * w^2 * (x^2 + y^2 + z^2 - w^2)^2
+    }
+}
+constraint! {
+    /// Kummer's quartic: sixteen nodes.
+    pub struct Kummer { mu }
+    |x, y, z| {
+        let lambda = (3 * mu^2 - 1) / (3 - mu^2);
+        let s = sqrt(2);
+        (x^2 + y^2 + z^2 - mu^2)^2 - lambda * (1 - z - s * x) * (1 - z + s * x) * (1 + z + s * y) * (1 + z - s * y)
+    }
+}
+constraint! {
+    /// Goursat's tangle cube.
+    pub struct Tanglecube { c }
+    |x, y, z| x^4 - 5 * x^2 + y^4 - 5 * y^2 + z^4 - 5 * z^2 + c
+}
+constraint! {
+    /// Chmutov's quartic of Chebyshev polynomials.
+    pub struct Chmutov {}
+    |x, y, z| 8 * (x^4 + y^4 + z^4) - 8 * (x^2 + y^2 + z^2) + 3
+}
+constraint! {
+    /// Three rings around a cube: genus thirteen.
+    pub struct Decocube { b, c }
+    |x, y, z| ((x^2 + y^2 - c^2)^2 + (z^2 - 1)^2) * ((y^2 + z^2 - c^2)^2 + (x^2 - 1)^2) * ((z^2 + x^2 - c^2)^2 + (y^2 - 1)^2) - b
+}
+constraint! {
+    /// Taubin's heart.
+    pub struct Heart {}
+    |x, y, z| (x^2 + 9/4 * y^2 + z^2 - 1)^3 - x^2 * z^3 - 9/80 * y^2 * z^3
+}
+constraint! {
+    /// Dupin's cyclide.
+    pub struct DupinCyclide { a, b, d }
+    |x, y, z| {
+        let c2 = a^2 - b^2;
+        (x^2 + y^2 + z^2 + b^2 - d^2)^2 - 4 * (a * x - sqrt(c2) * d)^2 - 4 * b^2 * y^2
+    }
+}
+constraint! {
+    /// Two metaballs at ±c on the x axis.
+    pub struct Metaballs { c, level }
+    |x, y, z| 1 / ((x - c)^2 + y^2 + z^2) + 1 / ((x + c)^2 + y^2 + z^2) - level
+}
+constraint! {
+    /// A hyperboloid of one sheet.
+    pub struct Hyperboloid { a, c }
+    |x, y, z| (x / a)^2 + (y / a)^2 - (z / c)^2 - 1
+}
+constraint! {
+    /// An elliptic paraboloid.
+    pub struct Paraboloid { a, b }
+    |x, y, z| (x / a)^2 + (y / b)^2 - z
+}
+constraint! {
+    /// A hyperbolic paraboloid.
+    pub struct Saddle { a, b }
+    |x, y, z| (x / a)^2 - (y / b)^2 - z
+}
+constraint! {
+    /// The monkey saddle.
+    pub struct MonkeySaddle {}
+    |x, y, z| x^3 - 3 * x * y^2 - z
+}
+constraint! {
+    /// The catenoid, a minimal surface.
+    pub struct Catenoid { a }
+    |x, y, z| x^2 + y^2 - a^2 * cosh(z / a)^2
+}
+constraint! {
+    /// The helicoid, a minimal surface.
+    pub struct Helicoid { c }
+    |x, y, z| x * sin(z / c) - y * cos(z / c)
+}
+constraint! {
+    /// Scherk's first surface, minimal and doubly periodic.
+    pub struct Scherk {}
+    |x, y, z| exp(z) * cos(y) - cos(x)
+}

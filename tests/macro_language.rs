@@ -1,0 +1,219 @@
+//! The language beyond scalars: arrays, loops, branches, and the macros of phase space.
+
+use nalgebra::{SMatrix, SVector, matrix, vector};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::kernel::*;
+use rattle::prelude::*;
+
+constraint! {
+    /// Six equations: QᵀQ = 1.
+    pub struct Orthogonal {}
+    |m: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, m[k][i] * m[k][j]) - delta(i, j) }
+}
+constraint! {
+    /// A rigid rod.
+    pub struct Rod { length }
+    |a: [f64; 3], b: [f64; 3]| sum(i in 0..3, (a[i] - b[i])^2) - length^2
+}
+constraint! {
+    /// Two equations from arrays as a whole, and array parameters.
+    pub struct Plane { normal: [f64; 3], offset }
+    |q: [f64; 3]| [dot(normal, q) - offset, norm(2 * q - normal / 2) - norm(q[0], q[1])]
+}
+constraint! {
+    /// Branches, nested and joined.
+    pub struct Branches { c }
+    |x, y| [
+        if x < 0 { sqrt(-x) + y } else if x <= c && y > 0 || y < -1 { x^2 * y } else { ln(x) },
+        min(x, y, c) * max(x * y, x),
+        abs(x - y) * hypot(x, y) + atan2(y, x) + pow(x^2 + 1, y),
+    ]
+}
+constraint! {
+    /// An index decides at compile time; `..=` includes its end; a constant `let` is an index.
+    pub struct Chain {}
+    |x: [f64; 4]| {
+        let n = 3;
+        for i in 0..=n { if i == 0 || i > 100 { x[0] } else { x[i] - x[i - 1] } + product(j in 0..i, x[j]) }
+    }
+}
+hamiltonian! {
+    /// A pendulum in Cartesian coordinates.
+    pub struct Pendulum { g }
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
+}
+hamiltonian! {
+    /// A charge in a magnetic field: not separable.
+    pub struct Charge { b }
+    |q: [f64; 2], p: [f64; 2]| ((p[0] + b * q[1])^2 + (p[1] - b * q[0])^2) / 2 + cos(q[0]) * p[1]
+}
+phase_constraint! {
+    /// The sphere of the Hopf fibration.
+    pub struct Sphere3 {}
+    |q: [f64; 2], p: [f64; 2]| [dot(q, q) + dot(p, p) - 1, q[0] * p[1] - q[1] * p[0]]
+}
+
+#[test]
+fn families_of_equations() {
+    let mut generator = StdRng::seed_from_u64(5);
+    for _ in 0..100 {
+        let m = SMatrix::<f64, 3, 3>::from_fn(|_, _| generator.random_range(-1.0..1.0));
+        let q = SVector::<f64, 9>::from_iterator(m.transpose().iter().copied()); // row by row
+        let (g, jacobian) = Orthogonal {}.value_and_jacobian(&q);
+        let mut equation = 0;
+        for i in 0..3 {
+            for j in i..3 {
+                let delta = if i == j { 1.0 } else { 0.0 };
+                let by_hand = m[(0, i)] * m[(0, j)] + m[(1, i)] * m[(1, j)] + m[(2, i)] * m[(2, j)] - delta;
+                assert_eq!(g[equation], by_hand);
+                for (row, k) in (0..9).map(|n| (n / 3, n % 3)) {
+                    let mut slope = 0.0;
+                    slope += if k == i { m[(row, j)] } else { 0.0 };
+                    slope += if k == j { m[(row, i)] } else { 0.0 };
+                    assert_eq!(jacobian[(equation, 3 * row + k)], slope);
+                    let moves = k == i || k == j;
+                    assert_eq!(<Orthogonal as Constraint<9, 6>>::SPARSITY[equation][3 * row + k], moves);
+                }
+                equation += 1;
+            }
+        }
+        assert_eq!(equation, 6);
+    }
+}
+
+#[test]
+fn arrays_as_a_whole() {
+    let rod = Rod { length: 2.0 };
+    let q = vector![1.0, 2.0, 3.0, 0.5, 0.25, 0.125];
+    assert_eq!(rod.value(&q)[0], 0.25 + 1.75 * 1.75 + 2.875 * 2.875 - 4.0);
+    assert_eq!(rod.jacobian(&q), matrix![1.0, 3.5, 5.75, -1.0, -3.5, -5.75]);
+    let plane = Plane { normal: [1.0, 2.0, 2.0], offset: 3.0 };
+    let g = plane.value(&vector![0.75, 1.5, 4.0]);
+    assert_eq!(g[0], 0.75 + 3.0 + 8.0 - 3.0);
+    assert_eq!(g[1], (1.0_f64 + 4.0 + 49.0).sqrt() - (0.75_f64 * 0.75 + 1.5 * 1.5).sqrt());
+    assert_eq!(plane.jacobian(&vector![0.75, 1.5, 4.0]).row(0), matrix![1.0, 2.0, 2.0]);
+}
+
+fn branches(x: f64, y: f64, c: f64) -> [f64; 3] {
+    let smaller = |a: f64, b: f64| if b < a { b } else { a };
+    let larger = |a: f64, b: f64| if a < b { b } else { a };
+    let first = if x < 0.0 {
+        (-x).sqrt() + y
+    } else if x <= c && y > 0.0 || y < -1.0 {
+        x * x * y
+    } else {
+        x.ln()
+    };
+    [
+        first,
+        smaller(smaller(x, y), c) * larger(x * y, x),
+        (x - y).abs() * x.hypot(y) + y.atan2(x) + (x * x + 1.0).powf(y),
+    ]
+}
+
+/// Branches: values by hand, derivatives by differences inside each, and no NaN from the arm not taken.
+#[test]
+fn branches_select() {
+    let c = 0.8;
+    let g = Branches { c };
+    let mut generator = StdRng::seed_from_u64(6);
+    let mut checked = 0;
+    for _ in 0..2000 {
+        let q = SVector::<f64, 2>::from_fn(|_, _| generator.random_range(-2.0..2.0));
+        let value = g.value(&q);
+        for (found, expected) in value.iter().zip(branches(q[0], q[1], c)) {
+            assert_eq!(found.to_bits(), expected.to_bits(), "at {q:?}");
+        }
+        let (jacobian, h) = (g.jacobian(&q), 1.0 / (1 << 16) as f64);
+        assert!(jacobian.iter().all(|entry| entry.is_finite()), "no NaN leaks at {q:?}");
+        let mut kinks = [0.0; 8];
+        let kernel = g.kernel::<f64>();
+        <_ as ConstraintKernel<f64, 2, 3>>::kinks(&kernel, &q.into(), &mut kinks);
+        // x, −x < 0, x − c, y, y + 1, x − y and so on: away from all of them the function is smooth.
+        if [q[0], q[0] - c, q[1], q[1] + 1.0, q[0] - q[1], q[1] - c, q[0] * (q[1] - 1.0)]
+            .iter()
+            .any(|k| k.abs() < 0.05)
+        {
+            continue;
+        }
+        checked += 1;
+        for k in 0..2 {
+            let at = |step: f64| {
+                let mut q = q;
+                q[k] += step;
+                g.value(&q)
+            };
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            for i in 0..3 {
+                let (found, expected) = (jacobian[(i, k)], difference[i]);
+                // h²g‴/6 with g‴ ≤ 2e4 this near to the kinks
+                assert!(
+                    (found - expected).abs() <= 1e-6 * (1.0 + expected.abs()),
+                    "∂g{i}/∂q{k} at {q:?}: {found} {expected}"
+                );
+            }
+        }
+    }
+    assert!(checked > 500);
+}
+
+#[test]
+fn ties_and_edges() {
+    let g = Branches { c: 0.8 };
+    // min and max: the first argument on a tie; abs′(0) = +1; hypot and atan2 have slope 0 at the origin.
+    let at_tie = g.jacobian(&vector![0.5, 0.5]);
+    assert_eq!(at_tie[(1, 1)], 0.0, "min(x, x) follows x");
+    let origin = g.jacobian(&vector![0.0, 0.0]);
+    assert!(origin.iter().skip(1).all(|entry| !entry.is_nan()), "{origin}");
+    assert_eq!(origin[(2, 0)], 0.0);
+    // In the first branch x = 0 is not below 0, nor is y above 0: ln′(0) = ∞ is the honest slope.
+    assert_eq!(origin[(0, 0)], f64::INFINITY);
+    let kinks = <<Branches as Constraint<2, 3>>::Kernel<f64> as ConstraintKernel<f64, 2, 3>>::KINKS;
+    assert!(kinks >= 6, "x, x − c, y, y + 1, x − y, … are listed: {kinks}");
+}
+
+#[test]
+fn indices_decide() {
+    let x = [2.0, 3.0, 5.0, 7.0];
+    let g = Chain {}.value(&x.into());
+    assert_eq!(g, vector![2.0 + 1.0, 1.0 + 2.0, 2.0 + 6.0, 2.0 + 30.0]);
+}
+
+#[test]
+fn phase_space() {
+    let (q, p) = (vector![0.3, -0.4], vector![0.5, 0.7]);
+    let pendulum = Pendulum { g: 9.0 };
+    assert_eq!(pendulum.value(&q, &p), (0.25 + 0.7 * 0.7) / 2.0 + 9.0 * -0.4);
+    assert_eq!(pendulum.gradients(&q, &p), (vector![0.0, 9.0], p));
+    let charge = Charge { b: 1.5 };
+    let kernel = charge.kernel::<f64>();
+    let (dq, dp) = ([0.2, -0.1], [0.4, 0.3]);
+    let (hq, hp) = kernel.hessian_vector(&q.into(), &p.into(), &dq, &dp);
+    let h = 1.0 / 1024.0;
+    let at = |s: f64| charge.gradients(&(q + s * SVector::from(dq)), &(p + s * SVector::from(dp)));
+    let ((q1, p1), (q0, p0)) = (at(h), at(-h));
+    let (fq, fp) = ((q1 - q0) / (2.0 * h), (p1 - p0) / (2.0 * h));
+    for k in 0..2 {
+        assert!((hq[k] - fq[k]).abs() < 1e-6 && (hp[k] - fp[k]).abs() < 1e-6); // h²/6 times third derivatives below one
+    }
+    let (by_q, by_p) = Sphere3 {}.jacobians(&q, &p);
+    assert_eq!(by_q, matrix![0.6, -0.8; 0.7, -0.5]);
+    assert_eq!(by_p, matrix![1.0, 1.4; 0.4, 0.3]);
+}
+
+#[test]
+fn second_derivatives_agree() {
+    let mut generator = StdRng::seed_from_u64(7);
+    for _ in 0..200 {
+        let q = SVector::<f64, 6>::from_fn(|_, _| generator.random_range(-1.0..1.0));
+        let v = SVector::<f64, 6>::from_fn(|_, _| generator.random_range(-1.0..1.0));
+        let weights = vector![generator.random_range(-1.0..1.0)];
+        let rod = Rod { length: 1.0 };
+        let [hessian] = rod.hessian(&q);
+        assert_eq!(hessian, hessian.transpose());
+        let product = rod.hessian_vector(&q, &v).transpose();
+        let weighted = rod.weighted_hessian_vector(&q, &weights, &v);
+        assert!((hessian * v - product).amax() <= 1e-14); // six products of order one
+        assert!((product * weights[0] - weighted).amax() <= 1e-14);
+    }
+}

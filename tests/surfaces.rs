@@ -1,0 +1,106 @@
+//! Every ready-made surface: derivatives against differences, a known point, and that it is a surface.
+
+use nalgebra::{SVector, vector};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::kernel::*;
+use rattle::surfaces::*;
+
+type Point = SVector<f64, 3>;
+
+/// (4 D(h/2) − D(h)) / 3 of central differences: h⁴/480 times a fifth derivative, and rounding eps/h.
+fn difference(f: impl Fn(&Point) -> f64, q: &Point, k: usize) -> f64 {
+    let central = |h: f64| {
+        let (mut ahead, mut behind) = (*q, *q);
+        ahead[k] += h;
+        behind[k] -= h;
+        (f(&ahead) - f(&behind)) / (2.0 * h)
+    };
+    (4.0 * central(1.0 / 4096.0) - central(1.0 / 2048.0)) / 3.0
+}
+
+#[track_caller]
+fn check(name: &str, g: impl Constraint<3, 1>, known: Option<[f64; 3]>) {
+    if let Some(point) = known {
+        let value = g.value(&point.into())[0];
+        assert!(value.abs() <= 4.0 * f64::EPSILON, "{name} passes through {point:?}: {value}");
+    }
+    let mut generator = StdRng::seed_from_u64(11);
+    let (mut reached, mut agreed) = (0, 0);
+    for _ in 0..200 {
+        // A random point, then Newton's method along the gradient: the surface is there.
+        let mut q = Point::from_fn(|_, _| generator.random_range(-1.5..1.5));
+        let v = Point::from_fn(|_, _| generator.random_range(-1.0..1.0));
+        let (jacobian, products) = (g.jacobian(&q), g.hessian_vector(&q, &v));
+        let size = 1.0 + g.value(&q)[0].abs() + jacobian.amax() + products.amax();
+        let smooth = (0..3).all(|k| {
+            let slope = difference(|q| g.value(q)[0], &q, k);
+            let second: f64 = (0..3).map(|j| v[j] * difference(|q| g.jacobian(q)[k], &q, j)).sum();
+            (slope - jacobian[k]).abs() <= 1e-7 * size && (second - products[k]).abs() <= 1e-6 * size
+        });
+        agreed += usize::from(smooth);
+        for _ in 0..60 {
+            let (value, jacobian) = g.value_and_jacobian(&q);
+            q -= jacobian.transpose() * (value[0] / jacobian.norm_squared());
+        }
+        let (value, jacobian) = g.value_and_jacobian(&q);
+        reached += usize::from(value[0].abs() <= 1e-9 && jacobian.norm() > 1e-6);
+    }
+    // A few points may lie at a kink or a pole, or leave along an asymptote.
+    assert!(agreed >= 190, "{name}: derivatives agree with differences at {agreed} of 200 points");
+    assert!(reached >= 100, "{name}: Newton's method finds the surface from {reached} of 200 points");
+}
+
+#[test]
+fn catalogue() {
+    check("Sphere", Sphere { r: 1.5 }, Some([0.0, 0.0, 1.5]));
+    check("Ellipsoid", Ellipsoid { a: 1.0, b: 1.5, c: 0.5 }, Some([0.0, 1.5, 0.0]));
+    check("Cylinder", Cylinder { r: 1.5 }, Some([1.5, 0.0, 7.0]));
+    check("DentedCylinder", DentedCylinder { r: 1.0, l: 0.5, a: 0.25 }, Some([0.75, 0.0, 0.0]));
+    check("Plane", Plane { a: 1.0, b: 2.0, c: 2.0, d: 3.0 }, Some([3.0, 0.0, 0.0]));
+    check("WigglyPlane", WigglyPlane { a: 0.5, w: 2.0 }, Some([0.0, 3.0, 0.0]));
+    check("GaussianBump", GaussianBump { a: 0.5, l: 0.5, inner: 1.0, outer: 1.5 }, Some([0.0, 0.0, 0.5]));
+    check("Dumbbell", Dumbbell { a: 1.0, k: 1.2, b: 1.0, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+    check("Spine", Spine { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+    check("SpineTwo", SpineTwo { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+    check("Supersphere", Supersphere { r: 1.0, q: 4.0 }, Some([0.0, 0.0, 1.0]));
+    check("Superellipsoid", Superellipsoid { a: 1.0, b: 1.5, c: 0.5, n: 3.0, m: 2.5 }, Some([0.0, 0.0, 0.5]));
+    check("TorusByDistance", TorusByDistance { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
+    check("Torus", Torus { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
+    check("Gyroid", Gyroid { k: 1.0, epsilon: 0.0 }, Some([0.0, 0.0, 0.0]));
+    check("Primitive", Primitive { k: 1.0, epsilon: 1.0 }, None);
+    check("Diamond", Diamond { k: 1.0, epsilon: 0.0 }, None);
+    check("Neovius", Neovius { k: 1.0 }, None);
+    check("IWrappedPackage", IWrappedPackage { k: 1.0 }, None);
+    check("Lidinoid", Lidinoid { k: 1.0, epsilon: 0.3 }, None);
+    check("Lemniscate", Lemniscate { a: 1.0, r: 0.125 }, Some([0.0, 0.0, 0.125]));
+    check("ThreeFoci", ThreeFoci { a: 1.0, c: 1.0, r: 0.25 }, Some([0.0, 0.0, 0.25]));
+    check("Clebsch", Clebsch {}, None);
+    check("Cayley", Cayley {}, Some([0.5, 0.0, 0.0]));
+    check("BarthSextic", BarthSextic { w: 1.0 }, None);
+    check("Kummer", Kummer { mu: 1.25 }, None);
+    check("Tanglecube", Tanglecube { c: 11.8 }, None);
+    check("Chmutov", Chmutov {}, None);
+    check("Decocube", Decocube { b: 0.02, c: 0.95 }, None);
+    check("Heart", Heart {}, Some([1.0, 0.0, 0.0]));
+    check("DupinCyclide", DupinCyclide { a: 1.5, b: 1.25, d: 0.5 }, None);
+    check("Metaballs", Metaballs { c: 1.0, level: 2.0 }, Some([0.0, 0.0, 0.0]));
+    check("Hyperboloid", Hyperboloid { a: 1.0, c: 1.5 }, Some([1.0, 0.0, 0.0]));
+    check("Paraboloid", Paraboloid { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
+    check("Saddle", Saddle { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
+    check("MonkeySaddle", MonkeySaddle {}, Some([1.0, 0.0, 1.0]));
+    check("Catenoid", Catenoid { a: 0.5 }, Some([0.5, 0.0, 0.0]));
+    check("Helicoid", Helicoid { c: 0.5 }, Some([1.0, 0.0, 0.0]));
+    check("Scherk", Scherk {}, Some([0.5, 0.5, 0.0]));
+}
+
+/// The pieces of a surface that is put together meet with their slopes.
+#[test]
+fn pieces_meet() {
+    let bump = GaussianBump { a: 0.5, l: 0.5, inner: 1.0, outer: 1.5 };
+    for radius in [1.0_f64, 1.5] {
+        let at = |x: f64| bump.value_and_jacobian(&vector![x, 0.0, 0.0]);
+        let ((below, slope_below), (above, slope_above)) = (at(radius.next_down()), at(radius.next_up()));
+        assert!((below[0] - above[0]).abs() <= 1e-15, "{below} {above}");
+        assert!((slope_below - slope_above).amax() <= 1e-14, "{slope_below} {slope_above}");
+    }
+}
