@@ -52,8 +52,39 @@ impl Mesh {
         high: [f64; 3],
         cells: usize,
     ) -> Result<Self, MeshError> {
+        Self::net(g, low, high, cells, Border::Closed)
+    }
+
+    /// The part of {g = 0} inside the box, as [`Mesh::of`] but open where the box cuts it: for surfaces without end.
+    ///
+    /// # Errors
+    /// As [`Mesh::of`], without [`MeshError::Cut`].
+    ///
+    /// ```
+    /// use rattle::view::Mesh;
+    /// let cylinder = |[x, y, _]: [f64; 3]| (x * x + y * y - 1.0, [2.0 * x, 2.0 * y, 0.0]);
+    /// assert!(Mesh::of(cylinder, [-1.5; 3], [1.5; 3], 20).is_err());
+    /// assert!(!Mesh::within(cylinder, [-1.5; 3], [1.5; 3], 20)?.is_closed());
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn within(
+        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        low: [f64; 3],
+        high: [f64; 3],
+        cells: usize,
+    ) -> Result<Self, MeshError> {
+        Self::net(g, low, high, cells, Border::Open)
+    }
+
+    fn net(
+        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        low: [f64; 3],
+        high: [f64; 3],
+        cells: usize,
+        border: Border,
+    ) -> Result<Self, MeshError> {
         let grid = Grid::new(low, high, cells)?;
-        let net = grid.net(&grid.sample(&g)?);
+        let net = grid.net(&grid.sample(&g, border)?);
         let mut mesh = Self { vertices: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
         for &[i, j, k] in &net.positions {
             let start = grid.point([i, j, k].map(f64::from));
@@ -148,6 +179,13 @@ impl Mesh {
     }
 }
 
+/// Whether a surface may leave the box.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Border {
+    Closed,
+    Open,
+}
+
 /// A grid of points: `count` along each side, `cell` apart.
 struct Grid {
     low: [f64; 3],
@@ -179,7 +217,11 @@ impl Grid {
     }
 
     /// g at every point, first coordinate fastest, as single precision: the net needs the sign and roughly the size.
-    fn sample(&self, g: impl Fn([f64; 3]) -> (f64, [f64; 3])) -> Result<Vec<f32>, MeshError> {
+    fn sample(
+        &self,
+        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        border_is: Border,
+    ) -> Result<Vec<f32>, MeshError> {
         let shape = self.shape();
         let mut values = Vec::with_capacity(shape.usize());
         let (mut inside, mut border) = ([false; 2], [None; 2]);
@@ -200,7 +242,9 @@ impl Grid {
         if inside != [true; 2] {
             return Err(MeshError::Empty { positive: inside[0] });
         }
-        if let [Some((above, _)), Some((below, _))] = border {
+        if border_is == Border::Closed
+            && let [Some((above, _)), Some((below, _))] = border
+        {
             return Err(MeshError::Cut { above, below });
         }
         // Scaled so that neither huge nor tiny g leaves the range of f32; the sign is kept.
