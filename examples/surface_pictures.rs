@@ -23,7 +23,8 @@ const GEODESICS: u32 = 16;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let chromium = browser::find().ok_or("no Chromium; set CHROME or put chromium on the path")?;
-    let mut artist = Artist { browser: browser::Browser::start(&chromium, &[]), folder: tempfile::tempdir()? };
+    let mut artist =
+        Artist { browser: browser::Browser::start(&chromium, &[]), folder: tempfile::tempdir()? };
     artist.browser.resize(640, 480, false);
     let golden = (1.0 + 5_f64.sqrt()) / 2.0;
     let pi = std::f64::consts::PI;
@@ -77,7 +78,12 @@ struct Artist {
 
 impl Artist {
     /// Draws the part of the surface in the cube of this half side.
-    fn draw<C: Constraint<3, 1> + Copy>(&mut self, name: &str, surface: C, half: f64) -> Result<(), Box<dyn Error>> {
+    fn draw<C: Constraint<3, 1> + Copy>(
+        &mut self,
+        name: &str,
+        surface: C,
+        half: f64,
+    ) -> Result<(), Box<dyn Error>> {
         let g = |q: [f64; 3]| {
             let (value, gradient) = surface.value_and_jacobian(&q.into());
             let gradient: [f64; 3] = gradient.row(0).transpose().into();
@@ -95,7 +101,9 @@ impl Artist {
         let padded: Vec<_> = padded.collect();
         let times: Vec<f64> = (0..samples).map(|i| i as f64).collect();
         let file = self.folder.path().join("page.html");
-        Page::new(name).scene(Scene3::new(name).surface(&mesh).particles(&times, &padded).trail(3 * samples)).write(&file)?;
+        Page::new(name)
+            .scene(Scene3::new(name).surface(&mesh).particles(&times, &padded).trail(3 * samples))
+            .write(&file)?;
         self.browser.open(&file);
         self.browser.wait("window.rattle !== undefined && rattle.frame() > 0");
         let picture = "rattle.pause(), rattle.seek(rattle.frames() - 1), rattle.draw(), \

@@ -19,6 +19,8 @@
 //! | sphere, h·|v| < R | the solvability limit itself | the closed discrete solution to 1e-13, an error beyond |
 //! | g = z² | gradient vanishes all over the surface | refused at the start |
 //! | empty surface | nothing to project onto | an error with the distances |
+//! | surface through the origin | q is smaller than the rounding of g | swings of any size down to 1e-9 |
+//! | turning point | path and push cancel | no failure |
 //! | rest in equilibrium, also unstable | the guess is exact, corrections are 0/0 | stays, to the last bit of z |
 
 mod common;
@@ -83,7 +85,7 @@ fn thin_tube_with_a_long_step_ends_in_an_error() {
                 assert!(reach > 1.0 && longest < h);
                 reach
             }
-            StepFailure::NoConvergence { reach, .. } | StepFailure::OtherSheet { reach, .. } => reach,
+            StepFailure::NoConvergence { reach, .. } | StepFailure::RootLost { reach, .. } => reach,
             other => panic!("{other}"),
         };
         assert!(reach > 0.1, "h = {h}: {reach}");
@@ -194,7 +196,11 @@ fn huge_steps_never_land_on_another_sheet() {
     let scene = Scene::on(SURFACE);
     let mut random = StdRng::seed_from_u64(1);
     let (mut taken, mut refused, mut missed, mut largest_taken) = (0, 0, 0, 0.0_f64);
-    while taken + refused < 10_000 {
+    for attempt in 0.. {
+        if taken + refused == 10_000 {
+            break;
+        }
+        assert!(attempt < 20_000, "most random starts can be projected and simulated");
         let mut number = |bound: f64| random.random_range(-bound..bound);
         let guess = State::at([number(1.1), number(0.4), number(0.2)]).moving([
             number(1.0),
@@ -225,7 +231,8 @@ fn huge_steps_never_land_on_another_sheet() {
         }
     }
     assert!(taken > 2000 && refused > 5000, "{taken} taken, {refused} refused");
-    assert!(missed < 50, "{missed} refused although the root exists: more than close to where it ends");
+    // Close to where its root ends a step may be refused although it still exists; not often.
+    assert!(missed < 100, "{missed} of {refused} refused although the root exists");
     assert!((0.9..=1.0).contains(&largest_taken), "{largest_taken}");
 }
 
@@ -429,6 +436,41 @@ fn rest_in_equilibrium_is_kept() {
             assert_eq!([q.x, q.y, p.x, p.y], [0.0; 4]);
             // The normal direction is only known to the rounding of q, which the solver does not go below.
             assert!((q.z - z).abs() <= 2.0 * U * SURFACE.r && p.z.abs() <= U, "{:e}, {:e}", q.z - z, p.z);
+        }
+    }
+}
+
+constraint! {
+    /// A circle of radius 1 that touches the origin from above.
+    struct Cup {}
+    |x, y| x^2 + (y - 1)^2 - 1
+}
+
+#[test]
+fn surfaces_through_the_origin_are_like_others() {
+    let scene = Scene::on(Cup {}).with(PlanarGravity { g: 1.0 });
+    for amplitude in [1e-2, 1e-4, 1e-6, 1e-9] {
+        let start = scene.project(&State::at([amplitude, 0.5 * amplitude * amplitude])).unwrap();
+        for h in [1e-3, 1e-2, 1e-1] {
+            let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+            let mut largest = 0.0_f64;
+            let run = simulation.run_with(5000, |now| largest = largest.max(now.position().x.abs()));
+            run.unwrap();
+            // A swing with frequency 1, to the order of the method.
+            assert!((largest / amplitude - 1.0).abs() < 1e-2, "{amplitude:e}, h = {h}: {largest:e}");
+        }
+    }
+}
+
+#[test]
+fn turning_points_are_passed() {
+    // A kick of h/2 g takes away the whole momentum: drift and push cancel.
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    for h in [0.01, 0.1] {
+        for off in [0.0, 1e-16, 1e-9, -1e-9, 1e-5, -1e-5] {
+            let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.0, 0.5 * h + off]);
+            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            simulation.run(10).unwrap();
         }
     }
 }

@@ -2,6 +2,8 @@
 
 mod common;
 use common::*;
+use rattle::composition::Coefficients;
+use rattle::error::StepFailure;
 use rattle::prelude::*;
 use rattle::{Counted, Error};
 
@@ -170,20 +172,138 @@ fn gas_energy_is_second_order_with_the_right_sign_of_force() {
     assert!((order(&errors) - 2.0).abs() < 0.1, "{errors:?}");
 }
 
+/// Three particles on a sphere of radius 1, the last one fast: it fails after the others have moved.
+fn last_one_fails() -> State<3> {
+    State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).with_momenta([
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [12.0, 0.0, 0.0],
+    ])
+}
+
+/// Runs until a step fails, then compares the state, and what the simulation does next, with a fresh one.
+fn failure_leaves_no_trace<E, S>(
+    scene: Scene<Sphere, E, rattle::bodies::Many, 3>,
+    start: State<3>,
+    method: S,
+) -> Error
+where
+    E: rattle::effect::Effects<3> + Clone,
+    S: Stepper,
+{
+    let mut simulation = scene.simulate(start, method.clone()).unwrap();
+    let (error, before) = loop {
+        let before = simulation.state();
+        match simulation.step() {
+            Err(error) => break (error, before),
+            Ok(()) => assert!(simulation.steps() < 10_000, "fails sooner or later"),
+        }
+    };
+    assert_eq!(bits(&simulation.state()), bits(&before));
+    assert_eq!(simulation.step().unwrap_err(), error, "fails in the same way again");
+    let debug = format!("{:?}", scene.simulate(before, method).unwrap());
+    let bodies = |text: &str| text[text.find("bodies").unwrap()..].to_owned();
+    assert_eq!(
+        bodies(&format!("{simulation:?}")),
+        bodies(&debug),
+        "normals and forces are those of the state"
+    );
+    error
+}
+
 #[test]
 fn a_failed_step_leaves_no_trace() {
-    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.05)).unwrap();
-    let mut before = bits(&simulation.state());
-    let error = loop {
-        match simulation.step() {
-            Ok(()) => before = bits(&simulation.state()),
-            Err(error) => break error,
-        }
-        assert!(simulation.steps() < 10_000, "this step size fails sooner or later");
+    let sphere = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let error = failure_leaves_no_trace(sphere, last_one_fails(), Rattle::new(0.1));
+    let Error::Step { step: 1, body: 2, cause: StepFailure::StepTooLong { reach, longest, h, .. }, .. } =
+        error
+    else {
+        panic!("{error:?}")
     };
-    assert_eq!(bits(&simulation.state()), before);
-    let Error::Step { step, .. } = error else { panic!("{error:?}") };
-    assert_eq!(step, simulation.steps() + 1);
-    assert_eq!(simulation.step().unwrap_err(), error, "and fails in the same way again");
+    assert!((reach - 1.2).abs() < 1e-12 && (longest - 1.0 / 12.0).abs() < 1e-12 && h == 0.1, "{error}");
+
+    // Falling from the top the last one gets faster, until a later stage of a composition fails.
+    let start =
+        State::of([[0.0, 0.0, 1.0]; 3]).with_momenta([[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [1.0, 0.0, 0.0]]);
+    let method = Composition::new(SUZUKI_1990_ORDER_4, 0.72);
+    let error = failure_leaves_no_trace(sphere, start, method);
+    assert!(matches!(error, Error::Step { body: 2, .. }), "{error:?}");
+}
+
+#[test]
+fn two_effects_add_up() {
+    let run = |simulation: &mut dyn FnMut() -> [f64; 3]| simulation();
+    let whole = run(&mut || {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+        simulation.run(500).unwrap();
+        simulation.position().into()
+    });
+    let parts = run(&mut || {
+        let scene =
+            Scene::on(SURFACE).with(Gravity { g: 0.25 }).with(Gravity { g: 0.25 }).with(Gravity { g: 0.5 });
+        let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+        assert!((simulation.potential_energy() - SURFACE.r).abs() < 1e-16);
+        simulation.run(500).unwrap();
+        simulation.position().into()
+    });
+    assert_eq!(whole, parts);
+}
+
+#[test]
+fn trajectory_has_one_row_per_step() {
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]).with_momenta([
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.3, 0.0, 0.0],
+    ]);
+    let mut simulation = scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 0.05)).unwrap();
+    let mut trajectory = Trajectory::with_multipliers(&simulation);
+    for step in 1..=10_u32 {
+        simulation.run_recording(1, &mut trajectory).unwrap();
+        assert_eq!(*trajectory.times().last().unwrap(), 0.05 * f64::from(step));
+        let last: Vec<f64> = simulation.positions().flat_map(<[f64; 3]>::from).collect();
+        assert_eq!(trajectory.positions()[9 * step as usize..], last);
+    }
+    let multipliers = trajectory.multipliers().unwrap();
+    assert_eq!((trajectory.times().len(), trajectory.momenta().len()), (11, 99));
+    assert_eq!((multipliers.position.len(), multipliers.momentum.len()), (33, 33));
+
+    // A failed step leaves no half row.
+    let scene = Scene::on(Sphere { radius: 1.0 }).particles(3);
+    let mut simulation = scene.simulate(last_one_fails(), Rattle::new(0.1)).unwrap();
+    let mut trajectory = Trajectory::with_multipliers(&simulation);
+    simulation.run_recording(1, &mut trajectory).unwrap_err();
+    assert_eq!(trajectory.multipliers().unwrap().position.len(), 3);
+}
+
+#[test]
+fn rounding_in_the_energy_does_not_add_up() {
+    // The speed of a free particle on a sphere is constant: what is left is rounding. Compensated, 1e6 steps leave a few
+    // ulps; without the low parts of momentum or position it is 5e-15 and more.
+    let scene = Scene::on(Sphere { radius: 1.0 });
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+    let mut largest = 0.0_f64;
+    for _ in 0..100 {
+        simulation.run(20_000).unwrap();
+        largest = largest.max(simulation.energy_error().abs());
+    }
+    assert!(largest <= 3e-15, "{largest:e}");
+}
+
+#[test]
+fn coefficients_that_are_no_composition_are_refused() {
+    let bad = |gammas: &'static [f64]| Coefficients { name: "bad", order: 4, gammas };
+    for gammas in [&[][..], &[0.5], &[0.3, 0.7], &[1.0, f64::NAN, 1.0]] {
+        let method = Composition::new(bad(gammas), 0.01);
+        let error = Scene::on(SURFACE).simulate(billiard(0.7), method).unwrap_err();
+        assert!(matches!(error, Error::Coefficients { .. }), "{gammas:?}: {error}");
+    }
+    let method = Composition::new(SUZUKI_1990_ORDER_4, 0.0);
+    assert_eq!(Scene::on(SURFACE).simulate(billiard(0.7), method).unwrap_err(), Error::StepSize(0.0));
+    let surplus = State::at([0.0, 0.0, SURFACE.r]).with_momenta([[1.0, 0.0, 0.0]; 2]);
+    let error = Scene::on(SURFACE).simulate(surplus, Rattle::new(0.01)).unwrap_err();
+    assert_eq!(error, Error::MomentumCount { bodies: 1, momenta: 2 });
 }

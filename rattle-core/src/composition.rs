@@ -9,6 +9,7 @@
 
 use crate::bodies::{Bodies, Count};
 use crate::effect::Field;
+use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::rattle;
 use crate::real::Real;
@@ -68,6 +69,15 @@ impl Stepper for Composition {
     }
     fn name(&self) -> &'static str {
         self.coefficients.name
+    }
+    fn check(&self) -> Result<(), Error> {
+        let Coefficients { name, gammas, .. } = self.coefficients;
+        let sum: f64 = gammas.iter().sum();
+        let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();
+        if !gammas.iter().eq(gammas.iter().rev()) || !((sum - 1.0).abs() <= 8.0 * rounding) {
+            return Err(Error::Coefficients { name, sum });
+        }
+        if self.h.is_finite() && self.h != 0.0 { Ok(()) } else { Err(Error::StepSize(self.h)) }
     }
 
     #[inline(always)]

@@ -5,8 +5,9 @@ use std::fmt;
 /// Why a scene could not be set up or a step could not be taken.
 ///
 /// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation
-/// as it was before the step, bit for bit.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+/// as it was before the step, bit for bit. `Debug` prints the same sentence as `Display`, because that is what a `main`
+/// that returns this error shows.
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The step size is zero, infinite or NaN.
@@ -22,6 +23,24 @@ pub enum Error {
         scene: usize,
         /// Bodies of the state.
         state: usize,
+    },
+
+    /// A composition whose coefficients do not add up to 1, or are not symmetric.
+    #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
+    Coefficients {
+        /// Their name.
+        name: &'static str,
+        /// Σγ.
+        sum: f64,
+    },
+
+    /// The state was given more momenta than it has bodies.
+    #[error("the state has {bodies} bodies and was given {momenta} momenta")]
+    MomentumCount {
+        /// Bodies of the state.
+        bodies: usize,
+        /// Momenta given.
+        momenta: usize,
     },
 
     /// A start that cannot be simulated.
@@ -47,6 +66,12 @@ pub enum Error {
     },
 }
 
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
 /// What is wrong with a start.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -62,10 +87,14 @@ pub enum StartFailure {
         value: f64,
     },
     /// The constraint function is NaN or infinite at the start.
-    #[error("the constraint is {value} at q = {position:?}; it must be finite with a finite gradient")]
+    #[error(
+        "at q = {position:?} the constraint is {value} and its gradient {gradient:?}; both must be finite, and |∇g| below 1e154"
+    )]
     ConstraintNotFinite {
         /// g(q).
         value: f64,
+        /// ∇g(q).
+        gradient: Vec<f64>,
         /// q.
         position: Vec<f64>,
     },
@@ -130,25 +159,29 @@ pub enum StepFailure {
     /// h·κ·|v| > 1: the surface curves away within one step, so that the position equation has no
     /// solution that the motion could follow.
     #[error(
-        "step too long for the curvature: h·κ·|v| = {reach:.3} must stay below 1 \
-         (κ = {curvature:.4}, |v| = {speed:.4}); here |h| < {longest:.3e} passes, a fifth of it is accurate"
+        "step too long for the curvature: h·κ·|v| = {reach:.3} must be below 1 (h = {h:.3e}, κ = {curvature:.4}, \
+         |v| = {speed:.4}); that needs |h| < {longest:.3e} here, and accurate runs stay below a fifth of it"
     )]
     StepTooLong {
+        /// The step size: in a composition, that of the stage.
+        h: f64,
         /// h·κ·|v|.
         reach: f64,
         /// Normal curvature κ along v.
         curvature: f64,
         /// |v|.
         speed: f64,
-        /// 1/(κ·|v|).
+        /// 1/(κ·|v|), which |h| must be below; the curvature on the way may ask for less.
         longest: f64,
     },
     /// The position equation was not solved to the rounding floor.
     #[error(
-        "projection onto the surface did not converge: corrections {corrections}, floor {floor:.1e}, \
-         |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
+        "projection onto the surface did not converge on a path of {path:.1e}: corrections {corrections}, floor \
+         {floor:.1e}, |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
     )]
     NoConvergence {
+        /// How far the body would have moved without the constraint; far where a force is too strong for the step.
+        path: f64,
         /// Length of every correction in turn.
         corrections: History,
         /// Corrections shorter than this count as converged.
@@ -158,12 +191,13 @@ pub enum StepFailure {
         /// h·κ·|v|.
         reach: f64,
     },
-    /// The position equation has a solution, but not one that the motion can reach: followed from h = 0, its root ends.
+    /// The position equation has a solution, but it cannot be told that the motion leads there: followed from h = 0,
+    /// the root ends or turns too sharply.
     #[error(
-        "the projection found another sheet: moved {correction:.3e} along the normal on a path of {path:.3e}, normals at \
-         cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
+        "the motion cannot be followed through this step: the solution found would move {correction:.3e} along the \
+         normal on a path of {path:.3e}, normals at cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
     )]
-    OtherSheet {
+    RootLost {
         /// Cosine of the angle between ∇g before and after.
         cosine: f64,
         /// How far the constraint would have moved the body.
@@ -211,7 +245,7 @@ pub enum StepFailure {
     },
 }
 
-/// The first numbers of a sequence, printed in brackets.
+/// Numbers in turn; the first eight are printed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History(Vec<f64>);
 

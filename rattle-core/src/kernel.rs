@@ -6,7 +6,7 @@
 //! methods of the type.
 //!
 //! ```text
-//! g : ℝᴰ → ℝᴹ      M q̈ = −∇U(q) + G(q)ᵀλ,   G = ∂g/∂q  (M × D),   g(q) = 0
+//! g : ℝᴰ → ℝᴹ      q̈ = −∇U(q) + G(q)ᵀλ,   G = ∂g/∂q  (M × D),   g(q) = 0
 //! ```
 
 use crate::real::Real;

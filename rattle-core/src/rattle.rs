@@ -6,7 +6,8 @@
 //! p′ = p½ + h/2 (∇g(q′) μ − ∇U(q′))       μ such that ∇g(q′)·p′ = 0
 //! ```
 //!
-//! Second order, symplectic, reversible. λ and μ are on one scale, that of q̈ = −∇U + ∇g λ; each is
+//! Second order, symplectic, and reversible while the step is short enough to have one clear solution, h·κ·|v| ≲ ½.
+//! λ and μ are on one scale, that of q̈ = −∇U + ∇g λ; each is
 //! first order, their mean (μₙ + λₙ₊₁)/2 at tₙ second.
 //!
 //! The step is formed as an increment and added once, q and p are compensated sums (Kahan 1965):
@@ -19,14 +20,14 @@ use crate::bodies::{Bodies, Count, Normal};
 use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
 use crate::real::{Mask, Real};
-use crate::solver::{Departure, multiplier_from_curvature};
+use crate::solver::{Departure, FAR_GUESS, multiplier_from_curvature};
 use crate::stepper::{Failure, Stepper, System, Witness};
 use crate::vector::{dot, scaled, sum, two_sum};
 
 /// RATTLE with a constant step size, second order.
 ///
-/// A negative step size runs backwards in time. The step must satisfy h·κ·|v| < 1 with κ the normal
-/// curvature of the surface along the velocity v; a step beyond that is an error.
+/// A negative step size runs backwards in time. A step needs h·κ·|v| < 1, with κ the normal curvature of the
+/// surface along the velocity v, and is an error otherwise; accurate runs stay below a fifth of that.
 ///
 /// ```
 /// # use rattle_core::rattle::Rattle;
@@ -142,7 +143,8 @@ where
         return Err(Failure::at(body, within_reach).too_long(h, &departure, p, bend));
     }
     let mut landing = departure.land(constraint, |_| ());
-    let trusted = departure.trusts(&landing);
+    let path_square = step * step * dot(p, p) + force.square(half_square);
+    let trusted = departure.trusts(&landing, path_square, FAR_GUESS);
     if !trusted.all() {
         let push = scaled(half_square, &force.components());
         landing = landing.or(trusted, departure.follow(constraint, &path, &push));

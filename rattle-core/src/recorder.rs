@@ -6,10 +6,23 @@ use crate::kernel::Constraint;
 use crate::simulation::Simulation;
 use crate::stepper::Stepper;
 
-/// Sees a simulation after every step, and hears the multipliers during it.
+/// Sees a simulation, of type `S`, after every step, and hears the multipliers during it.
 ///
-/// For what can be read off the simulation itself a closure is enough:
-/// [`Simulation::run_with`](crate::simulation::Simulation::run_with).
+/// For what can be read off the simulation itself a closure is enough, see
+/// [`Simulation::run_with`](crate::simulation::Simulation::run_with); a pair of recorders is one too.
+///
+/// ```
+/// # use rattle_core::recorder::Recorder;
+/// /// The largest multiplier of the run.
+/// struct Largest(f64);
+///
+/// impl<S> Recorder<S> for Largest {
+///     fn record(&mut self, _now: &S) {}
+///     fn position_multiplier(&mut self, _body: usize, lambda: f64) {
+///         self.0 = self.0.max(lambda.abs());
+///     }
+/// }
+/// ```
 pub trait Recorder<S> {
     /// Is shown the simulation after a step.
     fn record(&mut self, simulation: &S);
@@ -19,21 +32,53 @@ pub trait Recorder<S> {
     fn momentum_multiplier(&mut self, _body: usize, _mu: f64) {}
 }
 
+impl<S, A: Recorder<S>, B: Recorder<S>> Recorder<S> for (A, B) {
+    fn record(&mut self, simulation: &S) {
+        self.0.record(simulation);
+        self.1.record(simulation);
+    }
+    fn position_multiplier(&mut self, body: usize, lambda: f64) {
+        self.0.position_multiplier(body, lambda);
+        self.1.position_multiplier(body, lambda);
+    }
+    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
+        self.0.momentum_multiplier(body, mu);
+        self.1.momentum_multiplier(body, mu);
+    }
+}
+
+impl<S, R: Recorder<S>> Recorder<S> for &mut R {
+    fn record(&mut self, simulation: &S) {
+        (**self).record(simulation);
+    }
+    fn position_multiplier(&mut self, body: usize, lambda: f64) {
+        (**self).position_multiplier(body, lambda);
+    }
+    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
+        (**self).momentum_multiplier(body, mu);
+    }
+}
+
 /// Times, positions and momenta of a run, row by row from its start; multipliers on request.
 ///
 /// A row holds the bodies in turn, a body its D coordinates.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
+    bodies: usize,
+    coordinates: usize,
     times: Vec<f64>,
     positions: Vec<f64>,
     momenta: Vec<f64>,
     multipliers: Option<Multipliers>,
+    /// λ and μ of the step under way, one of each per body; in a method of stages those of the last stage.
+    under_way: Multipliers,
 }
 
 /// λ and μ of a run, one of each per body and row, on the scale of q̈ = −∇U + ∇g λ.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
-    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion.
+    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN where the trajectory was only
+    /// shown the simulation after the step, not run with it.
     pub position: Vec<f64>,
     /// μ of the step that led to the row; in the first row λ(t₀) of the exact motion.
     pub momentum: Vec<f64>,
@@ -48,7 +93,15 @@ impl Trajectory {
         N: Count,
         S: Stepper,
     {
-        let mut trajectory = Self::default();
+        let mut trajectory = Self {
+            bodies: simulation.len(),
+            coordinates: D,
+            times: Vec::new(),
+            positions: Vec::new(),
+            momenta: Vec::new(),
+            multipliers: None,
+            under_way: Multipliers::default(),
+        };
         trajectory.record(simulation);
         trajectory
     }
@@ -62,8 +115,14 @@ impl Trajectory {
         S: Stepper,
     {
         let position: Vec<f64> = simulation.multipliers().collect();
-        let multipliers = Some(Multipliers { momentum: position.clone(), position });
-        Self { multipliers, ..Self::of(simulation) }
+        let at_start = Multipliers { momentum: position.clone(), position };
+        Self { multipliers: Some(at_start.clone()), under_way: at_start, ..Self::of(simulation) }
+    }
+
+    /// Rows, bodies, and coordinates of a body: the shape of positions and momenta.
+    #[must_use]
+    pub fn shape(&self) -> [usize; 3] {
+        [self.times.len(), self.bodies, self.coordinates]
     }
 
     /// Time of each row.
@@ -104,17 +163,26 @@ where
             self.positions.extend(q.iter());
             self.momenta.extend(p.iter());
         }
-    }
-
-    fn position_multiplier(&mut self, _body: usize, lambda: f64) {
-        if let Some(multipliers) = &mut self.multipliers {
-            multipliers.position.push(lambda);
+        if let Some(rows) = &mut self.multipliers {
+            for (rows, under_way) in [
+                (&mut rows.position, &mut self.under_way.position),
+                (&mut rows.momentum, &mut self.under_way.momentum),
+            ] {
+                rows.extend(under_way.iter());
+                under_way.fill(f64::NAN);
+            }
         }
     }
 
-    fn momentum_multiplier(&mut self, _body: usize, mu: f64) {
-        if let Some(multipliers) = &mut self.multipliers {
-            multipliers.momentum.push(mu);
+    fn position_multiplier(&mut self, body: usize, lambda: f64) {
+        if let Some(under_way) = self.under_way.position.get_mut(body) {
+            *under_way = lambda;
+        }
+    }
+
+    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
+        if let Some(under_way) = self.under_way.momentum.get_mut(body) {
+            *under_way = mu;
         }
     }
 }

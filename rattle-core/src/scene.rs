@@ -35,7 +35,8 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N
         Scene { constraint: self.constraint, effects: self.effects, count: Many(number) }
     }
 
-    /// The same scene with one more effect: a potential on each particle, or one between every two.
+    /// The same scene with one more effect: a potential on each particle, or one between every two (which does nothing
+    /// to a particle alone).
     pub fn with<P: Effect<D, Kind>, Kind>(self, effect: P) -> Scene<C, With<E, P, Kind>, N, D> {
         let effects = With { others: self.effects, effect, kind: PhantomData };
         Scene { constraint: self.constraint, effects, count: self.count }
@@ -60,16 +61,16 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N
         start: State<D>,
         stepper: S,
     ) -> Result<Simulation<C, E, N, S, D>, Error> {
-        let h = stepper.step_size();
-        if !(h.is_finite() && h != 0.0) {
-            return Err(Error::StepSize(h));
+        stepper.check()?;
+        if let Some(momenta) = start.surplus_momenta {
+            return Err(Error::MomentumCount { bodies: start.len(), momenta });
         }
         if start.len() != self.count.number() {
             return Err(Error::BodyCount { scene: self.count.number(), state: start.len() });
         }
         let system = self.system::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
-            let path = h.abs() * dot(&state.p, &state.p).sqrt();
+            let path = stepper.step_size().abs() * dot(&state.p, &state.p).sqrt();
             start::check(&system.constraint, state, path).map_err(|cause| Error::Start { body, cause })?;
         }
         let bodies = system.bodies(self.count, |i| start.bodies[i]);

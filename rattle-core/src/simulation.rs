@@ -144,7 +144,7 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> S
 
     /// The present state, from which a new simulation goes on bit for bit.
     pub fn state(&self) -> State<D> {
-        State { bodies: (0..self.len()).map(|i| self.bodies.body(i)).collect() }
+        State { bodies: (0..self.len()).map(|i| self.bodies.body(i)).collect(), surplus_momenta: None }
     }
 
     /// Kinetic energy |p|²/2, summed over the bodies.

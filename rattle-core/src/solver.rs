@@ -13,16 +13,17 @@
 //! Λ₂ = Λ₁ − g₁/(s₀ (1 − 2 g₁/g₀))
 //! ```
 //!
-//! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not
-//! know how g is scaled, and their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ
-//! the larger of |q|∞ and |free|∞. With γ = δ₂/δ₁ the next correction is about γ²δ₂. Once that is below
-//! a sixteenth of the floor the solve ends without another evaluation of g; otherwise it goes on until
-//! a correction is at the floor, or no longer shrinks within 10⁴ of it (an expression that rounds badly).
+//! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not know how g is
+//! scaled. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With
+//! γ = δ₂/δ₁ the next correction is about γ²δ₂: once that is below a sixteenth of the floor the solve ends without
+//! another evaluation of g. Otherwise it goes on until a correction is at the floor, or no longer shrinks although
+//! the slope no longer changes: then it is the rounding of g itself.
 //!
 //! **Which root.** The line may meet the surface more than once; the motion continues on the root that starts
-//! from Λ = 0 at h = 0. The root found is taken for that one if the guess was off by less than a fiftieth of the
-//! path, and the path is short against the length on which g bends along the line, δ₁/(g₁/g₀). Otherwise, or where no
-//! root was found, the root is followed from h = 0 in small steps, and found that way or not at all.
+//! from Λ = 0 at h = 0. The root found is taken for that one if the normal is not turned over, the guess was off by
+//! a small part of the path, and the path is short against the length on which the slope changes; or if the slope
+//! does not change at all. Otherwise the root is followed from h = 0 in parts of the step that satisfy the same
+//! condition, and found that way or not at all.
 
 use crate::bodies::Normal;
 use crate::kernel::ConstraintKernel;
@@ -30,19 +31,29 @@ use crate::real::{Mask, Real};
 use crate::vector::{add_scaled, dot, largest, scaled, sum};
 use std::array::from_fn;
 
-/// A start may lie this far off the surface, relative to its largest coordinate, and its momentum this
-/// far off the tangent plane, as a sine: well above rounding, well below any error of a method.
+/// A start may lie this far off the surface, relative to its largest coordinate or to the size of the surface if that
+/// is smaller, and its momentum this far off the tangent plane, as a sine: well above rounding, well below any error
+/// of a method.
 pub const START_TOLERANCE: f64 = 1e-10;
 
-/// A first correction longer than this part of the path makes the root be followed from h = 0 …
-const FAR_GUESS: f64 = 0.02;
+/// The root is followed if the first correction is longer than this part of the path …
+pub(crate) const FAR_GUESS: f64 = 0.02;
 
-/// … and so does a path longer than this part of the length on which g bends. With both, none of 110 000 steps from
-/// random states with h·κ·|v| up to 3 went astray (`tests/hard_cases.rs` repeats 10 000); with the first alone, 5 did.
-const LONG_PATH: f64 = 0.25;
+/// … while it is followed, than this part (its guesses are extrapolations) …
+const FAR_EXTRAPOLATION: f64 = 0.1;
 
-/// Steps in which a root is followed.
-const FOLLOWED_STEPS: u32 = 256;
+/// … or if the path is longer than this part of the length on which the slope changes. `tests/hard_cases.rs` takes
+/// random steps with h·κ·|v| up to 3: with both conditions none went astray, with the first alone about 1 in 5 000.
+const LONG_PATH: f64 = 0.5;
+
+/// A relative change of the slope below this is none: well above rounding, and 10⁷ corrections make a bend.
+const STRAIGHT: f64 = 1e-7;
+
+/// The smallest part of a step in which a root is followed.
+const SMALLEST_PART: f64 = 1.0 / 4096.0;
+
+/// Parts, taken or halved, after which a root is given up.
+const MAX_PARTS: usize = 200;
 
 /// Cycles of two corrections after which a solve is given up; four suffice where one exists.
 const MAX_CYCLES: usize = 12;
@@ -69,8 +80,8 @@ pub(crate) struct Landing<T: Real, const D: usize> {
     pub(crate) gradient: [T; D],
     /// Length δ₁ of the first correction: how far off the guess was.
     pub(crate) first_correction: T,
-    /// |g₁/g₀| for that correction; zero where g₁ was rounding.
-    pub(crate) first_ratio: T,
+    /// ∇g·∇g(q) where it was made.
+    pub(crate) first_slope: T,
     /// Corrections at or below this length count as converged.
     pub(crate) floor: T,
     /// Whether the equation was solved to the floor.
@@ -88,22 +99,27 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         sum(self.q, &sum(self.q_low, &self.increment(multiplier)))
     }
 
-    /// Whether the root found is without doubt the one that the motion continues on.
+    /// Whether the root found is taken for the one that the motion continues on, after a path of this length, if a
+    /// guess that was off by `far` of it is too far.
     #[inline(always)]
-    pub(crate) fn trusts(&self, landing: &Landing<T, D>) -> T::Mask {
-        let path_square = dot(&self.free, &self.free);
-        let slack = T::from_f64(START_TOLERANCE) * largest(self.q);
+    pub(crate) fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+        let slope = dot(&self.normal.gradient, &landing.gradient);
+        let change = slope - landing.first_slope;
+        let (slope_square, change_square) = (slope * slope, change * change);
         let off_square = landing.first_correction * landing.first_correction;
-        let near_guess = off_square.le(T::from_f64(FAR_GUESS * FAR_GUESS) * path_square + slack * slack);
-        let bend_square = landing.first_ratio * landing.first_ratio * path_square;
-        let short_path = bend_square.le(T::from_f64(LONG_PATH * LONG_PATH) * off_square);
-        let upright = T::from_f64(0.0).lt(dot(&self.normal.gradient, &landing.gradient));
-        landing.converged.and(near_guess).and(short_path).and(upright)
+        let near_guess = off_square.le(T::from_f64(far * far) * path_square);
+        let long_square = T::from_f64(LONG_PATH * LONG_PATH) * off_square;
+        let short_path = (change_square * path_square).le(long_square * slope_square);
+        let straight = change_square.le(T::from_f64(STRAIGHT * STRAIGHT) * slope_square);
+        let upright = T::from_f64(0.0).lt(slope);
+        landing.converged.and(upright).and(straight.or(near_guess.and(short_path)))
     }
 
     /// The landing that is reached from h = 0 without leaving the root: the position equation with `drift` s and
-    /// `push` s², solved for s = 0 … 1 in turn. Not converged where the root ends on the way: where the normal turns
-    /// over, or the correction to the extrapolated root is longer than half the path between.
+    /// `push` s² for s = 0 … 1, in parts that are halved until each root found is trusted. Not converged where no
+    /// part is small enough: the root ends, or turns too sharply to tell.
+    ///
+    /// Every lane takes its own parts, so lanes do not influence each other.
     #[cold]
     #[inline(never)]
     pub(crate) fn follow<K: ConstraintKernel<T, D, 1>>(
@@ -112,30 +128,38 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         drift: &[T; D],
         push: &[T; D],
     ) -> Landing<T, D> {
-        let n = &self.normal.gradient;
-        let (zero, part) = (T::from_f64(0.0), T::from_f64(1.0 / f64::from(FOLLOWED_STEPS)));
-        let half_path = T::from_f64(0.5) * part * dot(&self.free, &self.free).sqrt();
-        let allowed = half_path + T::from_f64(START_TOLERANCE) * largest(self.q);
-        let length = dot(n, n).sqrt();
-        let (mut multiplier, mut change) = (zero, zero);
-        let mut on_root = zero.le(zero);
-        for step in 1..=FOLLOWED_STEPS {
-            let s = part * T::from_f64(f64::from(step));
-            let on_the_way = Self { free: add_scaled(&scaled(s, drift), s * s, push), ..*self };
-            let before = multiplier;
-            multiplier = multiplier + change;
-            for _ in 0..2 {
-                let ([g], [gradient]) = constraint.value_and_jacobian(&on_the_way.point(multiplier));
-                let slope = dot(&gradient, n);
-                let correction = -g / slope;
-                multiplier = multiplier + correction;
-                on_root = on_root.and(zero.lt(slope)).and((correction.abs() * length).le(allowed));
+        let (zero, one, half) = (T::from_f64(0.0), T::from_f64(1.0), T::from_f64(0.5));
+        let drift_and_push = dot(drift, drift) + dot(push, push);
+        // Λ(s) = guess s² + excess, the excess extrapolated linearly.
+        let (mut s, mut part) = (zero, half);
+        let (mut excess, mut rate) = (zero, zero);
+        let mut arrived: Option<Landing<T, D>> = None;
+        for _ in 0..MAX_PARTS {
+            let end = (s + part).min(one);
+            let length = end - s;
+            let parabola = self.guess * end * end;
+            let free = add_scaled(&scaled(end, drift), end * end, push);
+            let on_the_way = Self { free, guess: parabola + excess + rate * length, ..*self };
+            let landing = on_the_way.land(constraint, |_| ());
+            let going = s.lt(one).and(T::from_f64(SMALLEST_PART).le(part));
+            let taken =
+                going.and(on_the_way.trusts(&landing, length * length * drift_and_push, FAR_EXTRAPOLATION));
+
+            let new_excess = landing.multiplier - parabola;
+            rate = T::select(taken, (new_excess - excess) / length, rate);
+            excess = T::select(taken, new_excess, excess);
+            s = T::select(taken, end, s);
+            part = T::select(taken, part + part, T::select(going, half * part, part));
+            arrived = Some(match arrived {
+                Some(before) => landing.or(taken, before),
+                None => landing,
+            });
+            if s.lt(one).and(T::from_f64(SMALLEST_PART).le(part)).not().all() {
+                break;
             }
-            change = multiplier - before;
         }
-        let mut landing = Self { guess: multiplier, ..*self }.land(constraint, |_| ());
-        on_root = on_root.and(zero.lt(dot(&landing.gradient, n)));
-        landing.converged = landing.converged.and(on_root);
+        let mut landing = arrived.unwrap_or_else(|| self.land(constraint, |_| ()));
+        landing.converged = one.le(s);
         landing
     }
 
@@ -152,7 +176,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
 
         let mut multiplier = self.guess;
-        let mut last = T::from_f64(f64::INFINITY);
+        let (mut last, mut last_slope) = (T::from_f64(f64::INFINITY), zero);
         let mut converged = zero.lt(zero);
         let mut gradient = *n;
         let mut first_cycle = None;
@@ -163,7 +187,10 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let newton = -g / slope;
             let first = newton.abs() * length;
             correction(first);
-            let stalled = (half * last).le(first).and(first.le(T::from_f64(1e4) * floor));
+            first_cycle.get_or_insert((first, slope));
+            let straight = (slope - last_slope).abs().le(T::from_f64(STRAIGHT) * slope.abs());
+            let stalled = (half * last).le(first).and(straight);
+            last_slope = slope;
             converged = converged.or(first.le(floor)).or(stalled);
             if converged.all() {
                 break;
@@ -172,7 +199,6 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
             let [g_next] = constraint.value(&self.point(multiplier));
             let ratio = g_next / g;
-            first_cycle.get_or_insert((first, ratio.abs()));
             let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
             let ostrowski = -g_next / (slope * (T::from_f64(1.0) - T::from_f64(2.0) * ratio));
             let ostrowski = T::select(near.and(converged.not()), ostrowski, zero);
@@ -187,16 +213,14 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 break;
             }
             last = T::select(near, second, first);
-            if !first.le(T::from_f64(f64::MAX)).or(converged).all() {
-                break; // NaN or infinite: no cycle can mend it
+            let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
+            if converged.or(hopeless).all() {
+                break;
             }
         }
-        // Converged at the guess itself: nothing was corrected.
-        let (first_correction, ratio) = first_cycle.unwrap_or((zero, zero));
-        let above_rounding = (T::from_f64(16.0) * floor).lt(ratio * first_correction);
-        let first_ratio = T::select(above_rounding, ratio, zero);
+        let (first_correction, first_slope) = first_cycle.unwrap_or((zero, zero));
         let increment = self.increment(multiplier);
-        Landing { increment, multiplier, gradient, first_correction, first_ratio, floor, converged }
+        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
     }
 }
 
@@ -219,9 +243,9 @@ impl<T: Real, const D: usize> Landing<T, D> {
             multiplier: choose(self.multiplier, other.multiplier),
             gradient: from_fn(|i| choose(self.gradient[i], other.gradient[i])),
             first_correction: choose(self.first_correction, other.first_correction),
-            first_ratio: choose(self.first_ratio, other.first_ratio),
+            first_slope: choose(self.first_slope, other.first_slope),
             floor: self.floor,
-            converged: mask.or(other.converged),
+            converged: mask.or(other.converged), // who is chosen has converged
         }
     }
 }

@@ -7,9 +7,8 @@ use crate::solver::START_TOLERANCE;
 use crate::state::State;
 use crate::vector::{add_scaled, dot, largest, scaled};
 
-/// Nearer than this to a singular point, relative to the coordinates, rounding leaves the normal fewer
-/// than six digits.
-const SINGULAR_DISTANCE: f64 = 1e-10;
+/// A start whose normal is known to no more digits than this is too near to a singular point.
+const DIRECTION: f64 = 1e-5;
 
 /// Newton steps after which a projection is given up.
 const MAX_PROJECTION_STEPS: usize = 60;
@@ -27,21 +26,22 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let ([value], [gradient]) = constraint.value_and_jacobian(&body.q);
     let square = dot(&gradient, &gradient);
     if !(value.is_finite() && square.is_finite()) {
-        return Err(StartFailure::ConstraintNotFinite { value, position: body.q.to_vec() });
+        return Err(not_finite(value, &gradient, &body.q));
     }
     let length = square.sqrt();
-    let scale = largest(&body.q).max(path);
+    let rounding = f64::EPSILON * largest(&body.q);
 
     let [bend] = constraint.hessian_vector(&body.q, &scaled(1.0 / length, &gradient));
-    let distance = length / dot(&bend, &bend).sqrt(); // NaN where both are zero
-    if length == 0.0 || distance < SINGULAR_DISTANCE * scale {
-        return Err(StartFailure::SingularPoint {
-            gradient: length,
-            distance: if length == 0.0 { 0.0 } else { distance },
-        });
+    let singular = length / dot(&bend, &bend).sqrt(); // to the next point where ∇g = 0; ∞ for a plane
+    if length == 0.0 || singular < rounding / DIRECTION {
+        let distance = if length == 0.0 { 0.0 } else { singular };
+        return Err(StartFailure::SingularPoint { gradient: length, distance });
     }
     let distance = value.abs() / length;
-    let tolerance = START_TOLERANCE * scale;
+    // Where q is near zero the terms of g, and their rounding, are of the size of the surface.
+    let size = largest(&body.q).max(path).min(singular);
+    let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
+    let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
     if distance > tolerance {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
@@ -51,6 +51,10 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });
     }
     Ok(())
+}
+
+fn not_finite<const D: usize>(value: f64, gradient: &[f64; D], q: &[f64; D]) -> StartFailure {
+    StartFailure::ConstraintNotFinite { value, gradient: gradient.to_vec(), position: q.to_vec() }
 }
 
 fn finite<const D: usize>(quantity: &'static str, x: &[f64; D]) -> Result<(), StartFailure> {
@@ -67,7 +71,8 @@ pub(crate) fn project<K: ConstraintKernel<f64, D, 1>, const D: usize>(
 ) -> Result<State<D>, Error> {
     let bodies = state.bodies.iter().enumerate();
     let project = |(i, body)| project_body(constraint, body).map_err(|cause| Error::Start { body: i, cause });
-    Ok(State { bodies: bodies.map(project).collect::<Result<_, _>>()? })
+    let bodies = bodies.map(project).collect::<Result<_, _>>()?;
+    Ok(State { bodies, surplus_momenta: state.surplus_momenta })
 }
 
 /// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor.
@@ -78,20 +83,23 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     finite("position", &body.q)?;
     finite("momentum", &body.p)?;
     let mut q = body.q;
-    let mut distances = Vec::new();
+    let mut distances: Vec<f64> = Vec::new();
+    let mut last_square = 0.0;
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([value], [gradient]) = constraint.value_and_jacobian(&q);
         let square = dot(&gradient, &gradient);
         if !(value.is_finite() && square.is_finite()) {
-            return Err(StartFailure::ConstraintNotFinite { value, position: q.to_vec() });
+            return Err(not_finite(value, &gradient, &q));
         }
         if square == 0.0 {
             return Err(StartFailure::SingularPoint { gradient: 0.0, distance: 0.0 });
         }
         let distance = value.abs() / square.sqrt();
-        let stalled = distances.last().is_some_and(|&last: &f64| distance >= 0.5 * last);
-        let floor = f64::EPSILON * largest(&q);
-        if distance <= floor || (stalled && distance <= 1e4 * floor) {
+        // As in the solver: at the rounding of q, or at that of g, where steps no longer shrink though ∇g stays.
+        let straight = (square - last_square).abs() <= 1e-7 * square;
+        let stalled = straight && distances.last().is_some_and(|last| distance >= 0.5 * last);
+        last_square = square;
+        if distance <= f64::EPSILON * largest(&q) || stalled {
             let normal = Normal::new(gradient);
             let mut p = body.p;
             for _ in 0..2 {

@@ -18,6 +18,8 @@ use nalgebra::SVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
     pub(crate) bodies: Vec<Body<f64, D>>,
+    /// How many momenta were given, if more than there are bodies.
+    pub(crate) surplus_momenta: Option<usize>,
 }
 
 impl<const D: usize> State<D> {
@@ -32,7 +34,7 @@ impl<const D: usize> State<D> {
     pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
         let zero = [0.0; D];
         let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
-        Self { bodies: positions.into_iter().map(at_rest).collect() }
+        Self { bodies: positions.into_iter().map(at_rest).collect(), surplus_momenta: None }
     }
 
     /// The same, every body with this momentum.
@@ -45,12 +47,16 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same, with these momenta in turn; bodies beyond the last one keep theirs.
+    /// The same, with these momenta in turn; bodies beyond the last one keep theirs. More momenta than bodies are
+    /// refused when the simulation is made.
     #[must_use]
     pub fn with_momenta<P: Into<SVector<f64, D>>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
-        for (body, p) in self.bodies.iter_mut().zip(momenta) {
+        let mut momenta = momenta.into_iter();
+        for (body, p) in self.bodies.iter_mut().zip(&mut momenta) {
             (body.p, body.p_low) = (p.into().into(), [0.0; D]);
         }
+        let surplus = momenta.count();
+        self.surplus_momenta = (surplus > 0).then_some(self.bodies.len() + surplus);
         self
     }
 

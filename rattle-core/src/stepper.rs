@@ -2,7 +2,7 @@
 
 use crate::bodies::{Bodies, Body, Count, Normal};
 use crate::effect::{Field, Force};
-use crate::error::StepFailure;
+use crate::error::{Error, StepFailure};
 use crate::kernel::ConstraintKernel;
 use crate::real::{Mask, Real};
 use crate::solver::Departure;
@@ -59,6 +59,15 @@ pub trait Stepper: Clone {
     fn order(&self) -> u32;
     /// The method's name, as in the literature.
     fn name(&self) -> &'static str;
+
+    /// Whether the method makes sense, asked once before a run.
+    ///
+    /// # Errors
+    /// [`Error::StepSize`] for a step size that is zero or not finite.
+    fn check(&self) -> Result<(), Error> {
+        let h = self.step_size();
+        if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
+    }
 
     /// Takes `bodies` one step on. Neither allocates nor panics.
     ///
@@ -138,7 +147,8 @@ impl FailureAt {
     ) -> (f64, f64, f64) {
         let gradient = self.number(dot(&normal.gradient, &normal.gradient)).sqrt();
         let speed = self.number(dot(p, p)).sqrt();
-        (gradient, speed, self.number(bend).abs() / (gradient * speed * speed))
+        let curvature = if speed == 0.0 { 0.0 } else { self.number(bend).abs() / (gradient * speed * speed) };
+        (gradient, speed, curvature)
     }
 
     fn no_normal<T: Real, const D: usize>(&self, q: &[T; D], gradient: &[T; D]) -> Option<Failure> {
@@ -162,7 +172,7 @@ impl FailureAt {
         let reach = h.abs() * curvature * speed;
         self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
             self.because(if reach.is_finite() {
-                StepFailure::StepTooLong { reach, curvature, speed, longest: h.abs() / reach }
+                StepFailure::StepTooLong { h, reach, curvature, speed, longest: h.abs() / reach }
             } else {
                 StepFailure::ConstraintNotFinite { position: self.numbers(departure.q) }
             })
@@ -189,8 +199,10 @@ impl FailureAt {
             let position = self.numbers(departure.q);
             return self.because(StepFailure::ConstraintNotFinite { position });
         }
+        let path = self.number(dot(&departure.free, &departure.free)).sqrt();
         if !landing.converged.lanes().nth(self.lane).unwrap_or(false) {
             return self.because(StepFailure::NoConvergence {
+                path,
                 corrections: corrections.into_iter().collect(),
                 floor: self.number(landing.floor),
                 gradient,
@@ -204,8 +216,7 @@ impl FailureAt {
         let after = self.number(dot(&landing.gradient, &landing.gradient)).sqrt();
         let cosine = self.number(dot(&landing.gradient, &departure.normal.gradient)) / (gradient * after);
         let correction = self.number(landing.multiplier).abs() * gradient;
-        let path = self.number(dot(&departure.free, &departure.free)).sqrt();
-        self.because(StepFailure::OtherSheet { cosine, correction, path, reach })
+        self.because(StepFailure::RootLost { cosine, correction, path, reach })
     }
 
     /// The momentum is not finite: a force or a normal is not.
