@@ -216,3 +216,29 @@ fn second_derivatives_agree() {
         assert!((product * weights[0] - weighted).amax() <= 1e-14);
     }
 }
+
+constraint! {
+    /// So many operations that the functions are written in blocks, and the rarer ones left to the trait.
+    pub struct Series {}
+    |x, y| sum(i in 1..300, sin(i * x) * cos(i * y) / i)
+}
+
+#[test]
+fn long_functions() {
+    let q = vector![0.3, -0.2];
+    let (x, y) = (q[0], q[1]);
+    let term = |i: f64| (i * x).sin() * (i * y).cos() / i;
+    let value = (2..300).fold(term(1.0), |sum, i| sum + term(f64::from(i)));
+    assert_eq!(Series {}.value(&q)[0].to_bits(), value.to_bits());
+    let (shared, jacobian) = Series {}.value_and_jacobian(&q);
+    assert_eq!(shared[0].to_bits(), value.to_bits());
+    let sum = |f: &dyn Fn(f64) -> f64| (1..300).map(|i| f(f64::from(i))).sum::<f64>();
+    let slopes = [sum(&|i| (i * x).cos() * (i * y).cos()), sum(&|i| -(i * x).sin() * (i * y).sin())];
+    let mixed = sum(&|i| -i * (i * x).cos() * (i * y).sin());
+    let [hessian] = Series {}.hessian(&q);
+    for k in 0..2 {
+        assert!((jacobian[k] - slopes[k]).abs() <= 1e-12, "300 terms of order one"); // 300 · 300 eps, with room
+    }
+    assert!((hessian[(0, 1)] - mixed).abs() <= 1e-10 && (hessian[(1, 0)] - mixed).abs() <= 1e-10);
+    assert_eq!(Series {}.jacobian(&q), jacobian);
+}
