@@ -167,8 +167,32 @@ fn ties_and_edges() {
     assert_eq!(origin[(2, 0)], 0.0);
     // In the first branch x = 0 is not below 0, nor is y above 0: ln′(0) = ∞ is the honest slope.
     assert_eq!(origin[(0, 0)], f64::INFINITY);
+    // `<=` holds on the edge, `<` and `>` do not.
+    assert_eq!(g.value(&vector![0.8, 0.5])[0], 0.8 * 0.8 * 0.5);
+    assert_eq!(g.value(&vector![0.8, 0.0])[0], 0.8_f64.ln());
     let kinks = <<Branches as Constraint<2, 3>>::Kernel<f64> as ConstraintKernel<f64, 2, 3>>::KINKS;
     assert!(kinks >= 6, "x, x − c, y, y + 1, x − y, … are listed: {kinks}");
+}
+
+/// Names that the generated code uses itself are free for users.
+#[test]
+fn no_name_is_taken() {
+    mod names {
+        use rattle::constraint;
+        constraint! {
+            /// Named as the trait of scalars.
+            pub(super) struct Real { q, v, s, t0, p0 }
+            |t1, scalar, T| q * t1 + v * scalar + s * T + t0 * p0
+        }
+        constraint! {
+            /// Named as the type parameter.
+            pub(super) struct T { weights, }
+            |x| weights * x
+        }
+    }
+    let real = names::Real { q: 1.0, v: 2.0, s: 3.0, t0: 4.0, p0: 5.0 };
+    assert_eq!(real.value(&vector![1.0, 1.0, 1.0])[0], 26.0);
+    assert_eq!(names::T { weights: 2.0 }.jacobian(&vector![1.0])[0], 2.0);
 }
 
 #[test]

@@ -215,24 +215,22 @@ impl Kernel<'_> {
             #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
             #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
             const _: () = {
-                use ::rattle::real::Real;
-
                 #[derive(Clone, Copy, Debug)]
                 pub struct #kernel<T> { #declarations }
 
                 #[automatically_derived]
                 impl ::rattle::kernel::#owner for #name {
-                    type Kernel<T: Real> = #kernel<T>;
+                    type Kernel<T: ::rattle::real::Real> = #kernel<T>;
                     #constants
 
                     #[inline(always)]
-                    fn kernel<T: Real>(&self) -> #kernel<T> {
+                    fn kernel<T: ::rattle::real::Real>(&self) -> #kernel<T> {
                         #construction
                     }
                 }
 
                 #[automatically_derived]
-                impl<T: Real> ::rattle::kernel::#interface for #kernel<T> {
+                impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
                     #kinks
                 }
