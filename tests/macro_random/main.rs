@@ -15,7 +15,7 @@ const A: f64 = 1.25;
 /// The documented order of multiplications.
 fn power(x: f64, n: i32) -> f64 {
     match n {
-        ..0 => 1.0 / power(x, -n),
+        _ if n < 0 => 1.0 / power(x, -n),
         1 => x,
         _ if n % 2 == 1 => power(x, n - 1) * x,
         _ => power(x, n / 2) * power(x, n / 2),
