@@ -168,8 +168,32 @@ fn ties_and_edges() {
     assert_eq!(origin[(2, 0)], 0.0);
     // In the first branch x = 0 is not below 0, nor is y above 0: ln′(0) = ∞ is the honest slope.
     assert_eq!(origin[(0, 0)], f64::INFINITY);
+    // `<=` holds on the edge, `<` and `>` do not.
+    assert_eq!(g.value(&vector![0.8, 0.5])[0], 0.8 * 0.8 * 0.5);
+    assert_eq!(g.value(&vector![0.8, 0.0])[0], 0.8_f64.ln());
     let kinks = <<Branches as Constraint<2, 3>>::Kernel<f64> as ConstraintKernel<f64, 2, 3>>::KINKS;
     assert!(kinks >= 6, "x, x − c, y, y + 1, x − y, … are listed: {kinks}");
+}
+
+/// Names that the generated code uses itself are free for users.
+#[test]
+fn no_name_is_taken() {
+    mod names {
+        use rattle::constraint;
+        constraint! {
+            /// Named as the trait of scalars.
+            pub(super) struct Real { q, v, s, t0, p0 }
+            |t1, scalar, T| q * t1 + v * scalar + s * T + t0 * p0
+        }
+        constraint! {
+            /// Named as the type parameter.
+            pub(super) struct T { weights, }
+            |x| weights * x
+        }
+    }
+    let real = names::Real { q: 1.0, v: 2.0, s: 3.0, t0: 4.0, p0: 5.0 };
+    assert_eq!(real.value(&vector![1.0, 1.0, 1.0])[0], 26.0);
+    assert_eq!(names::T { weights: 2.0 }.jacobian(&vector![1.0])[0], 2.0);
 }
 
 #[test]
@@ -216,4 +240,30 @@ fn second_derivatives_agree() {
         assert!((hessian * v - product).amax() <= 1e-14); // six products of order one
         assert!((product * weights[0] - weighted).amax() <= 1e-14);
     }
+}
+
+constraint! {
+    /// So many operations that the functions are written in blocks, and the rarer ones left to the trait.
+    pub struct Series {}
+    |x, y| sum(i in 1..300, sin(i * x) * cos(i * y) / i)
+}
+
+#[test]
+fn long_functions() {
+    let q = vector![0.3, -0.2];
+    let (x, y) = (q[0], q[1]);
+    let term = |i: f64| (i * x).sin() * (i * y).cos() / i;
+    let value = (2..300).fold(term(1.0), |sum, i| sum + term(f64::from(i)));
+    assert_eq!(Series {}.value(&q)[0].to_bits(), value.to_bits());
+    let (shared, jacobian) = Series {}.value_and_jacobian(&q);
+    assert_eq!(shared[0].to_bits(), value.to_bits());
+    let sum = |f: &dyn Fn(f64) -> f64| (1..300).map(|i| f(f64::from(i))).sum::<f64>();
+    let slopes = [sum(&|i| (i * x).cos() * (i * y).cos()), sum(&|i| -(i * x).sin() * (i * y).sin())];
+    let mixed = sum(&|i| -i * (i * x).cos() * (i * y).sin());
+    let [hessian] = Series {}.hessian(&q);
+    for k in 0..2 {
+        assert!((jacobian[k] - slopes[k]).abs() <= 1e-12, "300 terms of order one"); // 300 · 300 eps, with room
+    }
+    assert!((hessian[(0, 1)] - mixed).abs() <= 1e-10 && (hessian[(1, 0)] - mixed).abs() <= 1e-10);
+    assert_eq!(Series {}.jacobian(&q), jacobian);
 }

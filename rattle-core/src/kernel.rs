@@ -70,7 +70,9 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
     /// g(q).
     fn value(&self, q: &[T; D]) -> [T; M];
     /// ∂g/∂q, row i is ∇gᵢ.
-    fn jacobian(&self, q: &[T; D]) -> [[T; D]; M];
+    fn jacobian(&self, q: &[T; D]) -> [[T; D]; M] {
+        self.value_and_jacobian(q).1
+    }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
     /// Row i is vᵀ∇²gᵢ.

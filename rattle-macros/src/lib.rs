@@ -6,30 +6,87 @@ use proc_macro::TokenStream;
 use rattle_symbolic::expand::{Macro, expand};
 
 /// Equations g(q) = 0 that hold during the motion.
+///
+/// ```text
+/// constraint! {
+///     /// A torus.
+///     pub struct Torus { major, minor }
+///     |x, y, z| {
+///         let distance = sqrt(x^2 + y^2) - major;
+///         distance^2 + z^2 - minor^2
+///     }
+/// }
+/// ```
+///
+/// makes `pub struct Torus { pub major: f64, pub minor: f64 }` with `value`, `jacobian`,
+/// `hessian_vector`, `jet`, `hessian` and more, by the trait `Constraint`. Visibility, attributes and
+/// doc comments pass through, those of fields too; the formula, its gradient and the operations per call
+/// are added to the documentation.
+///
+/// # The language
+///
+/// ```text
+/// numbers      2  0.5  1e-3                  all real: 2 is the real two, 1/2 is 0.5
+/// constants    pi  e
+/// operators    + - * / ^                     ^ is power: from the right, before the sign: -x^2 = -(x^2)
+/// functions    sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
+///              abs sign erf min max atan2 hypot pow norm dot      also as methods: x.sin()
+/// blocks       { let f = x^2; f + y }
+/// branches     if x < 1 && y >= 0 { x } else { y }
+/// arrays       |a: [f64; 3], m: [[f64; 2]; 2]|   a[0]   m[i][k]   2 * a - b   struct S { n: [f64; 3] }
+/// loops        sum(k in 0..3, a[k]^2)   product(k in 0..=3, …)   delta(i, j)
+/// equations    [g1, g2]   for i in 0..3, j in i..3 { … }     one row of the Jacobian each, in order
+/// ```
+///
+/// Indices are constants or the indices of loops; a condition on indices alone is decided at compile
+/// time. A variable on which nothing depends is written `_z`.
+///
+/// # What is computed
+///
+/// `value` is, bit for bit, the expression as written in Rust. Powers are multiplications in a fixed
+/// order: `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`,
+/// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
+/// exponent that moves needs a positive base. `norm` is the root of the sum of squares, `min` and `max`
+/// take the first argument on a tie and where either is NaN. Derivatives may be rearranged, always in
+/// the same way. Where a function has no derivative, it is set:
+///
+/// ```text
+/// abs'(0) = 1     sign' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
+/// ```
+///
+/// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
+/// no influence, NaN or not.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()
 }
 
-/// A potential energy U(q).
+/// A potential energy U(q): one expression of all coordinates, in the language of [`constraint!`].
+///
+/// Unlike in a constraint, a variable need not be used: a force may act along one axis only.
 #[proc_macro]
 pub fn potential(input: TokenStream) -> TokenStream {
     expand(Macro::Potential, input.into()).into()
 }
 
-/// A potential energy U(r) of two bodies at distance r.
+/// A potential energy U(r) of two bodies at distance r, of one variable: `|r| -k / r`.
+///
+/// It is evaluated as a function of s = r². Where U is even in r as it is written (sums, products,
+/// quotients and powers are followed), that needs no root and has no 0/0 at contact. Other functions
+/// are evaluated at r = √s, with dU/ds = U′(r)/(2r), and U″(0)/2 at contact. The language is that of
+/// [`constraint!`].
 #[proc_macro]
 pub fn pair_potential(input: TokenStream) -> TokenStream {
     expand(Macro::PairPotential, input.into()).into()
 }
 
-/// An energy H(q, p).
+/// An energy H(q, p) of coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]`.
 #[proc_macro]
 pub fn hamiltonian(input: TokenStream) -> TokenStream {
     expand(Macro::Hamiltonian, input.into()).into()
 }
 
-/// Equations g(q, p) = 0 between coordinates and momenta.
+/// Equations g(q, p) = 0 between coordinates and momenta: `|q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1`.
 #[proc_macro]
 pub fn phase_constraint(input: TokenStream) -> TokenStream {
     expand(Macro::PhaseConstraint, input.into()).into()

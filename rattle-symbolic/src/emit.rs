@@ -17,6 +17,9 @@ use std::collections::BTreeSet;
 /// How the inputs of a function are spelled.
 pub(crate) type Spelling<'a> = &'a dyn Fn(Input) -> TokenStream;
 
+/// Statements per block, in functions of more than twice as many.
+const CHAPTER: usize = 256;
+
 pub(crate) struct Emitter<'a> {
     graph: &'a Graph,
     /// The nodes that the kernel holds, ascending.
@@ -47,7 +50,7 @@ impl<'a> Emitter<'a> {
 
     /// An expression that makes the kernel, as a block.
     pub(crate) fn construction(&self, kernel: &Ident, spelling: Spelling) -> TokenStream {
-        let statements = self.lines(self.graph.reachable(&self.fields), spelling);
+        let statements = self.lines(self.graph.reachable(&self.fields), &self.fields, spelling);
         let names = (0..self.fields.len()).map(field);
         let values = self.fields.iter().map(|&id| temporary(id));
         quote! {
@@ -73,7 +76,7 @@ impl<'a> Emitter<'a> {
             .into_iter()
             .filter(|id| needed.contains(id) && (graph.moving(*id) || graph.as_constant(*id).is_some()))
             .collect();
-        let lines = self.lines(lines, spelling);
+        let lines = self.lines(lines, roots, spelling);
         quote!(#held #lines)
     }
 
@@ -83,32 +86,51 @@ impl<'a> Emitter<'a> {
         quote!(#name)
     }
 
-    fn lines(&self, ids: Vec<Id>, spelling: Spelling) -> TokenStream {
+    fn lines(&self, ids: Vec<Id>, results: &[Id], spelling: Spelling) -> TokenStream {
         let present: BTreeSet<Id> = ids.iter().copied().collect();
-        let other = |function, a| {
-            self.graph
-                .find(&Node::Call(function, a))
-                .filter(|id| present.contains(id))
-                .map(|id| (id, temporary(id)))
-        };
-        ids.iter()
-            .map(|&id| {
-                let name = temporary(id);
-                match *self.graph.node(id) {
-                    // The earlier of a sine and a cosine of one argument computes both.
-                    Node::Call(Function::Sin, a) if other(Function::Cos, a).is_some() => {
-                        both(a, id, name, other(Function::Cos, a), true)
-                    }
-                    Node::Call(Function::Cos, a) if other(Function::Sin, a).is_some() => {
-                        both(a, id, name, other(Function::Sin, a), false)
-                    }
-                    _ => {
-                        let operation = self.operation(id, spelling);
-                        quote!(let #name = #operation;)
-                    }
+        let other = |function, a| self.graph.find(&Node::Call(function, a)).filter(|id| present.contains(id));
+        let mut statements: Vec<(Vec<Id>, TokenStream)> = Vec::with_capacity(ids.len());
+        for &id in &ids {
+            let pair = match *self.graph.node(id) {
+                Node::Call(Function::Sin, a) => other(Function::Cos, a).map(|cosine| (a, id, cosine)),
+                Node::Call(Function::Cos, a) => other(Function::Sin, a).map(|sine| (a, sine, id)),
+                _ => None,
+            };
+            match pair {
+                // The earlier of a sine and a cosine of one argument computes both.
+                Some((a, sine, cosine)) if id == sine.min(cosine) => {
+                    let [a, sine_name, cosine_name] = [a, sine, cosine].map(temporary);
+                    let statement = quote!(let (#sine_name, #cosine_name) = #a.sin_cos(););
+                    statements.push((vec![sine, cosine], statement));
                 }
-            })
-            .collect()
+                Some(_) => {}
+                None => {
+                    let (name, operation) = (temporary(id), self.operation(id, spelling));
+                    statements.push((vec![id], quote!(let #name = #operation;)));
+                }
+            }
+        }
+        if statements.len() <= 2 * CHAPTER {
+            return statements.into_iter().map(|(_, statement)| statement).collect();
+        }
+        self.chapters(&statements, results)
+    }
+
+    /// Long functions in blocks that hand over what is needed later: compilers nest one scope per `let`.
+    fn chapters(&self, statements: &[(Vec<Id>, TokenStream)], results: &[Id]) -> TokenStream {
+        let chapters: Vec<&[(Vec<Id>, TokenStream)]> = statements.chunks(CHAPTER).collect();
+        let mut needed: BTreeSet<Id> = results.iter().copied().collect();
+        let mut texts = Vec::with_capacity(chapters.len());
+        for chapter in chapters.into_iter().rev() {
+            let defined: BTreeSet<Id> = chapter.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
+            let handed: Vec<Ident> = defined.intersection(&needed).map(|&id| temporary(id)).collect();
+            let lines = chapter.iter().map(|(_, statement)| statement);
+            texts.push(quote!(let [#(#handed),*] = { #(#lines)* [#(#handed),*] };));
+            for id in defined {
+                needed.extend(self.graph.node(id).children());
+            }
+        }
+        texts.into_iter().rev().collect()
     }
 
     fn operation(&self, id: Id, spelling: Spelling) -> TokenStream {
@@ -147,17 +169,6 @@ impl<'a> Emitter<'a> {
             }
             Node::Sum(_) | Node::Product(_) => unreachable!("scheduling leaves binary operations only"),
         }
-    }
-}
-
-fn both(a: Id, id: Id, name: Ident, other: Option<(Id, Ident)>, is_sine: bool) -> TokenStream {
-    match other {
-        Some((other, other_name)) if id < other => {
-            let argument = temporary(a);
-            let (sine, cosine) = if is_sine { (name, other_name) } else { (other_name, name) };
-            quote!(let (#sine, #cosine) = #argument.sin_cos();)
-        }
-        _ => TokenStream::new(),
     }
 }
 

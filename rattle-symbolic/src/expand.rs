@@ -200,7 +200,10 @@ impl Kernel<'_> {
         let name = &self.item.name;
         let kernel = format_ident!("{}Kernel", name);
         let (owner, interface) = which.traits(self.sizes);
-        let functions = which.methods(self.sizes).into_iter().map(|method| self.function(&method, which));
+        // What a trait provides by itself has no routine where it is large; a stub has none at all.
+        let written = |name| self.routines.list.is_empty() || self.routines.named(name).is_some();
+        let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
+        let functions = functions.map(|method| self.function(&method, which));
         let (constants, kinks) = self.structure_of_equations(which);
         let declarations = self.emitter.declarations();
         let parameters = self.parameters();
@@ -212,24 +215,22 @@ impl Kernel<'_> {
             #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
             #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
             const _: () = {
-                use ::rattle::real::Real;
-
                 #[derive(Clone, Copy, Debug)]
                 pub struct #kernel<T> { #declarations }
 
                 #[automatically_derived]
                 impl ::rattle::kernel::#owner for #name {
-                    type Kernel<T: Real> = #kernel<T>;
+                    type Kernel<T: ::rattle::real::Real> = #kernel<T>;
                     #constants
 
                     #[inline(always)]
-                    fn kernel<T: Real>(&self) -> #kernel<T> {
+                    fn kernel<T: ::rattle::real::Real>(&self) -> #kernel<T> {
                         #construction
                     }
                 }
 
                 #[automatically_derived]
-                impl<T: Real> ::rattle::kernel::#interface for #kernel<T> {
+                impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
                     #kinks
                 }
@@ -243,9 +244,9 @@ impl Kernel<'_> {
             return Default::default();
         }
         let (d, m) = (self.sizes.variables, self.sizes.roots);
-        let sparsity = match self.routines.named("jacobian") {
-            Some(jacobian) => {
-                let rows = jacobian.roots.chunks(d).map(|row| {
+        let sparsity = match self.routines.named("value_and_jacobian") {
+            Some(both) => {
+                let rows = both.roots[m..].chunks(d).map(|row| {
                     let entries = row.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
                     quote!([#(#entries),*])
                 });

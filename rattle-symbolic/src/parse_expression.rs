@@ -453,13 +453,13 @@ impl<'p> Parser<'p> {
         let brace = braced!(inside in input);
         let start = self.problems.extent(brace.span.open());
         let end = self.problems.extent(brace.span.close());
+        let outside = std::mem::replace(&mut self.condition, false);
         let mut lets = Vec::new();
         while inside.peek(Token![let]) {
             if let Some(binding) = self.binding(&inside) {
                 lets.push(binding);
             }
         }
-        let outside = std::mem::replace(&mut self.condition, false);
         let result = if inside.is_empty() {
             self.problems.note(end, "the block ends without an expression; its last line is its value");
             self.make(Kind::Wrong, end)

@@ -20,6 +20,10 @@ pub struct Routine {
     pub roots: Vec<Id>,
 }
 
+/// Beyond so many operations of value and Jacobian, what the trait can make of the other functions is
+/// left to it: the compiler's time goes with the length of the text, used or not.
+const LARGE: usize = 2000;
+
 /// The functions of a kernel.
 #[derive(Clone, Debug)]
 pub struct Routines {
@@ -91,18 +95,24 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
     let products = calculus.tangents(&jacobian, along);
     let speed = calculus.tangents(&values, along);
     let acceleration = calculus.tangents(&speed, along);
-    let hessian = hessian(&mut calculus, &jacobian, variables);
-    let weights: Vec<(Scaled, Id)> =
-        (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
-    let weighted = calculus.gradient(&weights, variables);
-    let weighted = calculus.tangents(&weighted, along);
     routines.add("value", &source, &values);
     routines.add("value_and_jacobian", &source, &[&values[..], &jacobian].concat());
-    routines.rest("jacobian", roots.len());
+    let large = routines.list.last().is_some_and(|last| routines.operations(&last.roots) > LARGE);
+    if !large {
+        routines.rest("jacobian", roots.len());
+    }
     routines.add("hessian_vector", &source, &products);
     routines.add("jet", &source, &[values, speed, acceleration].concat());
-    routines.add("hessian", &source, &hessian);
-    routines.add("weighted_hessian_vector", &source, &weighted);
+    if !large {
+        let mut calculus = Calculus::new(&mut source);
+        let hessian = hessian(&mut calculus, &jacobian, variables);
+        let weights: Vec<(Scaled, Id)> =
+            (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
+        let weighted = calculus.gradient(&weights, variables);
+        let weighted = calculus.tangents(&weighted, along);
+        routines.add("hessian", &source, &hessian);
+        routines.add("weighted_hessian_vector", &source, &weighted);
+    }
     routines.add("kinks", &source, &scaled(&kinks));
     routines.gradients = (source, jacobian);
     routines

@@ -37,5 +37,17 @@ constraint! {
     pub struct Sides {}
     |x| delta(x, 1) * x + if x != 1 { x } else { 2 }
 }
+hamiltonian! {
+    pub struct Uneven { g }
+    |q: [f64; 2], p: [f64; 3]| dot(p, p) / 2 + g * q[1]
+}
+phase_constraint! {
+    pub struct Alone {}
+    |q: [f64; 2]| dot(q, q) - 1
+}
+hamiltonian! {
+    pub struct Crowded {}
+    |q, p, t| p^2 / 2 + q * t
+}
 
 fn main() {}
