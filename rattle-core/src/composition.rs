@@ -74,7 +74,8 @@ impl Stepper for Composition {
         let Coefficients { name, gammas, .. } = self.coefficients;
         let sum: f64 = gammas.iter().sum();
         let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();
-        if !gammas.iter().eq(gammas.iter().rev()) || !((sum - 1.0).abs() <= 8.0 * rounding) {
+        let adds_up = (sum - 1.0).abs() <= 8.0 * rounding; // false for NaN
+        if !(gammas.iter().eq(gammas.iter().rev()) && adds_up) {
             return Err(Error::Coefficients { name, sum });
         }
         if self.h.is_finite() && self.h != 0.0 { Ok(()) } else { Err(Error::StepSize(self.h)) }

@@ -138,13 +138,15 @@ where
         free: force.add_to(path, half_square),
         guess: half_square * multiplier_from_curvature(bend, force.dot(&normal.gradient), normal),
     };
-    let within_reach = (step * step * bend * bend * normal.inverse_square).le(dot(p, p)); // (h·κ·|v|)² ≤ 1
+    let (speed_square, bent_square) = (dot(p, p), step * step * bend * bend * normal.inverse_square);
+    let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
     if !within_reach.all() {
         return Err(Failure::at(body, within_reach).too_long(h, &departure, p, bend));
     }
     let mut landing = departure.land(constraint, |_| ());
-    let path_square = step * step * dot(p, p) + force.square(half_square);
-    let trusted = departure.trusts(&landing, path_square, FAR_GUESS);
+    let path_square = step * step * speed_square + force.square(half_square);
+    let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
+    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS));
     if !trusted.all() {
         let push = scaled(half_square, &force.components());
         landing = landing.or(trusted, departure.follow(constraint, &path, &push));
