@@ -11,8 +11,9 @@
 //!   factor h/2 in its half of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h)
 //!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
 //! * **Residuals** are |g(q)| in the unit of g, and |∇g·p|. Errors give distances, |g|/|∇g|.
-//! * **Units** are the user's; nothing depends on how large they are, or on how g is scaled: with g
-//!   multiplied by a power of two a simulation is the same, bit for bit.
+//! * **Units** are the user's; nothing depends on how large they are, or on how g is scaled, as long as the squares
+//!   |∇g|², |p|² and |q|² stay within the range of `f64`, 1e±300: with g multiplied by a power of two a simulation is
+//!   the same, bit for bit.
 //!
 //! | elsewhere | there | here |
 //! |---|---|---|

@@ -1,7 +1,7 @@
 //! Ready-made surfaces g(x, y, z) = 0: those of LAMMPS's MANIFOLD package and of HOOMD-blue, and classical ones.
 //!
-//! Each is a plain [`constraint!`](crate::constraint); its page shows the formula, the gradient and the
-//! number of operations. To vary one, copy its line into a macro of your own.
+//! Each is a plain [`constraint!`](crate::constraint); its page shows a picture with geodesics, the formula, the
+//! gradient and the number of operations. To vary one, copy its line into a macro of your own.
 //!
 //! ```
 //! use rattle::prelude::*;
@@ -15,21 +15,29 @@ use crate::constraint;
 
 constraint! {
     /// A sphere (HOOMD-blue; LAMMPS `sphere`).
+    ///
+    #[doc = include_str!("surfaces/sphere.html")]
     pub struct Sphere { r }
     |x, y, z| x^2 + y^2 + z^2 - r^2
 }
 constraint! {
     /// An ellipsoid (HOOMD-blue; LAMMPS `ellipsoid`).
+    ///
+    #[doc = include_str!("surfaces/ellipsoid.html")]
     pub struct Ellipsoid { a, b, c }
     |x, y, z| (x / a)^2 + (y / b)^2 + (z / c)^2 - 1
 }
 constraint! {
     /// A cylinder along z (HOOMD-blue; LAMMPS `cylinder`).
+    ///
+    #[doc = include_str!("surfaces/cylinder.html")]
     pub struct Cylinder { r }
     |x, y, _z| x^2 + y^2 - r^2
 }
 constraint! {
     /// A cylinder with a dent of length 2l and depth a (LAMMPS `cylinder_dent`).
+    ///
+    #[doc = include_str!("surfaces/dented_cylinder.html")]
     pub struct DentedCylinder { r, l, a }
     |x, y, z| {
         let radius = if abs(z) > l { r } else { r - a * (1 + cos(pi * z / l)) / 2 };
@@ -38,16 +46,22 @@ constraint! {
 }
 constraint! {
     /// The plane a x + b y + c z = d (HOOMD-blue; LAMMPS `plane`).
+    ///
+    #[doc = include_str!("surfaces/plane.html")]
     pub struct Plane { a, b, c, d }
     |x, y, z| a * x + b * y + c * z - d
 }
 constraint! {
     /// A plane with waves along x (LAMMPS `plane_wiggle`).
+    ///
+    #[doc = include_str!("surfaces/wiggly_plane.html")]
     pub struct WigglyPlane { a, w }
     |x, _y, z| z - a * sin(w * x)
 }
 constraint! {
     /// A plane with a Gaussian bump, brought to zero between two radii by a cubic (LAMMPS `gaussian_bump`).
+    ///
+    #[doc = include_str!("surfaces/gaussian_bump.html")]
     pub struct GaussianBump { a, l, inner, outer }
     |x, y, z| {
         let rho = norm(x, y);
@@ -62,11 +76,15 @@ constraint! {
 }
 constraint! {
     /// A dumbbell (LAMMPS `dumbbell`, with k for A).
+    ///
+    #[doc = include_str!("surfaces/dumbbell.html")]
     pub struct Dumbbell { a, k, b, c }
     |x, y, z| -(x^2 + y^2) + (a^2 - z^2 / c^2) * (1 + (k * sin(b * z^2))^4)
 }
 constraint! {
     /// A dendritic spine (LAMMPS `spine`).
+    ///
+    #[doc = include_str!("surfaces/spine.html")]
     pub struct Spine { a, k, b, b2, c }
     |x, y, z| {
         let f = if z > 0 { c } else { 1 };
@@ -76,6 +94,8 @@ constraint! {
 }
 constraint! {
     /// A dendritic spine with a softer neck (LAMMPS `spine_two`).
+    ///
+    #[doc = include_str!("surfaces/spine_two.html")]
     pub struct SpineTwo { a, k, b, b2, c }
     |x, y, z| {
         let f = if z > 0 { c } else { 1 };
@@ -85,46 +105,64 @@ constraint! {
 }
 constraint! {
     /// |x|^q + |y|^q + |z|^q = r^q (LAMMPS `supersphere`).
+    ///
+    #[doc = include_str!("surfaces/supersphere.html")]
     pub struct Supersphere { r, q }
     |x, y, z| abs(x)^q + abs(y)^q + abs(z)^q - r^q
 }
 constraint! {
     /// A superquadric with exponents n around z and m towards the poles.
+    ///
+    #[doc = include_str!("surfaces/superellipsoid.html")]
     pub struct Superellipsoid { a, b, c, n, m }
     |x, y, z| (abs(x / a)^n + abs(y / b)^n)^(m / n) + abs(z / c)^m - 1
 }
 constraint! {
     /// A torus by its distances (LAMMPS `torus`); not smooth on the axis.
+    ///
+    #[doc = include_str!("surfaces/torus_by_distance.html")]
     pub struct TorusByDistance { major, minor }
     |x, y, z| (norm(x, y) - major)^2 + z^2 - minor^2
 }
 constraint! {
     /// A torus as a polynomial, smooth everywhere.
+    ///
+    #[doc = include_str!("surfaces/torus.html")]
     pub struct Torus { major, minor }
     |x, y, z| (x^2 + y^2 + z^2 + major^2 - minor^2)^2 - 4 * major^2 * (x^2 + y^2)
 }
 constraint! {
     /// Schoen's gyroid (HOOMD-blue).
+    ///
+    #[doc = include_str!("surfaces/gyroid.html")]
     pub struct Gyroid { k, epsilon }
     |x, y, z| sin(k * x) * cos(k * y) + sin(k * y) * cos(k * z) + sin(k * z) * cos(k * x) - epsilon
 }
 constraint! {
     /// Schwarz' primitive surface (HOOMD-blue).
+    ///
+    #[doc = include_str!("surfaces/primitive.html")]
     pub struct Primitive { k, epsilon }
     |x, y, z| cos(k * x) + cos(k * y) + cos(k * z) - epsilon
 }
 constraint! {
     /// Schwarz' diamond surface (HOOMD-blue).
+    ///
+    #[doc = include_str!("surfaces/diamond.html")]
     pub struct Diamond { k, epsilon }
     |x, y, z| cos(k * x) * cos(k * y) * cos(k * z) - sin(k * x) * sin(k * y) * sin(k * z) - epsilon
 }
 constraint! {
     /// Neovius' surface.
+    ///
+    #[doc = include_str!("surfaces/neovius.html")]
     pub struct Neovius { k }
     |x, y, z| 3 * (cos(k * x) + cos(k * y) + cos(k * z)) + 4 * cos(k * x) * cos(k * y) * cos(k * z)
 }
 constraint! {
     /// Schoen's I-WP surface.
+    ///
+    #[doc = include_str!("surfaces/i_wrapped_package.html")]
     pub struct IWrappedPackage { k }
     |x, y, z| {
         let a = cos(k * x);
@@ -135,6 +173,8 @@ constraint! {
 }
 constraint! {
     /// Lidin's surface.
+    ///
+    #[doc = include_str!("surfaces/lidinoid.html")]
     pub struct Lidinoid { k, epsilon }
     |x, y, z| {
         let a = 2 * k * x;
@@ -145,6 +185,8 @@ constraint! {
 }
 constraint! {
     /// The Bernoulli lemniscate, inflated: genus two for r < a⁴/4.
+    ///
+    #[doc = include_str!("surfaces/lemniscate.html")]
     pub struct Lemniscate { a, r }
     |x, y, z| {
         let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
@@ -153,6 +195,8 @@ constraint! {
 }
 constraint! {
     /// A lemniscate of three foci, inflated: of Klein's type, genus three.
+    ///
+    #[doc = include_str!("surfaces/three_foci.html")]
     pub struct ThreeFoci { a, c, r }
     |x, y, z| {
         let p = (x^2 + y^2)^3 - 2 * a^3 * (x^3 - 3 * x * y^2) + a^6;
@@ -161,16 +205,22 @@ constraint! {
 }
 constraint! {
     /// Clebsch's diagonal cubic: 27 real lines.
+    ///
+    #[doc = include_str!("surfaces/clebsch.html")]
     pub struct Clebsch {}
     |x, y, z| 81 * (x^3 + y^3 + z^3) - 189 * (x^2 * (y + z) + y^2 * (x + z) + z^2 * (x + y)) + 54 * x * y * z + 126 * (x * y + x * z + y * z) - 9 * (x^2 + y^2 + z^2) - 9 * (x + y + z) + 1
 }
 constraint! {
     /// Cayley's cubic: four nodes.
+    ///
+    #[doc = include_str!("surfaces/cayley.html")]
     pub struct Cayley {}
     |x, y, z| 4 * (x^2 + y^2 + z^2) + 16 * x * y * z - 1
 }
 constraint! {
     /// Barth's sextic: 65 nodes.
+    ///
+    #[doc = include_str!("surfaces/barth_sextic.html")]
     pub struct BarthSextic { w }
     |x, y, z| {
         let phi = (1 + sqrt(5)) / 2;
@@ -182,6 +232,8 @@ constraint! {
 }
 constraint! {
     /// Kummer's quartic: sixteen nodes.
+    ///
+    #[doc = include_str!("surfaces/kummer.html")]
     pub struct Kummer { mu }
     |x, y, z| {
         let lambda = (3 * mu^2 - 1) / (3 - mu^2);
@@ -191,26 +243,36 @@ constraint! {
 }
 constraint! {
     /// Goursat's tangle cube.
+    ///
+    #[doc = include_str!("surfaces/tanglecube.html")]
     pub struct Tanglecube { c }
     |x, y, z| x^4 - 5 * x^2 + y^4 - 5 * y^2 + z^4 - 5 * z^2 + c
 }
 constraint! {
     /// Chmutov's quartic of Chebyshev polynomials.
+    ///
+    #[doc = include_str!("surfaces/chmutov.html")]
     pub struct Chmutov {}
     |x, y, z| 8 * (x^4 + y^4 + z^4) - 8 * (x^2 + y^2 + z^2) + 3
 }
 constraint! {
     /// Three rings around a cube: genus thirteen.
+    ///
+    #[doc = include_str!("surfaces/decocube.html")]
     pub struct Decocube { b, c }
     |x, y, z| ((x^2 + y^2 - c^2)^2 + (z^2 - 1)^2) * ((y^2 + z^2 - c^2)^2 + (x^2 - 1)^2) * ((z^2 + x^2 - c^2)^2 + (y^2 - 1)^2) - b
 }
 constraint! {
     /// Taubin's heart.
+    ///
+    #[doc = include_str!("surfaces/heart.html")]
     pub struct Heart {}
     |x, y, z| (x^2 + 9/4 * y^2 + z^2 - 1)^3 - x^2 * z^3 - 9/80 * y^2 * z^3
 }
 constraint! {
     /// Dupin's cyclide.
+    ///
+    #[doc = include_str!("surfaces/dupin_cyclide.html")]
     pub struct DupinCyclide { a, b, d }
     |x, y, z| {
         let c2 = a^2 - b^2;
@@ -219,41 +281,57 @@ constraint! {
 }
 constraint! {
     /// Two metaballs at ±c on the x axis.
+    ///
+    #[doc = include_str!("surfaces/metaballs.html")]
     pub struct Metaballs { c, level }
     |x, y, z| 1 / ((x - c)^2 + y^2 + z^2) + 1 / ((x + c)^2 + y^2 + z^2) - level
 }
 constraint! {
     /// A hyperboloid of one sheet.
+    ///
+    #[doc = include_str!("surfaces/hyperboloid.html")]
     pub struct Hyperboloid { a, c }
     |x, y, z| (x / a)^2 + (y / a)^2 - (z / c)^2 - 1
 }
 constraint! {
     /// An elliptic paraboloid.
+    ///
+    #[doc = include_str!("surfaces/paraboloid.html")]
     pub struct Paraboloid { a, b }
     |x, y, z| (x / a)^2 + (y / b)^2 - z
 }
 constraint! {
     /// A hyperbolic paraboloid.
+    ///
+    #[doc = include_str!("surfaces/saddle.html")]
     pub struct Saddle { a, b }
     |x, y, z| (x / a)^2 - (y / b)^2 - z
 }
 constraint! {
     /// The monkey saddle.
+    ///
+    #[doc = include_str!("surfaces/monkey_saddle.html")]
     pub struct MonkeySaddle {}
     |x, y, z| x^3 - 3 * x * y^2 - z
 }
 constraint! {
     /// The catenoid, a minimal surface.
+    ///
+    #[doc = include_str!("surfaces/catenoid.html")]
     pub struct Catenoid { a }
     |x, y, z| x^2 + y^2 - a^2 * cosh(z / a)^2
 }
 constraint! {
     /// The helicoid, a minimal surface.
+    ///
+    #[doc = include_str!("surfaces/helicoid.html")]
     pub struct Helicoid { c }
     |x, y, z| x * sin(z / c) - y * cos(z / c)
 }
 constraint! {
     /// Scherk's first surface, minimal and doubly periodic.
+    ///
+    #[doc = include_str!("surfaces/scherk.html")]
     pub struct Scherk {}
     |x, y, z| exp(z) * cos(y) - cos(x)
 }
