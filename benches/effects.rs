@@ -221,7 +221,7 @@ fn by_hand(steps: u64) -> [f64; 3] {
                 multiplier += second;
                 last = second.abs() * length;
                 let shrinking = last / first;
-                if 16.0 * last * shrinking * shrinking <= floor {
+                if 256.0 * last * shrinking * shrinking <= floor {
                     break value_and_gradient(point(multiplier)).1;
                 }
             }

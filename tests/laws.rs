@@ -97,6 +97,7 @@ fn a_step_takes_few_evaluations() {
     }
     let steps = 25.0 * 2000.0;
     let (values, gradients) = (values as f64 / steps, gradients as f64 / steps);
+    println!("{values} evaluations of g, {gradients} of ∇g per step");
     assert!((2.0..=2.3).contains(&values), "{values} evaluations of g per step");
     assert!((2.0..=2.1).contains(&gradients), "{gradients} evaluations of ∇g per step");
     assert_eq!(forces, 25 * 2000, "one force per step");
@@ -170,6 +171,15 @@ fn gas_energy_is_second_order_with_the_right_sign_of_force() {
     // To t = 1, while the paths at all step sizes still agree.
     let errors = [deviation(0.01, 100), deviation(0.005, 200), deviation(0.0025, 400)];
     assert!((order(&errors) - 2.0).abs() < 0.1, "{errors:?}");
+
+    let mut simulation = gas.simulate(State::of(points), Rattle::new(0.01)).unwrap();
+    let (mut residual, mut cotangent) = (0.0_f64, 0.0_f64);
+    let run = simulation.run_with(2000, |now| {
+        residual = residual.max(now.constraint_residual());
+        cotangent = cotangent.max(now.cotangent_residual());
+    });
+    run.unwrap();
+    assert!(residual <= 1e-15 && cotangent <= 1e-15, "{residual:e}, {cotangent:e}");
 }
 
 /// Three particles on a sphere of radius 1, the last one fast: it fails after the others have moved.
