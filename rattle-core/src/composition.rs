@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::rattle;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, System, Witness};
+use crate::stepper::{Failure, Stepper, System, Witness, check_step_size};
 
 /// Coefficients of a symmetric composition.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ impl Stepper for Composition {
         if !(gammas.iter().eq(gammas.iter().rev()) && adds_up) {
             return Err(Error::Coefficients { name, sum });
         }
-        if self.h.is_finite() && self.h != 0.0 { Ok(()) } else { Err(Error::StepSize(self.h)) }
+        check_step_size(self.h)
     }
 
     #[inline(always)]

@@ -65,8 +65,7 @@ pub trait Stepper: Clone {
     /// # Errors
     /// [`Error::StepSize`] for a step size that is zero or not finite.
     fn check(&self) -> Result<(), Error> {
-        let h = self.step_size();
-        if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
+        check_step_size(self.step_size())
     }
 
     /// Takes `bodies` one step on. Neither allocates nor panics.
@@ -85,6 +84,11 @@ pub trait Stepper: Clone {
         F: Field<T, D>,
         N: Count,
         W: Witness<T>;
+}
+
+/// Refuses a step size that is zero or not finite.
+pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
+    if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
 }
 
 /// Is told the multipliers as a step finds them; `()` does not listen, and then they are not formed.
