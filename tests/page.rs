@@ -66,6 +66,7 @@ fn billiards() -> Page {
 /// RATTLE_PICTURES=folder keeps the screenshots, to be looked at.
 fn keep(name: &str, png: &[u8]) {
     if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
+        fs::create_dir_all(&folder).unwrap();
         fs::write(Path::new(&folder).join(format!("{name}.png")), png).unwrap();
     }
 }

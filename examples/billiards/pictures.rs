@@ -99,7 +99,7 @@ fn page(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>>
     Page::new("Billiards on a surface of genus two")
         .scene(
             Scene3::new("25 directions under gravity").surface(&mesh).particles(times, &paths).caption(
-                "25 particles of mass 1 start at the crossing of the lemniscate, 15° apart; gravity 1 points down. \
+                "25 particles of mass 1 start at the crossing of the lemniscate, 15° apart; gravity 1 acts along −z. \
                  The first and the last direction are the same but for rounding: chaos parts them near t = 11.",
             ),
         )
