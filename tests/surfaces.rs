@@ -62,6 +62,7 @@ fn catalogue() {
     check("Dumbbell", Dumbbell { a: 1.0, k: 1.2, b: 1.0, c: 2.0 }, Some([1.0, 0.0, 0.0]));
     check("Spine", Spine { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
     check("SpineTwo", SpineTwo { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+    check("Thylakoid", Thylakoid { width: 1.0, length: 1.0, flare: 0.5 }, Some([0.0, 0.5, 0.0]));
     check("Supersphere", Supersphere { r: 1.0, q: 4.0 }, Some([0.0, 0.0, 1.0]));
     check("Superellipsoid", Superellipsoid { a: 1.0, b: 1.5, c: 0.5, n: 3.0, m: 2.5 }, Some([0.0, 0.0, 0.5]));
     check("TorusByDistance", TorusByDistance { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
@@ -102,5 +103,49 @@ fn pieces_meet() {
         let ((below, slope_below), (above, slope_above)) = (at(radius.next_down()), at(radius.next_up()));
         assert!((below[0] - above[0]).abs() <= 1e-15, "{below} {above}");
         assert!((slope_below - slope_above).amax() <= 1e-14, "{slope_below} {slope_above}");
+    }
+}
+
+/// The parts of the thylakoid as LAMMPS has them, each along its seam: bridge, flare, face, edge, side, back.
+#[test]
+fn parts_of_the_thylakoid_meet() {
+    let thylakoid = Thylakoid { width: 3.0, length: 10.0, flare: 3.0 };
+    let on = [
+        // A point on the surface, and its outward normal.
+        ([0.0, 1.5, 0.0], [0.0, 1.0, 0.0]),                 // bridge
+        ([5.0, 0.0, -1.5], [0.0, 0.0, -1.0]),               // where the flare begins
+        ([6.8, 4.5 - 2.4, 0.0], [-0.6, 0.8, 0.0]),          // on it, 3, 4, 5
+        ([8.0, 4.5, 0.0], [-1.0, 0.0, 0.0]),                // where it ends in the face
+        ([8.0, 7.5, 20.0], [-1.0, 0.0, 0.0]),               // where an edge begins
+        ([11.0 - 1.8, -7.5 - 2.4, 3.0], [-0.6, -0.8, 0.0]), // on it
+        ([11.0, -10.5, 3.0], [0.0, -1.0, 0.0]),             // where it ends in a side
+        ([26.0, 10.5, 3.0], [0.0, 1.0, 0.0]),               // the side's other end
+        ([26.0 + 1.8, 7.5 + 2.4, 3.0], [0.6, 0.8, 0.0]),    // an edge of the back
+        ([29.0, 0.0, 0.0], [1.0, 0.0, 0.0]),                // the back, behind the mouth
+        ([29.0, 7.5, 0.0], [1.0, 0.0, 0.0]),
+    ];
+    for (point, normal) in on {
+        for mirror in [1.0, -1.0] {
+            let [x, y, z] = point;
+            let (q, n) = (vector![mirror * x, y, z], vector![mirror * normal[0], normal[1], normal[2]]);
+            // On all sides of the seam; curvature is at most 1/1.5, so the normal turns by less than 1e-8.
+            for offset in
+                [[0.0; 3], [1e-9, 1e-9, 1e-9], [-1e-9, 1e-9, -1e-9], [1e-9, -1e-9, -1e-9], [-1e-9; 3]]
+            {
+                let offset = vector![offset[0], offset[1], offset[2]];
+                let (value, slope) = thylakoid.value_and_jacobian(&(q + offset));
+                assert!((value[0] - n.dot(&offset)).abs() <= 2e-14, "{q}: {value}");
+                assert!((slope.transpose() - n).amax() <= 1e-8, "{q}: {slope}");
+            }
+        }
+    }
+    // No other surface and no jump hides inside the stacks or between them: g is a continuous function.
+    let mut generator = StdRng::seed_from_u64(5);
+    for _ in 0..20_000 {
+        let q =
+            Point::from_fn(|_, _| generator.random_range(-32.0..32.0)).component_mul(&vector![1.0, 0.4, 0.4]);
+        let step = Point::from_fn(|_, _| generator.random_range(-0.2..0.2));
+        let change = thylakoid.value(&(q + step))[0] - thylakoid.value(&q)[0];
+        assert!(change.abs() <= step.norm() * (1.0 + 1e-12), "{q} {step}: {change}");
     }
 }
