@@ -8,7 +8,7 @@ use crate::lower::{Expectation, lower};
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
-use crate::syntax::{Item, Shape};
+use crate::syntax::{Item, Parameter, Shape};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
@@ -161,7 +161,10 @@ impl Macro {
 /// The user's struct.
 fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let Item { attributes, visibility, name, .. } = item;
-    let fields = item.parameters.iter().map(|parameter| {
+    // A name that is taken is reported already; the stub has it once.
+    let first =
+        |&(i, parameter): &(usize, &Parameter)| item.parameters[..i].iter().all(|p| p.name != parameter.name);
+    let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
         let documented = attributes.clone().into_iter().any(|token| token.to_string().contains("doc"));

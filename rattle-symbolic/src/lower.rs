@@ -6,6 +6,7 @@
 
 use crate::graph::{Comparison, Graph, Id, Input};
 use crate::names::{CONSTANTS, Role, Scope};
+use crate::parse::UNKNOWN;
 use crate::problems::{Extent, Problems};
 use crate::ratio::Ratio;
 use crate::syntax::{Binder, Expr, Item, Kind, Operator, Shape};
@@ -108,6 +109,9 @@ impl Lowering<'_> {
     }
 
     fn given(&mut self, shape: &[usize], count: &mut u32, input: fn(u32) -> Input) -> Value {
+        if shape == UNKNOWN {
+            return Value::Unknown;
+        }
         match shape.split_first() {
             None => {
                 *count += 1;
@@ -171,6 +175,7 @@ impl Lowering<'_> {
                         None => "it holds parameters only".to_owned(),
                     };
                     self.wrong(expr.extent, format!("{} depends on no variable; {value}", expected.noun));
+                    self.unreadable = true; // then nothing is used, and that is no news
                 }
                 roots.extend(numbers);
             }
