@@ -39,6 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     artist.draw("dumbbell", Dumbbell { a: 0.8, k: 1.0, b: 1.0, c: 2.2 }, 2.2)?;
     artist.draw("spine", Spine { a: 0.6, k: 1.1, b: 1.0, b2: 1.4, c: 2.8 }, 2.2)?;
     artist.draw("spine_two", SpineTwo { a: 0.6, k: 1.1, b: 1.0, b2: 1.4, c: 2.8 }, 2.2)?;
+    artist.draw("thylakoid", Thylakoid { width: 3.0, length: 10.0, flare: 3.0 }, 32.0)?;
     artist.draw("supersphere", Supersphere { r: 1.0, q: 4.0 }, 1.2)?;
     artist.draw("superellipsoid", Superellipsoid { a: 1.2, b: 1.0, c: 0.8, n: 3.0, m: 2.5 }, 1.4)?;
     artist.draw("torus_by_distance", TorusByDistance { major: 1.0, minor: 0.35 }, 1.5)?;

@@ -104,6 +104,30 @@ constraint! {
     }
 }
 constraint! {
+    /// Two stacks of a thylakoid joined by a bridge along x (LAMMPS `thylakoid`, with width, length and
+    /// flare for wB, LB and lB).
+    ///
+    /// The bridge is a cylinder that a quarter of a torus flares into the stacks, which are rounded
+    /// squares in x and y without end along z. As there, the flat sides of a stack are 15 wide and its
+    /// edges have radius 3, and width + 2 flare must not exceed 15. The surface is the same; g differs: it
+    /// is the distance in every part, so that parts meet with their gradients, where those of LAMMPS's
+    /// edges are squared distances and jump.
+    pub struct Thylakoid { width, length, flare }
+    |x, y, z| {
+        let side = 15;
+        let edge = 3;
+        let u = abs(x);
+        let rho = norm(y, z);
+        let face = length / 2 + flare;
+        let across = abs(u - (face + edge + side / 2)) - side / 2;
+        let along = abs(y) - side / 2;
+        let stack = if across > 0 && along > 0 { norm(across, along) - edge } else { max(across, along) - edge };
+        let mouth = flare - norm(u - length / 2, rho - width / 2 - flare);
+        let lumen = max(mouth, u - (face + 2 * edge + side), along - edge);
+        if u < length / 2 { min(rho - width / 2, stack) } else if rho < width / 2 + flare { lumen } else { stack }
+    }
+}
+constraint! {
     /// |x|^q + |y|^q + |z|^q = r^q (LAMMPS `supersphere`).
     ///
     #[doc = include_str!("surfaces/supersphere.html")]

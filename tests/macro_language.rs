@@ -267,3 +267,19 @@ fn long_functions() {
     assert!((hessian[(0, 1)] - mixed).abs() <= 1e-10 && (hessian[(1, 0)] - mixed).abs() <= 1e-10);
     assert_eq!(Series {}.jacobian(&q), jacobian);
 }
+
+/// What the macro derives may be asked for again, and more with it.
+#[test]
+fn derives() {
+    constraint! {
+        #[derive(Debug, Default, Clone, Copy, PartialEq, PartialOrd)]
+        #[derive(std::clone::Clone)]
+        struct Derived { r, n: [f64; 2] }
+        |x, y| n[0] * x + n[1] * y - r
+    }
+    let derived = Derived { r: 1.0, n: [0.0, 1.0] };
+    let copy = derived;
+    assert_eq!(copy.clone(), derived);
+    assert!(Derived::default() < derived);
+    assert_eq!(format!("{derived:?}"), "Derived { r: 1.0, n: [0.0, 1.0] }");
+}

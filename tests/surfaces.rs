@@ -1,9 +1,15 @@
 //! Every ready-made surface: derivatives against differences, a known point, and that it is a surface.
 
+#[path = "common/lanes.rs"]
+mod four;
+use four::Four;
 use nalgebra::{SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::constraint;
 use rattle::kernel::*;
+use rattle::real::Real;
 use rattle::surfaces::*;
+use std::array::from_fn;
 
 type Point = SVector<f64, 3>;
 
@@ -50,47 +56,158 @@ fn check(name: &str, g: impl Constraint<3, 1>, known: Option<[f64; 3]>) {
     assert!(reached >= 100, "{name}: Newton's method finds the surface from {reached} of 200 points");
 }
 
+/// Every surface with its parameters: a name, the constraint, and a point on it where one is known.
+macro_rules! catalogue {
+    ($check:ident) => {
+        $check("Sphere", Sphere { r: 1.5 }, Some([0.0, 0.0, 1.5]));
+        $check("Ellipsoid", Ellipsoid { a: 1.0, b: 1.5, c: 0.5 }, Some([0.0, 1.5, 0.0]));
+        $check("Cylinder", Cylinder { r: 1.5 }, Some([1.5, 0.0, 7.0]));
+        $check("DentedCylinder", DentedCylinder { r: 1.0, l: 0.5, a: 0.25 }, Some([0.75, 0.0, 0.0]));
+        $check("Plane", Plane { a: 1.0, b: 2.0, c: 2.0, d: 3.0 }, Some([3.0, 0.0, 0.0]));
+        $check("WigglyPlane", WigglyPlane { a: 0.5, w: 2.0 }, Some([0.0, 3.0, 0.0]));
+        $check(
+            "GaussianBump",
+            GaussianBump { a: 0.5, l: 0.5, inner: 1.0, outer: 1.5 },
+            Some([0.0, 0.0, 0.5]),
+        );
+        $check("Dumbbell", Dumbbell { a: 1.0, k: 1.2, b: 1.0, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+        $check("Spine", Spine { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+        $check("SpineTwo", SpineTwo { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
+        $check("Thylakoid", Thylakoid { width: 1.0, length: 1.0, flare: 0.5 }, Some([0.0, 0.5, 0.0]));
+        $check("Supersphere", Supersphere { r: 1.0, q: 4.0 }, Some([0.0, 0.0, 1.0]));
+        $check(
+            "Superellipsoid",
+            Superellipsoid { a: 1.0, b: 1.5, c: 0.5, n: 3.0, m: 2.5 },
+            Some([0.0, 0.0, 0.5]),
+        );
+        $check("TorusByDistance", TorusByDistance { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
+        $check("Torus", Torus { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
+        $check("Gyroid", Gyroid { k: 1.0, epsilon: 0.0 }, Some([0.0, 0.0, 0.0]));
+        $check("Primitive", Primitive { k: 1.0, epsilon: 1.0 }, None);
+        $check("Diamond", Diamond { k: 1.0, epsilon: 0.0 }, None);
+        $check("Neovius", Neovius { k: 1.0 }, None);
+        $check("IWrappedPackage", IWrappedPackage { k: 1.0 }, None);
+        $check("Lidinoid", Lidinoid { k: 1.0, epsilon: 0.3 }, None);
+        $check("Lemniscate", Lemniscate { a: 1.0, r: 0.125 }, Some([0.0, 0.0, 0.125]));
+        $check("ThreeFoci", ThreeFoci { a: 1.0, c: 1.0, r: 0.25 }, Some([0.0, 0.0, 0.25]));
+        $check("Clebsch", Clebsch {}, None);
+        $check("Cayley", Cayley {}, Some([0.5, 0.0, 0.0]));
+        $check("BarthSextic", BarthSextic { w: 1.0 }, None);
+        $check("Kummer", Kummer { mu: 1.25 }, None);
+        $check("Tanglecube", Tanglecube { c: 11.8 }, None);
+        $check("Chmutov", Chmutov {}, None);
+        $check("Decocube", Decocube { b: 0.02, c: 0.95 }, None);
+        $check("Heart", Heart {}, Some([1.0, 0.0, 0.0]));
+        $check("DupinCyclide", DupinCyclide { a: 1.5, b: 1.25, d: 0.5 }, None);
+        $check("Metaballs", Metaballs { c: 1.0, level: 2.0 }, Some([0.0, 0.0, 0.0]));
+        $check("Hyperboloid", Hyperboloid { a: 1.0, c: 1.5 }, Some([1.0, 0.0, 0.0]));
+        $check("Paraboloid", Paraboloid { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
+        $check("Saddle", Saddle { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
+        $check("MonkeySaddle", MonkeySaddle {}, Some([1.0, 0.0, 1.0]));
+        $check("Catenoid", Catenoid { a: 0.5 }, Some([0.5, 0.0, 0.0]));
+        $check("Helicoid", Helicoid { c: 0.5 }, Some([1.0, 0.0, 0.0]));
+        $check("Scherk", Scherk {}, Some([0.5, 0.5, 0.0]));
+    };
+}
+
 #[test]
 fn catalogue() {
-    check("Sphere", Sphere { r: 1.5 }, Some([0.0, 0.0, 1.5]));
-    check("Ellipsoid", Ellipsoid { a: 1.0, b: 1.5, c: 0.5 }, Some([0.0, 1.5, 0.0]));
-    check("Cylinder", Cylinder { r: 1.5 }, Some([1.5, 0.0, 7.0]));
-    check("DentedCylinder", DentedCylinder { r: 1.0, l: 0.5, a: 0.25 }, Some([0.75, 0.0, 0.0]));
-    check("Plane", Plane { a: 1.0, b: 2.0, c: 2.0, d: 3.0 }, Some([3.0, 0.0, 0.0]));
-    check("WigglyPlane", WigglyPlane { a: 0.5, w: 2.0 }, Some([0.0, 3.0, 0.0]));
-    check("GaussianBump", GaussianBump { a: 0.5, l: 0.5, inner: 1.0, outer: 1.5 }, Some([0.0, 0.0, 0.5]));
-    check("Dumbbell", Dumbbell { a: 1.0, k: 1.2, b: 1.0, c: 2.0 }, Some([1.0, 0.0, 0.0]));
-    check("Spine", Spine { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
-    check("SpineTwo", SpineTwo { a: 1.0, k: 1.2, b: 1.0, b2: 0.5, c: 2.0 }, Some([1.0, 0.0, 0.0]));
-    check("Supersphere", Supersphere { r: 1.0, q: 4.0 }, Some([0.0, 0.0, 1.0]));
-    check("Superellipsoid", Superellipsoid { a: 1.0, b: 1.5, c: 0.5, n: 3.0, m: 2.5 }, Some([0.0, 0.0, 0.5]));
-    check("TorusByDistance", TorusByDistance { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
-    check("Torus", Torus { major: 1.5, minor: 0.5 }, Some([2.0, 0.0, 0.0]));
-    check("Gyroid", Gyroid { k: 1.0, epsilon: 0.0 }, Some([0.0, 0.0, 0.0]));
-    check("Primitive", Primitive { k: 1.0, epsilon: 1.0 }, None);
-    check("Diamond", Diamond { k: 1.0, epsilon: 0.0 }, None);
-    check("Neovius", Neovius { k: 1.0 }, None);
-    check("IWrappedPackage", IWrappedPackage { k: 1.0 }, None);
-    check("Lidinoid", Lidinoid { k: 1.0, epsilon: 0.3 }, None);
-    check("Lemniscate", Lemniscate { a: 1.0, r: 0.125 }, Some([0.0, 0.0, 0.125]));
-    check("ThreeFoci", ThreeFoci { a: 1.0, c: 1.0, r: 0.25 }, Some([0.0, 0.0, 0.25]));
-    check("Clebsch", Clebsch {}, None);
-    check("Cayley", Cayley {}, Some([0.5, 0.0, 0.0]));
-    check("BarthSextic", BarthSextic { w: 1.0 }, None);
-    check("Kummer", Kummer { mu: 1.25 }, None);
-    check("Tanglecube", Tanglecube { c: 11.8 }, None);
-    check("Chmutov", Chmutov {}, None);
-    check("Decocube", Decocube { b: 0.02, c: 0.95 }, None);
-    check("Heart", Heart {}, Some([1.0, 0.0, 0.0]));
-    check("DupinCyclide", DupinCyclide { a: 1.5, b: 1.25, d: 0.5 }, None);
-    check("Metaballs", Metaballs { c: 1.0, level: 2.0 }, Some([0.0, 0.0, 0.0]));
-    check("Hyperboloid", Hyperboloid { a: 1.0, c: 1.5 }, Some([1.0, 0.0, 0.0]));
-    check("Paraboloid", Paraboloid { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
-    check("Saddle", Saddle { a: 1.0, b: 1.5 }, Some([1.0, 0.0, 1.0]));
-    check("MonkeySaddle", MonkeySaddle {}, Some([1.0, 0.0, 1.0]));
-    check("Catenoid", Catenoid { a: 0.5 }, Some([0.5, 0.0, 0.0]));
-    check("Helicoid", Helicoid { c: 0.5 }, Some([1.0, 0.0, 0.0]));
-    check("Scherk", Scherk {}, Some([0.5, 0.5, 0.0]));
+    catalogue!(check);
+}
+
+/// Over `f32`: as good as single precision allows.
+///
+/// The error is at most 16 eps·s (8 are exceeded), where s is the largest of g, G and the terms that cancel in
+/// them, which 8 covers.
+#[test]
+fn single_precision() {
+    catalogue!(check_single);
+}
+
+#[track_caller]
+fn check_single(name: &str, g: impl Constraint<3, 1>, _known: Option<[f64; 3]>) {
+    let (single, double) = (g.kernel::<f32>(), g.kernel::<f64>());
+    let mut generator = StdRng::seed_from_u64(12);
+    let mut differing = 0;
+    for _ in 0..500 {
+        let q: [f32; 3] = from_fn(|_| generator.random_range(-1.5..1.5));
+        let (value, [row]) = single.value_and_jacobian(&q);
+        let (exact, [slope]) = double.value_and_jacobian(&q.map(f64::from));
+        assert_eq!(value, single.value(&q), "{name}: one value");
+        assert_eq!([row], single.jacobian(&q), "{name}: one jacobian");
+        let found = [value[0], row[0], row[1], row[2]].map(f64::from);
+        let expected = [exact[0], slope[0], slope[1], slope[2]];
+        let size = expected.iter().fold(8.0, |size: f64, x| size.max(x.abs()));
+        for (found, expected) in found.into_iter().zip(expected) {
+            let error = (found - expected).abs();
+            assert!(
+                error <= 16.0 * f64::from(f32::EPSILON) * size,
+                "{name} at {q:?}: {found}, expected {expected}"
+            );
+            differing += usize::from(error > 0.0);
+        }
+    }
+    assert!(name == "Plane" || differing > 0, "{name}: these are other numbers");
+}
+
+/// Over four lanes: each is bit for bit the result over `f64`.
+#[test]
+fn lanes() {
+    catalogue!(check_lanes);
+    check_lanes("Kinked", Kinked { r: 1.0 }, None);
+}
+
+constraint! {
+    /// Everything that is not smooth, tied on purpose.
+    struct Kinked { r }
+    |x, y, z| {
+        let branch = if x < y && y <= z || z > r { x * y } else if x >= 0 { sqrt(x^2) } else { -z };
+        let root = if y >= 0 { sqrt(y) * y } else { cbrt(z) };
+        min(x, y, z) * max(x, r) + abs(z - x) + sign(y) * z + branch + root + norm(x, y, z) + atan2(y, x) + hypot(y, z)
+    }
+}
+
+#[track_caller]
+fn check_lanes(name: &str, g: impl Constraint<3, 1>, _known: Option<[f64; 3]>) {
+    // Zeros of both signs, ties between coordinates, and where the branches change.
+    const SPECIAL: [f64; 8] = [0.0, -0.0, 1.0, -1.0, 0.5, 1.5, 1e-300, f64::NAN];
+    let (alone, together) = (g.kernel::<f64>(), g.kernel::<Four>());
+    let mut generator = StdRng::seed_from_u64(13);
+    let mut number = |point: usize| match point % 2 {
+        0 => generator.random_range(-2.0..2.0),
+        _ => SPECIAL[generator.random_range(0..SPECIAL.len())],
+    };
+    let (mut finite, mut different) = (0, 0);
+    for point in 0..400 {
+        let q: [[f64; 3]; 4] = from_fn(|lane| from_fn(|_| number(point + lane)));
+        let v: [[f64; 3]; 4] = from_fn(|_| from_fn(|_| number(0)));
+        let across = |rows: &[[f64; 3]; 4]| from_fn(|k| Four(from_fn(|lane| rows[lane][k])));
+        let (lanes_q, lanes_v) = (across(&q), across(&v));
+        let found = everything(&together, &lanes_q, &lanes_v);
+        let expected = q.iter().zip(&v).map(|(q, v)| everything(&alone, q, v));
+        for (lane, expected) in expected.enumerate() {
+            for (found, expected) in found.iter().zip(expected) {
+                let same = found.0[lane].to_bits() == expected.to_bits()
+                    || (found.0[lane].is_nan() && expected.is_nan());
+                assert!(same, "{name}, lane {lane} of {q:?}: {}, alone {expected}", found.0[lane]);
+                finite += usize::from(expected.is_finite());
+            }
+        }
+        different += usize::from(found[0].0[0].to_bits() != found[0].0[2].to_bits());
+    }
+    assert!(finite > 10_000 && different > 100, "{name}: {finite} {different}");
+}
+
+/// All results of a kernel, in a row.
+fn everything<T: Real>(g: &impl ConstraintKernel<T, 3, 1>, q: &[T; 3], v: &[T; 3]) -> Vec<T> {
+    let [value] = g.value(q);
+    let ([shared], [row]) = g.value_and_jacobian(q);
+    let ([product], [jacobian]) = (g.hessian_vector(q, v), g.jacobian(q));
+    let ([g0], [g1], [g2]) = g.jet(q, v);
+    let weighted = g.weighted_hessian_vector(q, &[v[0]], v);
+    let [hessian] = g.hessian(q);
+    let numbers = [value, shared, g0, g1, g2];
+    numbers.into_iter().chain([row, product, jacobian, weighted].concat()).chain(hessian.concat()).collect()
 }
 
 /// The pieces of a surface that is put together meet with their slopes.
@@ -102,5 +219,49 @@ fn pieces_meet() {
         let ((below, slope_below), (above, slope_above)) = (at(radius.next_down()), at(radius.next_up()));
         assert!((below[0] - above[0]).abs() <= 1e-15, "{below} {above}");
         assert!((slope_below - slope_above).amax() <= 1e-14, "{slope_below} {slope_above}");
+    }
+}
+
+/// The parts of the thylakoid as LAMMPS has them, each along its seam: bridge, flare, face, edge, side, back.
+#[test]
+fn parts_of_the_thylakoid_meet() {
+    let thylakoid = Thylakoid { width: 3.0, length: 10.0, flare: 3.0 };
+    let on = [
+        // A point on the surface, and its outward normal.
+        ([0.0, 1.5, 0.0], [0.0, 1.0, 0.0]),                 // bridge
+        ([5.0, 0.0, -1.5], [0.0, 0.0, -1.0]),               // where the flare begins
+        ([6.8, 4.5 - 2.4, 0.0], [-0.6, 0.8, 0.0]),          // on it, 3, 4, 5
+        ([8.0, 4.5, 0.0], [-1.0, 0.0, 0.0]),                // where it ends in the face
+        ([8.0, 7.5, 20.0], [-1.0, 0.0, 0.0]),               // where an edge begins
+        ([11.0 - 1.8, -7.5 - 2.4, 3.0], [-0.6, -0.8, 0.0]), // on it
+        ([11.0, -10.5, 3.0], [0.0, -1.0, 0.0]),             // where it ends in a side
+        ([26.0, 10.5, 3.0], [0.0, 1.0, 0.0]),               // the side's other end
+        ([26.0 + 1.8, 7.5 + 2.4, 3.0], [0.6, 0.8, 0.0]),    // an edge of the back
+        ([29.0, 0.0, 0.0], [1.0, 0.0, 0.0]),                // the back, behind the mouth
+        ([29.0, 7.5, 0.0], [1.0, 0.0, 0.0]),
+    ];
+    for (point, normal) in on {
+        for mirror in [1.0, -1.0] {
+            let [x, y, z] = point;
+            let (q, n) = (vector![mirror * x, y, z], vector![mirror * normal[0], normal[1], normal[2]]);
+            // On all sides of the seam; curvature is at most 1/1.5, so the normal turns by less than 1e-8.
+            for offset in
+                [[0.0; 3], [1e-9, 1e-9, 1e-9], [-1e-9, 1e-9, -1e-9], [1e-9, -1e-9, -1e-9], [-1e-9; 3]]
+            {
+                let offset = vector![offset[0], offset[1], offset[2]];
+                let (value, slope) = thylakoid.value_and_jacobian(&(q + offset));
+                assert!((value[0] - n.dot(&offset)).abs() <= 2e-14, "{q}: {value}");
+                assert!((slope.transpose() - n).amax() <= 1e-8, "{q}: {slope}");
+            }
+        }
+    }
+    // No other surface and no jump hides inside the stacks or between them: g is a continuous function.
+    let mut generator = StdRng::seed_from_u64(5);
+    for _ in 0..20_000 {
+        let q =
+            Point::from_fn(|_, _| generator.random_range(-32.0..32.0)).component_mul(&vector![1.0, 0.4, 0.4]);
+        let step = Point::from_fn(|_, _| generator.random_range(-0.2..0.2));
+        let change = thylakoid.value(&(q + step))[0] - thylakoid.value(&q)[0];
+        assert!(change.abs() <= step.norm() * (1.0 + 1e-12), "{q} {step}: {change}");
     }
 }

@@ -21,7 +21,9 @@ use rattle_symbolic::expand::{Macro, expand};
 /// makes `pub struct Torus { pub major: f64, pub minor: f64 }` with `value`, `jacobian`,
 /// `hessian_vector`, `jet`, `hessian` and more, by the trait `Constraint`. Visibility, attributes and
 /// doc comments pass through, those of fields too; the formula, its gradient and the operations per call
-/// are added to the documentation.
+/// are added to the documentation. The struct derives `Clone`, `Copy`, `Debug` and `PartialEq`; others go into
+/// a `#[derive(…)]` of your own, where these four do no harm. There are no generics: parameters are `f64` or
+/// arrays of `f64`.
 ///
 /// # The language
 ///

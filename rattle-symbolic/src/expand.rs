@@ -4,11 +4,11 @@ use crate::emit::Emitter;
 use crate::formula::{self, Names};
 use crate::graph::{Graph, Id, Input};
 use crate::interface::Method;
-use crate::lower::{Expectation, lower};
+use crate::lower::{Expectation, Lowered, lower};
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
-use crate::syntax::{Item, Shape};
+use crate::syntax::{Item, Parameter, Shape};
 use proc_macro2::{Literal, TokenStream};
 use quote::{format_ident, quote};
 
@@ -32,7 +32,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     let mut problems = Problems::default();
     let Some(item) = parse(input, &mut problems) else { return problems.report() };
     let mut graph = Graph::new();
-    let roots = lower(&item, which.expectation(), &mut graph, &mut problems);
+    let Lowered { roots, named } = lower(&item, which.expectation(), &mut graph, &mut problems);
     which.check(&item, &mut problems);
     let sizes = Sizes { variables: item.variables.iter().map(|v| size(&v.shape)).sum(), roots: roots.len() };
     if problems.any() || roots.is_empty() {
@@ -41,7 +41,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
         return quote!(#stub #report);
     }
     let routines = which.routines(graph, &roots, sizes.variables as u32);
-    let documentation = which.documentation(&item, &routines);
+    let documentation = which.documentation(&item, &routines, named);
     let structure = structure(&item, &documentation);
     let emitter = Emitter::new(&routines);
     let kernel = Kernel { item: &item, emitter: &emitter, routines: &routines, sizes: &sizes };
@@ -115,23 +115,22 @@ impl Macro {
     }
 
     /// The formula, its derivatives and what they cost, below what the user wrote.
-    fn documentation(self, item: &Item, routines: &Routines) -> Vec<String> {
+    fn documentation(self, item: &Item, routines: &Routines, named: Vec<(Id, String)>) -> Vec<String> {
         let letter = self.letter();
         let mut lines = vec![String::new(), "```text".to_owned()];
         lines.extend(formula::written(item, letter));
-        let names = Names::of(item);
+        let names = Names::of(item, named);
         let (graph, gradients) = &routines.gradients;
         let variables: usize = item.variables.iter().map(|variable| size(&variable.shape)).sum();
-        if (1..=variables * 3).contains(&gradients.len()) {
-            let of = |i: usize| {
-                if gradients.len() > variables { format!("{letter}[{i}]") } else { letter.to_owned() }
-            };
-            for (i, row) in gradients.chunks(variables).enumerate() {
-                let row: Option<Vec<String>> =
-                    row.iter().map(|&entry| formula::derivative(graph, entry, &names)).collect();
-                if let Some(row) = row.filter(|row| row.len() <= 6) {
-                    lines.push(format!("∇{} = ({})", of(i), row.join(", ")));
-                }
+        if variables <= 6 && gradients.len() <= variables * 3 {
+            for (i, &entry) in gradients.iter().enumerate() {
+                let of = match gradients.len() > variables {
+                    true => format!("{letter}[{}]", i / variables),
+                    false => letter.to_owned(),
+                };
+                let by = names.variable(i % variables);
+                let derivative = formula::derivative(graph, entry, &names).unwrap_or("…".to_owned());
+                lines.push(format!("∂{of}/∂{by} = {derivative}"));
             }
         }
         lines.push("```".to_owned());
@@ -161,7 +160,10 @@ impl Macro {
 /// The user's struct.
 fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let Item { attributes, visibility, name, .. } = item;
-    let fields = item.parameters.iter().map(|parameter| {
+    // A name that is taken is reported already; the stub has it once.
+    let first =
+        |&(i, parameter): &(usize, &Parameter)| item.parameters[..i].iter().all(|p| p.name != parameter.name);
+    let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
         let documented = attributes.clone().into_iter().any(|token| token.to_string().contains("doc"));

@@ -3,6 +3,7 @@
 use crate::algebra::Scaled;
 use crate::graph::{Comparison, Graph, Id, Input, Node};
 use crate::syntax::{Binder, Expr, Item, Kind, Operator};
+use std::collections::HashMap;
 
 /// Longer formulas are not shown: nobody reads them.
 const LONGEST: usize = 240;
@@ -114,11 +115,16 @@ fn ranges(binders: &[Binder]) -> String {
 pub(crate) struct Names {
     parameters: Vec<String>,
     variables: Vec<String>,
+    /// What a `let` names, the first of several.
+    named: HashMap<Id, String>,
 }
 
 impl Names {
-    pub(crate) fn of(item: &Item) -> Names {
-        let mut names = Names { parameters: vec![], variables: vec![] };
+    pub(crate) fn of(item: &Item, lets: Vec<(Id, String)>) -> Names {
+        let mut names = Names { parameters: vec![], variables: vec![], named: HashMap::new() };
+        for (id, name) in lets {
+            names.named.entry(id).or_insert(name);
+        }
         for parameter in &item.parameters {
             components(parameter.name.to_string(), &parameter.shape, &mut names.parameters);
         }
@@ -126,6 +132,11 @@ impl Names {
             components(variable.name.to_string(), &variable.shape, &mut names.variables);
         }
         names
+    }
+
+    /// The variable's component of that number.
+    pub(crate) fn variable(&self, k: usize) -> &str {
+        self.variables.get(k).map_or("", String::as_str)
     }
 
     fn name(&self, input: Input) -> String {
@@ -154,7 +165,11 @@ pub(crate) fn derivative(graph: &Graph, scaled: Scaled, names: &Names) -> Option
     let Some(root) = scaled.node else { return Some(scaled.factor.to_string()) };
     let mut texts: Vec<Option<(String, Tightness)>> = vec![None; graph.len()];
     for id in graph.reachable(&[root]) {
-        let found = node(graph, id, &|id| texts[id.index()].clone(), names);
+        let name = match graph.node(id) {
+            Node::Input(_) | Node::Constant(_) => None,
+            _ => names.named.get(&id).map(|name| (name.clone(), Tightness::Atom)),
+        };
+        let found = name.or_else(|| node(graph, id, &|id| texts[id.index()].clone(), names));
         texts[id.index()] = found.filter(|(text, _)| text.len() <= LONGEST);
     }
     let (text, tightness) = texts[root.index()].take()?;

@@ -6,6 +6,7 @@
 
 use crate::graph::{Comparison, Graph, Id, Input};
 use crate::names::{CONSTANTS, Role, Scope};
+use crate::parse::UNKNOWN;
 use crate::problems::{Extent, Problems};
 use crate::ratio::Ratio;
 use crate::syntax::{Binder, Expr, Item, Kind, Operator, Shape};
@@ -68,21 +69,39 @@ pub(crate) struct Lowering<'a> {
     pub(crate) graph: &'a mut Graph,
     pub(crate) problems: &'a mut Problems,
     scope: Scope,
+    /// What the `let`s around the equations are, outside of loops.
+    named: Vec<(Id, String)>,
     rounds: usize,
     unreadable: bool,
     exhausted: bool,
 }
 
-/// The roots of an item: one per equation. Problems are noted; the roots are then incomplete.
+/// What an item comes to.
+pub(crate) struct Lowered {
+    /// One per equation.
+    pub(crate) roots: Vec<Id>,
+    /// The numbers that have names, for the documentation.
+    pub(crate) named: Vec<(Id, String)>,
+}
+
+/// The equations of an item. Problems are noted; the roots are then incomplete.
 pub(crate) fn lower(
     item: &Item,
     expected: Expectation,
     graph: &mut Graph,
     problems: &mut Problems,
-) -> Vec<Id> {
-    let mut lowering =
-        Lowering { graph, problems, scope: Scope::default(), rounds: 0, unreadable: false, exhausted: false };
-    lowering.item(item, expected)
+) -> Lowered {
+    let mut lowering = Lowering {
+        graph,
+        problems,
+        scope: Scope::default(),
+        named: Vec::new(),
+        rounds: 0,
+        unreadable: false,
+        exhausted: false,
+    };
+    let roots = lowering.item(item, expected);
+    Lowered { roots, named: lowering.named }
 }
 
 impl Lowering<'_> {
@@ -108,6 +127,9 @@ impl Lowering<'_> {
     }
 
     fn given(&mut self, shape: &[usize], count: &mut u32, input: fn(u32) -> Input) -> Value {
+        if shape == UNKNOWN {
+            return Value::Unknown;
+        }
         match shape.split_first() {
             None => {
                 *count += 1;
@@ -148,6 +170,9 @@ impl Lowering<'_> {
             }
             Kind::Block(lets, result) => {
                 let start = self.lets(lets);
+                if self.rounds == 0 {
+                    self.named.extend(self.scope.numbers_from(start));
+                }
                 self.equations(result, expected, roots);
                 self.scope.close(start);
             }
@@ -171,6 +196,7 @@ impl Lowering<'_> {
                         None => "it holds parameters only".to_owned(),
                     };
                     self.wrong(expr.extent, format!("{} depends on no variable; {value}", expected.noun));
+                    self.unreadable = true; // then nothing is used, and that is no news
                 }
                 roots.extend(numbers);
             }

@@ -1,5 +1,6 @@
 //! Names in scope, and what they stand for.
 
+use crate::graph::Id;
 use crate::lower::Value;
 use crate::problems::{Extent, Problems, nearest};
 use crate::ratio::Ratio;
@@ -88,6 +89,14 @@ impl Scope {
             let role = earlier.role.described();
             problems.note_at(name, format!("`{text}` is {role} already; choose another name"));
         }
+    }
+
+    /// The plain numbers among the names from `start` on.
+    pub(crate) fn numbers_from(&self, start: usize) -> impl Iterator<Item = (Id, String)> {
+        self.bindings[start..].iter().filter_map(|binding| match binding.value {
+            Value::Number(id) => Some((id, binding.name.to_string())),
+            _ => None,
+        })
     }
 
     /// Ends a scope: the names from `start` on.

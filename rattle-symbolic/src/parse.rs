@@ -10,10 +10,11 @@
 use crate::parse_expression::Parser;
 use crate::problems::Problems;
 use crate::syntax::{Item, Parameter, Shape, Variable};
-use proc_macro2::{Ident, TokenStream};
-use quote::ToTokens;
+use proc_macro2::{Ident, TokenStream, TokenTree};
+use quote::{ToTokens, quote};
 use syn::parse::{ParseStream, Parser as _, Result};
-use syn::{Attribute, LitInt, Token, Visibility, braced, bracketed, token};
+use syn::punctuated::Punctuated;
+use syn::{Attribute, LitInt, Path, Token, Visibility, braced, bracketed, token};
 
 /// The item, as far as it could be read.
 pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item> {
@@ -44,13 +45,20 @@ pub(crate) fn drain(input: ParseStream) {
 }
 
 fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
-    let attributes = attributes(input)?;
+    let attributes = input.call(Attribute::parse_outer)?.into_iter().filter_map(underived).collect();
     let visibility: Visibility = input.parse()?;
     if !input.peek(Token![struct]) {
         return Err(input.error("expected `pub struct Name { parameters }` before the expression"));
     }
     input.parse::<Token![struct]>()?;
     let name: Ident = input.parse()?;
+    if input.peek(Token![<]) {
+        problems
+            .note_syntax(input.error("generics are not supported; the parameters of a formula are `f64`"));
+        while !input.is_empty() && !input.peek(token::Brace) && !input.peek(Token![|]) {
+            input.parse::<TokenTree>()?;
+        }
+    }
     if !input.peek(token::Brace) {
         return Err(input.error(format!(
             "expected the parameters of `{name}` in braces; write `{name} {{}}` if there are none"
@@ -58,11 +66,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     }
     let fields;
     braced!(fields in input);
-    let parameters = parameters(&fields).unwrap_or_else(|error| {
-        problems.note_syntax(error);
-        drain(&fields);
-        vec![]
-    });
+    let parameters = parameters(&fields, problems);
     if input.peek(Token![;]) {
         input.parse::<Token![;]>()?; // a slip that no one should have to think about
     }
@@ -74,7 +78,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
         variables: vec![],
         body: None,
     };
-    match variables(input) {
+    match variables(input, problems) {
         Ok(variables) => item.variables = variables,
         Err(error) => {
             problems.note_syntax(error);
@@ -98,29 +102,56 @@ fn attributes(input: ParseStream) -> Result<TokenStream> {
         .collect())
 }
 
-fn parameters(fields: ParseStream) -> Result<Vec<Parameter>> {
-    let mut list = Vec::new();
-    while !fields.is_empty() {
-        let attributes = attributes(fields)?;
-        let visibility: Visibility = fields.parse()?;
-        let visibility = match visibility {
-            Visibility::Inherited => quote::quote!(pub),
-            given => given.into_token_stream(),
-        };
-        let name: Ident = fields.parse()?;
-        let shape = optional_shape(fields)?;
-        list.push(Parameter { attributes, visibility, name, shape });
-        if !fields.is_empty() {
-            if !fields.peek(Token![,]) {
-                return Err(fields.error("expected `,` between parameters"));
-            }
-            fields.parse::<Token![,]>()?;
-        }
+/// What every struct derives anyway.
+const DERIVED: [&str; 4] = ["Clone", "Copy", "Debug", "PartialEq"];
+
+/// The attribute without the derives that would be made twice.
+fn underived(attribute: Attribute) -> Option<TokenStream> {
+    if !attribute.path().is_ident("derive") {
+        return Some(attribute.into_token_stream());
     }
-    Ok(list)
+    let list = attribute.parse_args_with(Punctuated::<Path, Token![,]>::parse_terminated);
+    let Ok(list) = list else { return Some(attribute.into_token_stream()) };
+    let is_ours =
+        |path: &Path| path.segments.last().is_some_and(|last| DERIVED.iter().any(|d| last.ident == d));
+    let others: Vec<Path> = list.into_iter().filter(|path| !is_ours(path)).collect();
+    (!others.is_empty()).then(|| quote!(#[derive(#(#others),*)]))
 }
 
-fn variables(input: ParseStream) -> Result<Vec<Variable>> {
+/// The parameters; what is wrong with one is noted, and the rest is read.
+fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
+    let mut list: Vec<Parameter> = Vec::new();
+    while !fields.is_empty() {
+        match parameter(fields, problems) {
+            Ok(parameter) => list.push(parameter),
+            Err(error) => {
+                problems.note_syntax(error);
+                drain(fields);
+            }
+        }
+        if fields.is_empty() {
+            break;
+        }
+        if fields.parse::<Token![,]>().is_err() {
+            problems.note_syntax(fields.error("expected `,` between parameters"));
+            if !fields.peek(syn::Ident) {
+                drain(fields);
+            }
+        }
+    }
+    list
+}
+
+fn parameter(fields: ParseStream, problems: &mut Problems) -> Result<Parameter> {
+    let attributes = attributes(fields)?;
+    let visibility = match fields.parse()? {
+        Visibility::Inherited => quote!(pub),
+        given => given.into_token_stream(),
+    };
+    Ok(Parameter { attributes, visibility, name: fields.parse()?, shape: optional_shape(fields, problems) })
+}
+
+fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable>> {
     if input.peek(Token![||]) {
         return Err(
             input.error("there are no variables; write their names between the bars, as in `|x, y, z|`")
@@ -133,7 +164,7 @@ fn variables(input: ParseStream) -> Result<Vec<Variable>> {
     let mut list = Vec::new();
     while !input.peek(Token![|]) {
         let name: Ident = input.parse()?;
-        let shape = optional_shape(input)?;
+        let shape = optional_shape(input, problems);
         list.push(Variable { name, shape });
         if input.peek(Token![,]) {
             input.parse::<Token![,]>()?;
@@ -149,26 +180,42 @@ fn variables(input: ParseStream) -> Result<Vec<Variable>> {
     Ok(list)
 }
 
-fn optional_shape(input: ParseStream) -> Result<Shape> {
+/// The shape after a colon. One that is wrong is noted, and [`UNKNOWN`].
+fn optional_shape(input: ParseStream, problems: &mut Problems) -> Shape {
     let mut shape = Shape::new();
-    if input.peek(Token![:]) {
-        input.parse::<Token![:]>()?;
-        read_shape(input, &mut shape)?;
+    if input.parse::<Token![:]>().is_ok()
+        && let Err(error) = read_shape(input, &mut shape, problems)
+    {
+        problems.note_syntax(error);
+        let mut brackets = 0; // of `Vec<f64, A>`
+        while !input.is_empty() && (brackets > 0 || !(input.peek(Token![,]) || input.peek(Token![|]))) {
+            brackets += i32::from(input.peek(Token![<])) - i32::from(input.peek(Token![>]));
+            let _ = input.parse::<TokenTree>();
+        }
+        return UNKNOWN.to_vec();
     }
-    Ok(shape)
+    shape
 }
+
+/// The shape of what could not be read: no array has length 0.
+pub(crate) const UNKNOWN: [usize; 1] = [0];
 
 /// More components than any one body has.
 const LARGEST: usize = 4096;
 
-fn read_shape(input: ParseStream, shape: &mut Shape) -> Result<()> {
+fn read_shape(input: ParseStream, shape: &mut Shape, problems: &mut Problems) -> Result<()> {
     if !input.peek(token::Bracket) {
-        let scalar: Option<Ident> = input.parse().ok();
-        return match scalar {
-            Some(scalar) if scalar == "f64" => Ok(()),
-            Some(other) => Err(syn::Error::new_spanned(&other, format!("expected `f64`, found `{other}`"))),
-            None => Err(input.error("expected `f64` or an array of it, as in `[f64; 3]`")),
-        };
+        let expected = "expected `f64` or an array of it, as in `[f64; 3]`";
+        let Ok(scalar) = input.parse::<Ident>() else { return Err(input.error(expected)) };
+        if scalar == "f64" {
+            return Ok(());
+        }
+        let error = syn::Error::new_spanned(&scalar, format!("{expected}, found `{scalar}`"));
+        if !["f32", "i32", "i64", "u32", "u64", "usize"].iter().any(|number| scalar == number) {
+            return Err(error);
+        }
+        problems.note_syntax(error); // some number: read on as if it were the right one
+        return Ok(());
     }
     let inside;
     bracketed!(inside in input);
@@ -177,7 +224,7 @@ fn read_shape(input: ParseStream, shape: &mut Shape) -> Result<()> {
     if shape.len() > 8 {
         return Err(inside.error("arrays nest at most 8 deep"));
     }
-    read_shape(&inside, shape)?;
+    read_shape(&inside, shape, problems)?;
     if !inside.peek(Token![;]) {
         return Err(inside.error("expected `;` and the length of the array, as in `[f64; 3]`"));
     }

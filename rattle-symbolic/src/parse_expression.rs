@@ -9,6 +9,7 @@
 //! so that the rest is still checked; anything else that cannot be read ends its own pair of
 //! parentheses or its own `let`, not the whole expression.
 
+use crate::functions::Function;
 use crate::parse::drain;
 use crate::problems::{Extent, Problems};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
@@ -330,13 +331,30 @@ impl<'p> Parser<'p> {
             return Err(syn::Error::new_spanned(&name, message));
         }
         if !input.peek(token::Paren) {
-            return Ok(self.make(Kind::Name(name), start));
+            return match starts_operand(input) && Function::named(&name.to_string()).is_some() {
+                true => self.bare_call(name, start, input),
+                false => Ok(self.make(Kind::Name(name), start)),
+            };
         }
         if name == "sum" || name == "product" {
             return self.fold(name, start, input);
         }
         let (arguments, end) = self.arguments(input)?;
         Ok(self.make(Kind::Call(name, arguments), start.to(end)))
+    }
+
+    /// `sqrt x` is a slip for `sqrt(x)`.
+    fn bare_call(&mut self, name: Ident, start: Extent, input: ParseStream) -> Result<Expr> {
+        let next = found(input).replace('`', "");
+        let next = if Function::named(&next).is_some() { "…" } else { &next };
+        self.problems
+            .note(start, format!("`{name}` needs its argument in parentheses; write `{name}({next})`"));
+        self.depth += 1;
+        let argument = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.postfix(input) };
+        self.depth -= 1;
+        let argument = argument?;
+        let extent = start.to(argument.extent);
+        Ok(self.make(Kind::Call(name, vec![argument]), extent))
     }
 
     fn arguments(&mut self, input: ParseStream) -> Result<(Vec<Expr>, Extent)> {

@@ -8,14 +8,31 @@ fn formula_gradient_and_counts() {
         pub struct Lemniscate { a, r }
         |x, y, z| { let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2); f^2 + z^2 - r^2 }";
     let output = expand(Macro::Constraint, input.parse().expect("tokens")).to_string();
-    println!("{}", &output[..1500]);
+    println!("{}", &output[..1800]);
     for line in [
         "f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2)",
         "g = f^2 + z^2 - r^2",
-        "2 * z)",
+        "∂g/∂x = 8 * x * f * ((x^2 + y^2) - 0.5 * a^2)",
+        "∂g/∂z = 2 * z\"",
         "11 `value`, 19 `value_and_jacobian`",
         "41 `jet`",
     ] {
         assert!(output.contains(line), "{line}");
+    }
+}
+
+/// Each component has its line and its indices, named parts keep their names, and loops have none.
+#[test]
+fn derivatives_by_component() {
+    let input = "struct Two {} |q: [f64; 2], z| { let s = norm(q); let c = [q[0] * z, 1]; [s * z, dot(c, q), for i in 0..1 { let t = q[i]^2; t * z }] }";
+    let output = expand(Macro::Constraint, input.parse().expect("tokens")).to_string();
+    for line in [
+        "∂g[0]/∂q[0] = q[0] * z * ",
+        "∂g[0]/∂z = s",
+        "∂g[1]/∂q[1] = 1",
+        "∂g[2]/∂q[1] = 0",
+        "∂g[2]/∂q[0] = 2 * q[0] * z",
+    ] {
+        assert!(output.contains(&format!("\"{line}")), "{line} in {}", &output[..1200]);
     }
 }

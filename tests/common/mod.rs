@@ -1,6 +1,8 @@
 //! Systems and reference data that several tests use.
 #![allow(dead_code, unused_imports, unreachable_pub, reason = "each test uses its part")]
 
+pub mod lanes;
+
 use rattle::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;

@@ -37,5 +37,9 @@ constraint! {
     pub struct Juxtaposed { r }
     |x, y| x y - r
 }
+constraint! {
+    pub struct Bare { r }
+    |x, y| sqrt x + sin 2 * y + exp (x) - cos abs y + r
+}
 
 fn main() {}
