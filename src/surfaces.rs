@@ -112,6 +112,8 @@ constraint! {
     /// edges have radius 3, and width + 2 flare must not exceed 15. The surface is the same; g differs: it
     /// is the distance in every part, so that parts meet with their gradients, where those of LAMMPS's
     /// edges are squared distances and jump.
+    ///
+    #[doc = include_str!("surfaces/thylakoid.html")]
     pub struct Thylakoid { width, length, flare }
     |x, y, z| {
         let side = 15;
