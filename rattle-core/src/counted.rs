@@ -10,7 +10,10 @@ use std::rc::Rc;
 /// ```
 /// # use rattle_core::{counted::Counted, kernel::Potential, kernel::PotentialKernel, real::Real};
 /// # #[derive(Clone)] struct Flat;
-/// # impl Potential<1> for Flat { type Kernel<T: Real> = Flat; fn kernel<T: Real>(&self) -> Flat { Flat } }
+/// # impl Potential<1> for Flat {
+/// #     type Kernel<T: Real> = Flat;
+/// #     fn kernel_of_lanes<'a, T: Real>(_: impl Fn(usize) -> &'a Self) -> Flat where Self: 'a { Flat }
+/// # }
 /// # impl<T: Real> PotentialKernel<T, 1> for Flat {
 /// #     fn value(&self, q: &[T; 1]) -> T { q[0] }
 /// #     fn gradient(&self, _: &[T; 1]) -> [T; 1] { [T::from_f64(1.0)] }
@@ -72,8 +75,12 @@ impl Counts {
 
 impl<C: Constraint<D, M>, const D: usize, const M: usize> Constraint<D, M> for Counted<C> {
     type Kernel<T: Real> = Counted<C::Kernel<T>>;
-    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
-        Counted { inner: self.inner.kernel(), counts: self.counts.clone() }
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a,
+    {
+        let counts = lane(0).counts.clone();
+        Counted { inner: C::kernel_of_lanes(|i| &lane(i).inner), counts }
     }
 }
 
@@ -104,8 +111,12 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
 
 impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
     type Kernel<T: Real> = Counted<P::Kernel<T>>;
-    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
-        Counted { inner: self.inner.kernel(), counts: self.counts.clone() }
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a,
+    {
+        let counts = lane(0).counts.clone();
+        Counted { inner: P::kernel_of_lanes(|i| &lane(i).inner), counts }
     }
 }
 

@@ -13,15 +13,22 @@ use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
-pub trait Constraint<const D: usize, const M: usize> {
+pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
 
     /// Which entries of the Jacobian can be other than zero.
     const SPARSITY: [[bool; D]; M] = [[true; D]; M];
 
-    /// The kernel with this value's parameters.
-    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a;
+
+    /// The kernel with this value's parameters, in every lane.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Self::kernel_of_lanes(|_| self)
+    }
 
     /// g(q): zero on the constraint, bit for bit the expression as written.
     fn value(&self, q: &SVector<f64, D>) -> SVector<f64, M> {
@@ -113,12 +120,19 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
 }
 
 /// A potential energy U(q) of one body with D coordinates. Written by `potential!`.
-pub trait Potential<const D: usize> {
+pub trait Potential<const D: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: PotentialKernel<T, D>;
 
-    /// The kernel with this value's parameters.
-    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a;
+
+    /// The kernel with this value's parameters, in every lane.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Self::kernel_of_lanes(|_| self)
+    }
 
     /// U(q).
     fn value(&self, q: &SVector<f64, D>) -> f64 {
@@ -146,12 +160,19 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone {
 ///
 /// Evaluated as a function of s = r², so that an even potential needs no root and has no 0/0 at
 /// contact. The force on body i is −2 U′(s) (qᵢ − qⱼ): repulsive where U falls with distance.
-pub trait PairPotential {
+pub trait PairPotential: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: PairKernel<T>;
 
-    /// The kernel with this value's parameters.
-    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a;
+
+    /// The kernel with this value's parameters, in every lane.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Self::kernel_of_lanes(|_| self)
+    }
 
     /// U(r).
     fn value(&self, r: f64) -> f64 {
@@ -176,12 +197,19 @@ pub trait PairKernel<T: Real>: Clone {
 /// ```text
 /// q̇ = ∂H/∂p      ṗ = −∂H/∂q
 /// ```
-pub trait Hamiltonian<const D: usize> {
+pub trait Hamiltonian<const D: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: HamiltonianKernel<T, D>;
 
-    /// The kernel with this value's parameters.
-    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a;
+
+    /// The kernel with this value's parameters, in every lane.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Self::kernel_of_lanes(|_| self)
+    }
 
     /// H(q, p).
     fn value(&self, q: &SVector<f64, D>, p: &SVector<f64, D>) -> f64 {
@@ -205,12 +233,19 @@ pub trait HamiltonianKernel<T: Real, const D: usize>: Clone {
 }
 
 /// M equations g(q, p) = 0 in phase space. Written by `phase_constraint!`.
-pub trait PhaseConstraint<const D: usize, const M: usize> {
+pub trait PhaseConstraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: PhaseConstraintKernel<T, D, M>;
 
-    /// The kernel with this value's parameters.
-    fn kernel<T: Real>(&self) -> Self::Kernel<T>;
+    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
+    where
+        Self: 'a;
+
+    /// The kernel with this value's parameters, in every lane.
+    fn kernel<T: Real>(&self) -> Self::Kernel<T> {
+        Self::kernel_of_lanes(|_| self)
+    }
 
     /// g(q, p).
     fn value(&self, q: &SVector<f64, D>, p: &SVector<f64, D>) -> SVector<f64, M> {

@@ -63,6 +63,11 @@ pub trait Real:
 
     /// The same number in every lane.
     fn from_f64(x: f64) -> Self;
+    /// The number `lane(i)` in each lane i; `lane(0)` for a plain scalar.
+    #[inline(always)]
+    fn from_lanes(lane: impl Fn(usize) -> f64) -> Self {
+        Self::from_f64(lane(0))
+    }
     /// The numbers of the lanes in turn; one for a plain scalar.
     fn lanes(self) -> impl Iterator<Item = f64>;
 

@@ -226,7 +226,12 @@ impl Kernel<'_> {
                     #constants
 
                     #[inline(always)]
-                    fn kernel<T: ::rattle::real::Real>(&self) -> #kernel<T> {
+                    fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
+                        lane: impl Fn(usize) -> &'a Self,
+                    ) -> #kernel<T>
+                    where
+                        Self: 'a,
+                    {
                         #construction
                     }
                 }
@@ -282,9 +287,9 @@ impl Kernel<'_> {
         let mut list = Vec::new();
         for parameter in &self.item.parameters {
             let name = &parameter.name;
-            components(quote!(self.#name), &parameter.shape, &mut list);
+            components(quote!(lane(i).#name), &parameter.shape, &mut list);
         }
-        list.into_iter().map(|component| quote!(T::from_f64(#component))).collect()
+        list.into_iter().map(|component| quote!(T::from_lanes(|i| #component))).collect()
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {

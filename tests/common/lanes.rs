@@ -63,6 +63,9 @@ impl Real for Four {
     fn from_f64(x: f64) -> Self {
         Self([x; 4])
     }
+    fn from_lanes(lane: impl Fn(usize) -> f64) -> Self {
+        Self(from_fn(lane))
+    }
     fn lanes(self) -> impl Iterator<Item = f64> {
         self.0.into_iter()
     }
