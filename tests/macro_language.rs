@@ -283,3 +283,16 @@ fn derives() {
     assert!(Derived::default() < derived);
     assert_eq!(format!("{derived:?}"), "Derived { r: 1.0, n: [0.0, 1.0] }");
 }
+
+/// Each comparison below, on and above its edge.
+#[test]
+fn comparisons() {
+    constraint! {
+        struct Edges {}
+        |x| [if x < 1 { x } else { 2 * x }, if x <= 1 { x } else { 2 * x }, if x > 1 { x } else { 2 * x }, if x >= 1 { x } else { 2 * x }]
+    }
+    let holds = |x: f64| Edges {}.jacobian(&vector![x]).map(|slope| slope == 1.0);
+    assert_eq!(holds(1.0_f64.next_down()), vector![true, true, false, false]);
+    assert_eq!(holds(1.0), vector![false, true, false, true]);
+    assert_eq!(holds(1.0_f64.next_up()), vector![false, false, true, true]);
+}

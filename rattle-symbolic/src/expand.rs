@@ -302,8 +302,13 @@ impl Kernel<'_> {
         };
         let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
         let signature = method.signature();
+        let hint = if self.routines.operations(roots) > routine::LARGE {
+            quote!(#[inline]) // a copy at each call would cost the compiler more than the call
+        } else {
+            quote!(#[inline(always)])
+        };
         quote! {
-            #[inline(always)]
+            #hint
             #signature {
                 #statements
                 #result

@@ -21,8 +21,16 @@ pub struct Routine {
 }
 
 /// Beyond so many operations of value and Jacobian, what the trait can make of the other functions is
-/// left to it: the compiler's time goes with the length of the text, used or not.
-const LARGE: usize = 2000;
+/// left to it, and functions this long are not inlined at every call: the compiler's time goes with the
+/// length of the text, used or not.
+///
+/// ```text
+/// 5 000 tangled operations        expansion 2 s     debug 8 s in all (17 inlined)     release 20 s
+/// ```
+///
+/// on one core, by the commands in `examples/tangled.rs`; there value, Jacobian, Hessian·vector and jet come to
+/// 60 000 operations. Long sums of plain products take half of that or less.
+pub(crate) const LARGE: usize = 2000;
 
 /// The functions of a kernel.
 #[derive(Clone, Debug)]
