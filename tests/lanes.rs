@@ -4,7 +4,10 @@ mod common;
 use common::lanes::Four;
 use common::*;
 use rattle::bodies::{Body, One};
+use rattle::kernel::PotentialKernel;
 use rattle::prelude::*;
+use rattle::real::Real;
+use rattle::stepper::System;
 use std::array::from_fn;
 
 #[test]
@@ -28,6 +31,43 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);
             assert_eq!(q, <[f64; 3]>::from(simulation.position()), "lane {lane}, step {step}");
+        }
+    }
+}
+
+#[test]
+fn parameters_can_differ_from_lane_to_lane() {
+    // A sweep over r, with a constraint of parameters alone (a², r²) computed per lane.
+    let surfaces = [0.05, 0.1, 0.15, 0.2].map(|r| Lemniscate { a: 1.0, r });
+    let gravities = [1.0, 0.5, 0.0, -1.0].map(|g| Gravity { g });
+    let start = |r: f64| State::at([0.0, 0.0, r]).moving([0.6, 0.8, 0.0]);
+    let mut alone: Vec<_> = surfaces
+        .iter()
+        .map(|&surface| Scene::on(surface).simulate(start(surface.r), Rattle::new(2e-3)).unwrap())
+        .collect();
+    let constraint = Lemniscate::kernel_of_lanes::<Four>(|lane| &surfaces[lane]);
+    let gravity = Gravity::kernel_of_lanes::<Four>(|lane| &gravities[lane]);
+    let height = [Four([0.1; 4]), Four([0.2; 4]), Four([3.0; 4])];
+    assert_eq!(gravity.value(&height).0, [3.0, 1.5, 0.0, -3.0]);
+
+    let same = Four::from_f64;
+    let place = |_| Body {
+        q: [same(0.0), same(0.0), Four(surfaces.map(|surface| surface.r))],
+        q_low: [same(0.0); 3],
+        p: [same(0.6), same(0.8), same(0.0)],
+        p_low: [same(0.0); 3],
+    };
+    let system = System { constraint, field: () };
+    let mut together = system.bodies(One, place);
+    for _ in 0..500 {
+        Rattle::new(2e-3).step(&system, &mut together, &mut ()).unwrap();
+        for (lane, simulation) in alone.iter_mut().enumerate() {
+            simulation.step().unwrap();
+            assert_eq!(
+                together.q[0].map(|q| q.0[lane]),
+                <[f64; 3]>::from(simulation.position()),
+                "lane {lane}"
+            );
         }
     }
 }
