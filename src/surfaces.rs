@@ -70,7 +70,7 @@ constraint! {
         let w = outer - inner;
         let t = (rho - inner) / w;
         let cubic = edge * (1 + 2 * t) * (1 - t)^2 + slope * w * t * (1 - t)^2;
-        let height = if rho < inner { a * exp(-rho^2 / (2 * l^2)) } else if rho < outer { cubic } else { 0 };
+        let height = if rho < inner { a * exp(-(x^2 + y^2) / (2 * l^2)) } else if rho < outer { cubic } else { 0 };
         z - height
     }
 }
@@ -198,7 +198,7 @@ constraint! {
     }
 }
 constraint! {
-    /// Lidin's surface.
+    /// Lidin's surface; epsilon = 0.3 is the usual one.
     ///
     #[doc = include_str!("surfaces/lidinoid.html")]
     pub struct Lidinoid { k, epsilon }
@@ -244,7 +244,7 @@ constraint! {
     |x, y, z| 4 * (x^2 + y^2 + z^2) + 16 * x * y * z - 1
 }
 constraint! {
-    /// Barth's sextic: 65 nodes.
+    /// Barth's sextic: 65 nodes, 15 of them at infinity.
     ///
     #[doc = include_str!("surfaces/barth_sextic.html")]
     pub struct BarthSextic { w }
@@ -282,7 +282,7 @@ constraint! {
     |x, y, z| 8 * (x^4 + y^4 + z^4) - 8 * (x^2 + y^2 + z^2) + 3
 }
 constraint! {
-    /// Three rings around a cube: genus thirteen.
+    /// Six rings, two around each axis of a cube: genus thirteen for c near 1 and small b.
     ///
     #[doc = include_str!("surfaces/decocube.html")]
     pub struct Decocube { b, c }

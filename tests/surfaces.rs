@@ -3,7 +3,7 @@
 #[path = "common/lanes.rs"]
 mod four;
 use four::Four;
-use nalgebra::{SVector, vector};
+use nalgebra::{SMatrix, SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::constraint;
 use rattle::kernel::*;
@@ -264,4 +264,34 @@ fn parts_of_the_thylakoid_meet() {
         let change = thylakoid.value(&(q + step))[0] - thylakoid.value(&q)[0];
         assert!(change.abs() <= step.norm() * (1.0 + 1e-12), "{q} {step}: {change}");
     }
+}
+
+/// Poles and axes, where a piece of the formula has no derivative but the surface does.
+#[test]
+fn second_derivatives_at_poles() {
+    let bump = GaussianBump { a: 1.0, l: 1.0, inner: 1.0, outer: 2.0 };
+    let [hessian] = bump.hessian(&vector![0.0, 0.0, 1.0]);
+    assert!((hessian - SMatrix::from_diagonal(&vector![1.0, 1.0, 0.0])).amax() < 1e-15, "{hessian}");
+
+    let sphere = Superellipsoid { a: 1.0, b: 1.0, c: 1.0, n: 2.0, m: 2.0 };
+    for pole in
+        [vector![0.0, 0.0, 1.0], vector![1e-200, 0.0, 1.0], vector![1.0, 0.0, 0.0], vector![0.6, 0.8, 0.0]]
+    {
+        let [hessian] = sphere.hessian(&pole);
+        assert!((hessian - SMatrix::identity() * 2.0).amax() < 1e-14, "{pole} {hessian}");
+        let bend = sphere.jet(&pole, &vector![0.3, 0.4, 0.5]).2[0];
+        assert!((bend - 1.0).abs() < 1e-14, "{pole} {bend}");
+    }
+}
+
+rattle::constraint! {
+    /// Even powers of a norm are smooth at the origin.
+    struct Norms { n }
+    |x, y| 3 * norm(x, y)^2 + exp(-norm(x, y)^2) + (x^2 + y^2)^(n / 2)
+}
+
+#[test]
+fn even_powers_of_a_norm_are_smooth() {
+    let [hessian] = Norms { n: 2.0 }.hessian(&vector![0.0, 0.0]);
+    assert!((hessian - SMatrix::<f64, 2, 2>::identity() * 6.0).amax() < 1e-15, "{hessian}");
 }

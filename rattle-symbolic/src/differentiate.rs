@@ -194,6 +194,11 @@ impl<'a> Calculus<'a> {
                 vec![(Rule::Numerator, a, reciprocal), (Rule::Denominator, b, below)]
             }
             Node::Power(a, halves) => {
+                // √uⁿ is u^(n/2): smooth at 0 for even n, where the slope of the root itself is set to 0.
+                let (a, halves) = match *g.node(a) {
+                    Node::Call(Function::Sqrt, inside) if halves % 2 == 0 => (inside, halves / 2),
+                    _ => (a, halves),
+                };
                 let exponent = Scaled::number(f64::from(halves) / 2.0);
                 let power = if halves < 0 {
                     let reciprocal = g.reciprocal(a);

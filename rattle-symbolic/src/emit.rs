@@ -181,7 +181,7 @@ fn infix(a: Ident, operator: TokenStream, b: Ident) -> TokenStream {
 }
 
 fn temporary(id: Id) -> Ident {
-    format_ident!("t{}", id.0, span = Span::call_site())
+    format_ident!("__t{}", id.0, span = Span::call_site()) // a user's constant `t0` would be a pattern
 }
 
 fn field(i: usize) -> Ident {

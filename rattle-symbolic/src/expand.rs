@@ -274,9 +274,9 @@ impl Kernel<'_> {
             #[inline(always)]
             fn kinks(&self, q: &[T; #d], found: &mut [T]) {
                 #statements
-                for (found, value) in found.iter_mut().zip([#(#values),*]) {
-                    *found = value;
-                }
+                let values = [#(#values),*];
+                let count = if found.len() < values.len() { found.len() } else { values.len() };
+                found[..count].copy_from_slice(&values[..count]);
             }
         };
         (sparsity, kinks)

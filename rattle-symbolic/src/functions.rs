@@ -11,7 +11,7 @@
 //! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.
 
 use crate::algebra::Scaled;
-use crate::graph::{Comparison, Graph, Id};
+use crate::graph::{Comparison, Graph, Id, Node};
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 
 macro_rules! table {
@@ -113,6 +113,7 @@ impl Binary {
                 let less = g.sub(b, one);
                 let power = g.call2(Binary::Powf, a, less);
                 let by_base = g.product(&[b.into(), power.into()]);
+                let by_base = g.unless_zero(b, by_base);
                 let by_exponent = if g.moving(b) { g.growth(a, f) } else { Scaled::ZERO };
                 [by_base, by_exponent]
             }
@@ -191,6 +192,15 @@ impl Graph {
         let square = self.product(&[x.into(), x.into()]).times(-1.0);
         let square = self.node_of(square);
         self.call(Function::Exp, square).into()
+    }
+    /// `slope`, and 0 where the exponent is 0: the power is constant there, though 0·0⁻¹ is NaN.
+    fn unless_zero(&mut self, exponent: Id, slope: Scaled) -> Scaled {
+        if matches!(self.node(exponent), Node::Constant(_)) {
+            return slope;
+        }
+        let square = self.product(&[exponent.into(), exponent.into()]);
+        let (square, slope, zero) = (self.node_of(square), self.node_of(slope), self.constant(0.0));
+        self.select(Comparison::LessOrEqual, square, zero, zero, slope).into()
     }
     /// ∂(xʸ)/∂y = f ln x, and 0 where x ≤ 0.
     fn growth(&mut self, x: Id, f: Id) -> Scaled {
