@@ -72,6 +72,50 @@ fn parameters_can_differ_from_lane_to_lane() {
     }
 }
 
+constraint! {
+    /// The upper half of the unit sphere: not a number outside the unit circle, where a first guess may lie.
+    struct Dome {}
+    |x, y, z| sqrt(1 - x^2 - y^2) - z
+}
+
+#[test]
+fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
+    let scene = Scene::on(Dome {}).with(Gravity { g: 1.0 });
+    let system = scene.system::<Four>();
+    let mut compared = 0;
+    for group in 0..2000_u32 {
+        // Points spread over the dome, some close to its rim, moving outwards.
+        let alone: [_; 4] = from_fn(|lane| {
+            let angle = f64::from(4 * group + lane as u32) * 2.399;
+            let radius = 0.3 + 0.69 * f64::from((group * 7 + 3 * lane as u32) % 100) / 100.0;
+            let (x, y) = (radius * angle.cos(), radius * angle.sin());
+            let start = State::at([x, y, (1.0 - radius * radius).sqrt()]).moving([0.9 * x, 0.9 * y, 0.1]);
+            scene.simulate(scene.project(&start).unwrap(), Rattle::new(0.2)).unwrap()
+        });
+        let lanes =
+            |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
+        let zero = [Four([0.0; 4]); 3];
+        let mut together = system.bodies(One, |_| Body {
+            q: lanes(&|lane| alone[lane].position().into()),
+            q_low: zero,
+            p: lanes(&|lane| alone[lane].momentum().into()),
+            p_low: zero,
+        });
+        let mut alone = alone;
+        let all = alone.each_mut().map(|simulation| simulation.step().is_ok()) == [true; 4];
+        assert_eq!(Rattle::new(0.2).step(&system, &mut together, &mut ()).is_ok(), all, "group {group}");
+        if all {
+            compared += 1;
+            for (lane, simulation) in alone.iter().enumerate() {
+                let (q, p) = (together.q[0].map(|q| q.0[lane]), together.p[0].map(|p| p.0[lane]));
+                assert_eq!(q, <[f64; 3]>::from(simulation.position()), "group {group}, lane {lane}");
+                assert_eq!(p, <[f64; 3]>::from(simulation.momentum()), "group {group}, lane {lane}");
+            }
+        }
+    }
+    assert!(compared > 100, "{compared} groups compared");
+}
+
 #[test]
 fn a_lane_that_fails_is_told() {
     let scene = Scene::on(Sphere { radius: 1.0 });

@@ -180,7 +180,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let mut converged = zero.lt(zero);
         let mut gradient = *n;
         let mut first_cycle = None;
-        for _ in 0..MAX_CYCLES {
+        for cycle in 1..=MAX_CYCLES {
             let ([g], [at_point]) = constraint.value_and_jacobian(&self.point(multiplier));
             gradient = at_point;
             let slope = dot(&gradient, n);
@@ -214,7 +214,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
             last = T::select(near, second, first);
             let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
-            if converged.or(hopeless).all() {
+            if converged.or(hopeless).all() || cycle == MAX_CYCLES {
+                [gradient] = constraint.jacobian(&self.point(multiplier)); // for the lanes that did converge
                 break;
             }
         }
