@@ -12,6 +12,7 @@ use rattle::Counted;
 use rattle::bodies::{Bodies, One};
 use rattle::effect::Absent;
 use rattle::prelude::*;
+use rattle::surface::Kept;
 use std::hint::black_box;
 use std::process::Command;
 
@@ -103,8 +104,8 @@ fn evaluations() {
 }
 
 fn bytes() {
-    let free = size_of::<Bodies<One, f64, Absent, 3>>();
-    let forced = size_of::<Bodies<One, f64, [f64; 3], 3>>();
+    let free = size_of::<Bodies<One, f64, Kept<One, f64, Absent, 3>, 3>>();
+    let forced = size_of::<Bodies<One, f64, Kept<One, f64, [f64; 3], 3>, 3>>();
     println!("\nbytes per particle: {free} free, {forced} with a force; no multiplier is among them");
     assert_eq!(free + size_of::<[f64; 3]>(), forced);
 }

@@ -9,9 +9,9 @@
 
 use rattle::Counted;
 use rattle::bodies::One;
-use rattle::effect::Effects;
 use rattle::plot::Chart;
 use rattle::prelude::*;
+use rattle::system::System;
 use std::error::Error;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::time::Instant;
@@ -116,19 +116,17 @@ fn start() -> State<3> {
     State::at([0.0, 0.0, SURFACE.r]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2.next_down(), 0.0])
 }
 
-fn error<C: Constraint<3, 1>, E: Effects<3>, S: Stepper>(
-    simulation: &Simulation<C, E, One, S, 3>,
+fn error<Y: System<f64, 3, Count = One>, S: Stepper>(
+    simulation: &Simulation<Y, S, 3>,
     exact: [f64; 3],
 ) -> f64 {
     simulation.position().iter().zip(exact).map(|(q, exact)| (q - exact).abs()).fold(0.0, f64::max)
 }
 
-fn median_time<C, E, S>(fresh: &Simulation<C, E, One, S, 3>, steps: u64) -> Result<f64, rattle::Error>
-where
-    C: Constraint<3, 1>,
-    E: Effects<3>,
-    S: Stepper,
-{
+fn median_time<Y: System<f64, 3>, S: Stepper>(
+    fresh: &Simulation<Y, S, 3>,
+    steps: u64,
+) -> Result<f64, rattle::Error> {
     let mut times = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
         let mut simulation = fresh.clone();

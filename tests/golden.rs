@@ -2,7 +2,9 @@
 
 mod common;
 use common::*;
+use rattle::bodies::One;
 use rattle::prelude::*;
+use rattle::system::System;
 
 #[test]
 fn discrete_maps_agree_with_40_digit_arithmetic() {
@@ -33,15 +35,10 @@ fn discrete_maps_agree_with_40_digit_arithmetic() {
     assert_eq!(compared, 6);
 }
 
-fn last<C, E, S>(
-    mut simulation: Simulation<C, E, rattle::bodies::One, S, 3>,
+fn last<Y: System<f64, 3, Count = One>, S: Stepper>(
+    mut simulation: Simulation<Y, S, 3>,
     n: u64,
-) -> ([f64; 3], [f64; 3], [f64; 2])
-where
-    C: Constraint<3, 1>,
-    E: rattle::effect::Effects<3>,
-    S: Stepper,
-{
+) -> ([f64; 3], [f64; 3], [f64; 2]) {
     let mut trajectory = Trajectory::with_multipliers(&simulation);
     simulation.run_recording(n, &mut trajectory).unwrap();
     let multipliers = trajectory.multipliers().unwrap();

@@ -338,7 +338,7 @@ fn forth_and_back_again() {
     back.run(300).unwrap();
     let error = distance(back.position(), start.positions().next().unwrap());
     assert!(error <= 1e-14, "{error:e}");
-    assert!((forth.time() + back.time()).abs() < 1e-15);
+    assert!(back.time().abs() < 1e-15); // a state knows its time
 }
 
 #[test]

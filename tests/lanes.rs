@@ -7,7 +7,8 @@ use rattle::bodies::{Body, One};
 use rattle::kernel::PotentialKernel;
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::stepper::System;
+use rattle::surface::OnSurface;
+use rattle::system::System;
 use std::array::from_fn;
 
 #[test]
@@ -15,15 +16,18 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let directions = [0.1, 0.7, 2.0, 4.4];
     let alone = directions.map(|theta| scene.simulate(billiard(theta), Rattle::new(0.01)).unwrap());
-    let system = scene.system::<Four>();
+    let system = scene.lanes::<Four>();
     let lanes = |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
     let zero = [Four([0.0; 4]); 3];
-    let mut together = system.bodies(One, |_| Body {
-        q: lanes(&|lane| alone[lane].position().into()),
-        q_low: zero,
-        p: lanes(&|lane| alone[lane].momentum().into()),
-        p_low: zero,
-    });
+    let mut together = system.bodies(
+        |_| Body {
+            q: lanes(&|lane| alone[lane].position().into()),
+            q_low: zero,
+            p: lanes(&|lane| alone[lane].momentum().into()),
+            p_low: zero,
+        },
+        0.0,
+    );
     let mut alone = alone;
     for step in 0..1000 {
         Rattle::new(0.01).step(&system, &mut together, &mut ()).unwrap();
@@ -57,8 +61,8 @@ fn parameters_can_differ_from_lane_to_lane() {
         p: [same(0.6), same(0.8), same(0.0)],
         p_low: [same(0.0); 3],
     };
-    let system = System { constraint, field: () };
-    let mut together = system.bodies(One, place);
+    let system = OnSurface { constraint, field: (), count: One };
+    let mut together = system.bodies(place, 0.0);
     for _ in 0..500 {
         Rattle::new(2e-3).step(&system, &mut together, &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
@@ -81,7 +85,7 @@ constraint! {
 #[test]
 fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
     let scene = Scene::on(Dome {}).with(Gravity { g: 1.0 });
-    let system = scene.system::<Four>();
+    let system = scene.lanes::<Four>();
     let mut compared = 0;
     for group in 0..2000_u32 {
         // Points spread over the dome, some close to its rim, moving outwards.
@@ -95,12 +99,15 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
         let lanes =
             |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
         let zero = [Four([0.0; 4]); 3];
-        let mut together = system.bodies(One, |_| Body {
-            q: lanes(&|lane| alone[lane].position().into()),
-            q_low: zero,
-            p: lanes(&|lane| alone[lane].momentum().into()),
-            p_low: zero,
-        });
+        let mut together = system.bodies(
+            |_| Body {
+                q: lanes(&|lane| alone[lane].position().into()),
+                q_low: zero,
+                p: lanes(&|lane| alone[lane].momentum().into()),
+                p_low: zero,
+            },
+            0.0,
+        );
         let mut alone = alone;
         let all = alone.each_mut().map(|simulation| simulation.step().is_ok()) == [true; 4];
         assert_eq!(Rattle::new(0.2).step(&system, &mut together, &mut ()).is_ok(), all, "group {group}");
@@ -119,14 +126,17 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
 #[test]
 fn a_lane_that_fails_is_told() {
     let scene = Scene::on(Sphere { radius: 1.0 });
-    let system = scene.system::<Four>();
+    let system = scene.lanes::<Four>();
     let (zero, one) = (Four([0.0; 4]), Four([1.0; 4]));
-    let mut bodies = system.bodies(One, |_| Body {
-        q: [one, zero, zero],
-        q_low: [zero; 3],
-        p: [zero, Four([0.1, 0.2, 30.0, 0.4]), zero],
-        p_low: [zero; 3],
-    });
+    let mut bodies = system.bodies(
+        |_| Body {
+            q: [one, zero, zero],
+            q_low: [zero; 3],
+            p: [zero, Four([0.1, 0.2, 30.0, 0.4]), zero],
+            p_low: [zero; 3],
+        },
+        0.0,
+    );
     let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut ()).unwrap_err();
     let rattle::error::StepFailure::StepTooLong { speed, .. } = failure.cause else { panic!("{failure:?}") };
     assert_eq!(speed, 30.0);

@@ -14,9 +14,8 @@
 mod pictures;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use rattle::bodies::Count;
-use rattle::effect::Effects;
 use rattle::prelude::*;
+use rattle::system::System;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
 
@@ -84,8 +83,8 @@ struct Run {
 
 impl Run {
     /// Takes the steps twice: once timed with nothing recorded, once recorded.
-    fn of<E: Effects<3>, N: Count>(
-        mut simulation: Simulation<Lemniscate, E, N, Rattle, 3>,
+    fn of<Y: System<f64, 3>>(
+        mut simulation: Simulation<Y, Rattle, 3>,
         steps: u64,
     ) -> Result<Self, rattle::Error> {
         let mut timed = simulation.clone();

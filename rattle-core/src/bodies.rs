@@ -59,21 +59,12 @@ pub struct Body<T, const D: usize> {
     pub p_low: [T; D],
 }
 
-/// ∇g and 1/|∇g|² at a body's position.
-#[derive(Debug, Clone, Copy)]
-pub struct Normal<T, const D: usize> {
-    /// ∇g(q).
-    pub gradient: [T; D],
-    /// 1/(∇g·∇g).
-    pub inverse_square: T,
-}
-
-/// Positions, momenta and what was evaluated at the positions.
+/// Positions and momenta of all bodies, and what a [`System`](crate::system::System) keeps at them.
 ///
 /// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` holds what
-/// rounding took from `q`. `normal` and `force` are functions of `q` alone, kept from the last step.
+/// rounding took from `q`. What is kept is a function of positions and time alone.
 #[derive(Debug, Clone)]
-pub struct Bodies<N: Count, T: Real, F: Copy + Debug, const D: usize> {
+pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     /// Positions, rounded.
     pub q: N::Of<[T; D]>,
     /// What rounding took from the positions.
@@ -82,13 +73,28 @@ pub struct Bodies<N: Count, T: Real, F: Copy + Debug, const D: usize> {
     pub p: N::Of<[T; D]>,
     /// What rounding took from the momenta.
     pub p_low: N::Of<[T; D]>,
-    /// Normals at the positions.
-    pub normal: N::Of<Normal<T, D>>,
-    /// Forces −∇U at the positions; of size zero where no effect acts.
-    pub force: N::Of<F>,
+    /// The time; only a system with moving constraints looks at it.
+    pub time: f64,
+    /// Work done by moving constraints since the start.
+    pub work: T,
+    /// What was evaluated at the positions: normals, forces.
+    pub kept: X,
 }
 
-impl<N: Count, T: Real, F: Copy + Debug, const D: usize> Bodies<N, T, F, D> {
+impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
+    /// The bodies in these places.
+    pub fn new(count: N, kept: X, place: impl Fn(usize) -> Body<T, D>, time: f64) -> Self {
+        let zero = count.each([T::from_f64(0.0); D]);
+        let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
+        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept };
+        for i in 0..count.number() {
+            let Body { q, q_low, p, p_low } = place(i);
+            (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
+            (bodies.p.as_mut()[i], bodies.p_low.as_mut()[i]) = (p, p_low);
+        }
+        bodies
+    }
+
     /// The body of this number.
     pub fn body(&self, i: usize) -> Body<T, D> {
         Body {
@@ -99,14 +105,13 @@ impl<N: Count, T: Real, F: Copy + Debug, const D: usize> Bodies<N, T, F, D> {
         }
     }
 
-    /// Takes over the state of `other`, which has as many bodies, without allocating.
+    /// Takes over places and momenta of `other`, which has as many bodies, without allocating; not what is kept.
     #[inline(always)]
-    pub fn copy_from(&mut self, other: &Self) {
+    pub fn copy_from<Y>(&mut self, other: &Bodies<N, T, Y, D>) {
         self.q.as_mut().copy_from_slice(other.q.as_ref());
         self.q_low.as_mut().copy_from_slice(other.q_low.as_ref());
         self.p.as_mut().copy_from_slice(other.p.as_ref());
         self.p_low.as_mut().copy_from_slice(other.p_low.as_ref());
-        self.normal.as_mut().copy_from_slice(other.normal.as_ref());
-        self.force.as_mut().copy_from_slice(other.force.as_ref());
+        (self.time, self.work) = (other.time, other.work);
     }
 }

@@ -7,13 +7,12 @@
 //! A symmetric method of order 2 composed symmetrically stays symplectic and reversible. Some γ are
 //! negative, and the limit h·κ·|v| < 1 holds for each |γᵢ|h.
 
-use crate::bodies::{Bodies, Count};
-use crate::effect::Field;
+use crate::bodies::Bodies;
 use crate::error::Error;
-use crate::kernel::ConstraintKernel;
 use crate::rattle;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, System, Witness, check_step_size};
+use crate::stepper::{Failure, Stepper, Witness, check_step_size};
+use crate::system::System;
 
 /// Coefficients of a symmetric composition.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,19 +81,12 @@ impl Stepper for Composition {
     }
 
     #[inline(always)]
-    fn step<T, K, F, N, W, const D: usize>(
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &System<K, F>,
-        bodies: &mut Bodies<N, T, F::Force, D>,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
         witness: &mut W,
-    ) -> Result<(), Failure>
-    where
-        T: Real,
-        K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
-        N: Count,
-        W: Witness<T>,
-    {
+    ) -> Result<(), Failure> {
         for gamma in self.coefficients.gammas {
             rattle::step(gamma * self.h, system, bodies, witness)?;
         }

@@ -16,8 +16,8 @@ pub trait Force<T: Real, const D: usize>: Copy + Debug {
     fn zero() -> Self;
     /// a + c f; `a` itself where forces are absent.
     fn add_to(&self, a: [T; D], c: T) -> [T; D];
-    /// f·n; zero where forces are absent.
-    fn dot(&self, n: &[T; D]) -> T;
+    /// c f·n; zero where forces are absent.
+    fn dot(&self, n: &[T; D], c: T) -> T;
     /// |c f|²; zero where forces are absent.
     fn square(&self, c: T) -> T;
     /// The components; zeros where forces are absent.
@@ -38,7 +38,7 @@ impl<T: Real, const D: usize> Force<T, D> for Absent {
         a
     }
     #[inline(always)]
-    fn dot(&self, _: &[T; D]) -> T {
+    fn dot(&self, _: &[T; D], _: T) -> T {
         T::from_f64(-0.0) // x + (−0) is x, bit for bit, also for the compiler
     }
     #[inline(always)]
@@ -61,8 +61,8 @@ impl<T: Real, const D: usize> Force<T, D> for [T; D] {
         add_scaled(&a, c, self)
     }
     #[inline(always)]
-    fn dot(&self, n: &[T; D]) -> T {
-        dot(self, n)
+    fn dot(&self, n: &[T; D], c: T) -> T {
+        c * dot(self, n)
     }
     #[inline(always)]
     fn square(&self, c: T) -> T {

@@ -16,6 +16,8 @@ mod solver;
 mod start;
 pub mod state;
 pub mod stepper;
+pub mod surface;
+pub mod system;
 mod vector;
 
 pub use nalgebra;

@@ -1,10 +1,8 @@
 //! Recorders: what is kept of a run, and only that.
 
-use crate::bodies::Count;
-use crate::effect::Effects;
-use crate::kernel::Constraint;
 use crate::simulation::Simulation;
 use crate::stepper::Stepper;
+use crate::system::System;
 
 /// Sees a simulation, of type `S`, after every step, and hears the multipliers during it.
 ///
@@ -18,7 +16,7 @@ use crate::stepper::Stepper;
 ///
 /// impl<S> Recorder<S> for Largest {
 ///     fn record(&mut self, _now: &S) {}
-///     fn position_multiplier(&mut self, _body: usize, lambda: f64) {
+///     fn position_multiplier(&mut self, _equation: usize, lambda: f64) {
 ///         self.0 = self.0.max(lambda.abs());
 ///     }
 /// }
@@ -27,9 +25,9 @@ pub trait Recorder<S> {
     /// Is shown the simulation after a step.
     fn record(&mut self, simulation: &S);
     /// Is told λ of the position equation of the step under way.
-    fn position_multiplier(&mut self, _body: usize, _lambda: f64) {}
+    fn position_multiplier(&mut self, _equation: usize, _lambda: f64) {}
     /// Is told μ of the momentum equation of the step under way.
-    fn momentum_multiplier(&mut self, _body: usize, _mu: f64) {}
+    fn momentum_multiplier(&mut self, _equation: usize, _mu: f64) {}
 }
 
 impl<S, A: Recorder<S>, B: Recorder<S>> Recorder<S> for (A, B) {
@@ -37,13 +35,13 @@ impl<S, A: Recorder<S>, B: Recorder<S>> Recorder<S> for (A, B) {
         self.0.record(simulation);
         self.1.record(simulation);
     }
-    fn position_multiplier(&mut self, body: usize, lambda: f64) {
-        self.0.position_multiplier(body, lambda);
-        self.1.position_multiplier(body, lambda);
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.0.position_multiplier(equation, lambda);
+        self.1.position_multiplier(equation, lambda);
     }
-    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
-        self.0.momentum_multiplier(body, mu);
-        self.1.momentum_multiplier(body, mu);
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.0.momentum_multiplier(equation, mu);
+        self.1.momentum_multiplier(equation, mu);
     }
 }
 
@@ -51,11 +49,11 @@ impl<S, R: Recorder<S>> Recorder<S> for &mut R {
     fn record(&mut self, simulation: &S) {
         (**self).record(simulation);
     }
-    fn position_multiplier(&mut self, body: usize, lambda: f64) {
-        (**self).position_multiplier(body, lambda);
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        (**self).position_multiplier(equation, lambda);
     }
-    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
-        (**self).momentum_multiplier(body, mu);
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        (**self).momentum_multiplier(equation, mu);
     }
 }
 
@@ -86,13 +84,7 @@ pub struct Multipliers {
 
 impl Trajectory {
     /// A recorder whose first row is the present state.
-    pub fn of<C, E, N, S, const D: usize>(simulation: &Simulation<C, E, N, S, D>) -> Self
-    where
-        C: Constraint<D, 1>,
-        E: Effects<D>,
-        N: Count,
-        S: Stepper,
-    {
+    pub fn of<Y: System<f64, D>, S: Stepper, const D: usize>(simulation: &Simulation<Y, S, D>) -> Self {
         let mut trajectory = Self {
             bodies: simulation.len(),
             coordinates: D,
@@ -107,14 +99,10 @@ impl Trajectory {
     }
 
     /// The same, keeping the multipliers λ and μ of every step as well.
-    pub fn with_multipliers<C, E, N, S, const D: usize>(simulation: &Simulation<C, E, N, S, D>) -> Self
-    where
-        C: Constraint<D, 1>,
-        E: Effects<D>,
-        N: Count,
-        S: Stepper,
-    {
-        let position: Vec<f64> = simulation.multipliers().collect();
+    pub fn with_multipliers<Y: System<f64, D>, S: Stepper, const D: usize>(
+        simulation: &Simulation<Y, S, D>,
+    ) -> Self {
+        let position: Vec<f64> = simulation.multipliers();
         let at_start = Multipliers { momentum: position.clone(), position };
         Self { multipliers: Some(at_start.clone()), under_way: at_start, ..Self::of(simulation) }
     }
@@ -150,14 +138,8 @@ impl Trajectory {
     }
 }
 
-impl<C, E, N, S, const D: usize> Recorder<Simulation<C, E, N, S, D>> for Trajectory
-where
-    C: Constraint<D, 1>,
-    E: Effects<D>,
-    N: Count,
-    S: Stepper,
-{
-    fn record(&mut self, simulation: &Simulation<C, E, N, S, D>) {
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Recorder<Simulation<Y, S, D>> for Trajectory {
+    fn record(&mut self, simulation: &Simulation<Y, S, D>) {
         self.times.push(simulation.time());
         for (q, p) in simulation.positions().zip(simulation.momenta()) {
             self.positions.extend(q.iter());
@@ -174,14 +156,14 @@ where
         }
     }
 
-    fn position_multiplier(&mut self, body: usize, lambda: f64) {
-        if let Some(under_way) = self.under_way.position.get_mut(body) {
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        if let Some(under_way) = self.under_way.position.get_mut(equation) {
             *under_way = lambda;
         }
     }
 
-    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
-        if let Some(under_way) = self.under_way.momentum.get_mut(body) {
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        if let Some(under_way) = self.under_way.momentum.get_mut(equation) {
             *under_way = mu;
         }
     }

@@ -1,43 +1,41 @@
 //! A scene under way.
 
-use crate::bodies::{Bodies, Count, One};
-use crate::effect::{Effects, Field, Force};
+use crate::bodies::{Bodies, One};
 use crate::error::Error;
-use crate::kernel::{Constraint, ConstraintKernel};
 use crate::recorder::Recorder;
-use crate::solver::multiplier_from_curvature;
 use crate::state::State;
-use crate::stepper::{Stepper, System, Witness};
-use crate::vector::dot;
+use crate::stepper::{Stepper, Witness};
+use crate::system::System;
 use nalgebra::SVector;
 use std::fmt;
 use std::marker::PhantomData;
-
-type FieldOf<E, const D: usize> = <E as Effects<D>>::Field<f64>;
-type BodiesOf<E, N, const D: usize> = Bodies<N, f64, <FieldOf<E, D> as Field<f64, D>>::Force, D>;
 
 /// A scene, its present state and the method that moves it on.
 ///
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
 /// as it was before the step, bit for bit.
-pub struct Simulation<C: Constraint<D, 1>, E: Effects<D>, N: Count, S, const D: usize> {
-    system: System<C::Kernel<f64>, FieldOf<E, D>>,
+pub struct Simulation<Y: System<f64, D>, S, const D: usize> {
+    system: Y,
     stepper: S,
-    bodies: BodiesOf<E, N, D>,
-    /// The bodies before the step under way.
-    before: BodiesOf<E, N, D>,
+    bodies: Bodies<Y::Count, f64, Y::Kept, D>,
+    /// Places and momenta before the step under way.
+    before: Bodies<Y::Count, f64, (), D>,
     steps: u64,
+    start_time: f64,
     start_energy: f64,
 }
 
-impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> Simulation<C, E, N, S, D> {
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     pub(crate) fn new(
-        system: System<C::Kernel<f64>, FieldOf<E, D>>,
-        bodies: BodiesOf<E, N, D>,
+        system: Y,
+        count: Y::Count,
+        bodies: Bodies<Y::Count, f64, Y::Kept, D>,
         stepper: S,
     ) -> Self {
-        let before = bodies.clone();
-        let mut simulation = Self { system, stepper, bodies, before, steps: 0, start_energy: 0.0 };
+        let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
+        let start_time = bodies.time;
+        let mut simulation =
+            Self { system, stepper, bodies, before, steps: 0, start_time, start_energy: 0.0 };
         simulation.start_energy = simulation.energy();
         simulation
     }
@@ -96,10 +94,12 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> S
         match self.stepper.step(&self.system, &mut self.bodies, witness) {
             Ok(()) => {
                 self.steps += 1;
+                self.bodies.time = self.time();
                 Ok(())
             }
             Err(failure) => {
-                std::mem::swap(&mut self.bodies, &mut self.before);
+                self.bodies.copy_from(&self.before);
+                self.system.refresh(&mut self.bodies);
                 let (step, time) = (self.steps + 1, self.time());
                 Err(Error::Step { step, time, body: failure.body, cause: failure.cause })
             }
@@ -111,10 +111,15 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> S
         self.steps
     }
 
-    /// Time since the start, steps times step size.
+    /// The time: that of the start, 0 if none was given, and steps times step size.
     #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.stepper.step_size()
+        self.start_time + self.steps as f64 * self.stepper.step_size()
+    }
+
+    /// What is simulated.
+    pub fn system(&self) -> &Y {
+        &self.system
     }
 
     /// The method.
@@ -137,25 +142,30 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> S
         self.bodies.q.as_ref().iter().map(|&q| q.into())
     }
 
-    /// Momenta of the bodies in turn; with unit masses also velocities.
+    /// Momenta p of the bodies in turn; with unit masses also velocities.
     pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.p.as_ref().iter().map(|&p| p.into())
     }
 
-    /// The present state, from which a new simulation goes on bit for bit.
-    pub fn state(&self) -> State<D> {
-        State { bodies: (0..self.len()).map(|i| self.bodies.body(i)).collect(), surplus_momenta: None }
+    /// Velocities M⁻¹p of the bodies in turn.
+    pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.p.as_ref().iter().enumerate().map(|(i, p)| self.system.velocity(i, p).into())
     }
 
-    /// Kinetic energy |p|²/2, summed over the bodies.
+    /// The present state, from which a new simulation goes on bit for bit.
+    pub fn state(&self) -> State<D> {
+        let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
+        State { bodies, time: self.time(), surplus_momenta: None }
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
     pub fn kinetic_energy(&self) -> f64 {
-        let parts = self.bodies.p.as_ref().iter().zip(self.bodies.p_low.as_ref());
-        parts.map(|(p, low)| 0.5 * dot(p, p) + dot(p, low)).sum()
+        self.system.kinetic_energy(&self.bodies)
     }
 
     /// Potential energy U of all effects.
     pub fn potential_energy(&self) -> f64 {
-        self.system.field.energy(self.bodies.q.as_ref())
+        self.system.potential_energy(&self.bodies)
     }
 
     /// Energy H = K + U.
@@ -163,36 +173,51 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> S
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Energy now less energy at the start.
+    /// Work that moving constraints have done on the bodies since the start, −∫ λᵀ ∂g/∂t dt, to the order of the
+    /// method; 0 where none moves.
+    pub fn work(&self) -> f64 {
+        self.bodies.work
+    }
+
+    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
     pub fn energy_error(&self) -> f64 {
-        self.energy() - self.start_energy
+        self.energy() - self.start_energy - self.work()
     }
 
-    /// The largest |g(q)| of all bodies, in the unit of g.
+    /// g(q, t) of each equation, in the unit of g.
+    pub fn residuals(&self) -> Vec<f64> {
+        self.of_equations(|out| self.system.residuals(&self.bodies, out))
+    }
+
+    /// The largest |g(q, t)| of all equations, in the unit of g.
     pub fn constraint_residual(&self) -> f64 {
-        let values = self.bodies.q.as_ref().iter().map(|q| self.system.constraint.value(q)[0].abs());
-        values.fold(0.0, f64::max)
+        largest(&self.residuals())
     }
 
-    /// The largest |∇g(q)·p| of all bodies.
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
     pub fn cotangent_residual(&self) -> f64 {
-        let pairs = self.bodies.normal.as_ref().iter().zip(self.bodies.p.as_ref());
-        pairs.map(|(normal, p)| dot(&normal.gradient, p).abs()).fold(0.0, f64::max)
+        largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
     }
 
-    /// Multipliers λ of the bodies in turn, from the present state alone:
-    /// λ = −(vᵀ∇²g v + ∇g·f)/|∇g|², of the order of the method.
-    pub fn multipliers(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
-        (0..self.len()).map(|i| {
-            let (q, p) = (&self.bodies.q.as_ref()[i], &self.bodies.p.as_ref()[i]);
-            let normal = &self.bodies.normal.as_ref()[i];
-            let [bend] = self.system.constraint.jet(q, p).2;
-            multiplier_from_curvature(bend, self.bodies.force.as_ref()[i].dot(&normal.gradient), normal)
-        })
+    /// Multipliers λ of the equations in turn, from the present state alone, such that g̈ = 0; of the order of the
+    /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.of_equations(|out| self.system.multipliers(&self.bodies, out))
+    }
+
+    fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.system.equations()];
+        write(&mut numbers);
+        numbers
     }
 }
 
-impl<C: Constraint<D, 1>, E: Effects<D>, S: Stepper, const D: usize> Simulation<C, E, One, S, D> {
+/// The largest |x|; NaN if one is.
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+}
+
+impl<Y: System<f64, D, Count = One>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     /// The particle's position.
     pub fn position(&self) -> SVector<f64, D> {
         self.bodies.q[0].into()
@@ -203,31 +228,31 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Stepper, const D: usize> Simulation<
         self.bodies.p[0].into()
     }
 
-    /// λ of q̈ = −∇U + ∇g λ at the present state; see [`Self::multipliers`].
+    /// Its velocity M⁻¹p.
+    pub fn velocity(&self) -> SVector<f64, D> {
+        self.system.velocity(0, &self.bodies.p[0]).into()
+    }
+
+    /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
+    /// [`Self::multipliers`].
     pub fn multiplier(&self) -> f64 {
-        self.multipliers().next().unwrap_or(f64::NAN)
+        self.multipliers().first().copied().unwrap_or(f64::NAN)
     }
 }
 
-// Not derived: neither constraint nor effects need to be `Clone`, the simulation holds their kernels.
-impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> Clone
-    for Simulation<C, E, N, S, D>
-{
+impl<Y: System<f64, D>, S: Clone, const D: usize> Clone for Simulation<Y, S, D> {
     fn clone(&self) -> Self {
         Self {
             system: self.system.clone(),
             stepper: self.stepper.clone(),
             bodies: self.bodies.clone(),
             before: self.before.clone(),
-            steps: self.steps,
-            start_energy: self.start_energy,
+            ..*self
         }
     }
 }
 
-impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, S: Stepper, const D: usize> fmt::Debug
-    for Simulation<C, E, N, S, D>
-{
+impl<Y: System<f64, D>, S: Stepper, const D: usize> fmt::Debug for Simulation<Y, S, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Simulation");
         debug.field("method", &self.stepper.name()).field("time", &self.time()).field("bodies", &self.bodies);
@@ -240,11 +265,11 @@ struct Listening<'a, R, S>(&'a mut R, PhantomData<S>);
 
 impl<R: Recorder<S>, S> Witness<f64> for Listening<'_, R, S> {
     #[inline(always)]
-    fn position_multiplier(&mut self, body: usize, lambda: f64) {
-        self.0.position_multiplier(body, lambda);
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.0.position_multiplier(equation, lambda);
     }
     #[inline(always)]
-    fn momentum_multiplier(&mut self, body: usize, mu: f64) {
-        self.0.momentum_multiplier(body, mu);
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.0.momentum_multiplier(equation, mu);
     }
 }

@@ -25,9 +25,9 @@
 //! does not change at all. Otherwise, and where h·κ·|v| > ½, the root is followed from h = 0 in parts of the step that
 //! satisfy the same condition, and found that way or not at all.
 
-use crate::bodies::Normal;
 use crate::kernel::ConstraintKernel;
 use crate::real::{Mask, Real};
+use crate::surface::Normal;
 use crate::vector::{add_scaled, dot, largest, scaled, sum};
 use std::array::from_fn;
 
@@ -248,20 +248,5 @@ impl<T: Real, const D: usize> Landing<T, D> {
             floor: self.floor,
             converged: mask.or(other.converged), // who is chosen has converged
         }
-    }
-}
-
-impl<T: Real, const D: usize> Normal<T, D> {
-    /// The normal with gradient ∇g.
-    #[inline(always)]
-    pub(crate) fn new(gradient: [T; D]) -> Self {
-        Self { gradient, inverse_square: T::from_f64(1.0) / dot(&gradient, &gradient) }
-    }
-
-    /// η and ∇g η such that p + ∇g η is tangent.
-    #[inline(always)]
-    pub(crate) fn projection(&self, p: &[T; D]) -> (T, [T; D]) {
-        let eta = -dot(&self.gradient, p) * self.inverse_square;
-        (eta, scaled(eta, &self.gradient))
     }
 }

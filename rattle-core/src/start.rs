@@ -1,10 +1,11 @@
 //! The start: checked always, moved onto the constraint only when asked.
 
-use crate::bodies::{Body, Normal};
+use crate::bodies::Body;
 use crate::error::{Error, History, StartFailure};
 use crate::kernel::ConstraintKernel;
 use crate::solver::START_TOLERANCE;
 use crate::state::State;
+use crate::surface::Normal;
 use crate::vector::{add_scaled, dot, largest, scaled};
 
 /// A start whose normal is known to no more digits than this is too near to a singular point.
@@ -72,7 +73,7 @@ pub(crate) fn project<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let bodies = state.bodies.iter().enumerate();
     let project = |(i, body)| project_body(constraint, body).map_err(|cause| Error::Start { body: i, cause });
     let bodies = bodies.map(project).collect::<Result<_, _>>()?;
-    Ok(State { bodies, surplus_momenta: state.surplus_momenta })
+    Ok(State { bodies, time: state.time, surplus_momenta: state.surplus_momenta })
 }
 
 /// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor.

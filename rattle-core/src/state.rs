@@ -18,6 +18,8 @@ use nalgebra::SVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
     pub(crate) bodies: Vec<Body<f64, D>>,
+    /// The time of the start; matters to moving constraints.
+    pub(crate) time: f64,
     /// How many momenta were given, if more than there are bodies.
     pub(crate) surplus_momenta: Option<usize>,
 }
@@ -34,7 +36,7 @@ impl<const D: usize> State<D> {
     pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
         let zero = [0.0; D];
         let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
-        Self { bodies: positions.into_iter().map(at_rest).collect(), surplus_momenta: None }
+        Self { bodies: positions.into_iter().map(at_rest).collect(), time: 0.0, surplus_momenta: None }
     }
 
     /// The same, every body with this momentum.
@@ -58,6 +60,19 @@ impl<const D: usize> State<D> {
         let surplus = momenta.count();
         self.surplus_momenta = (surplus > 0).then_some(self.bodies.len() + surplus);
         self
+    }
+
+    /// The same at this time; a start is at time 0 if nothing is said.
+    #[must_use]
+    pub fn at_time(mut self, time: f64) -> Self {
+        self.time = time;
+        self
+    }
+
+    /// Its time.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
     /// The number of bodies.

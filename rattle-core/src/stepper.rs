@@ -1,55 +1,14 @@
 //! What a method is: a map that takes all bodies one step on.
 
-use crate::bodies::{Bodies, Body, Count, Normal};
-use crate::effect::{Field, Force};
+use crate::bodies::Bodies;
+use crate::effect::Field;
 use crate::error::{Error, StepFailure};
 use crate::kernel::ConstraintKernel;
 use crate::real::{Mask, Real};
 use crate::solver::Departure;
+use crate::surface::Normal;
+use crate::system::System;
 use crate::vector::dot;
-
-/// A scene made ready for the scalar type: the constraint of every body and the field they are in.
-#[derive(Debug, Clone)]
-pub struct System<K, F> {
-    /// g, one equation per body.
-    pub constraint: K,
-    /// U, from all effects.
-    pub field: F,
-}
-
-impl<K, F> System<K, F> {
-    /// The bodies in these places, with normals and forces evaluated there.
-    pub fn bodies<T, N, const D: usize>(
-        &self,
-        count: N,
-        place: impl Fn(usize) -> Body<T, D>,
-    ) -> Bodies<N, T, F::Force, D>
-    where
-        T: Real,
-        K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
-        N: Count,
-    {
-        let zero = [T::from_f64(0.0); D];
-        let mut bodies: Bodies<N, T, F::Force, D> = Bodies {
-            q: count.each(zero),
-            q_low: count.each(zero),
-            p: count.each(zero),
-            p_low: count.each(zero),
-            normal: count.each(Normal::new(zero)),
-            force: count.each(Force::zero()),
-        };
-        for i in 0..count.number() {
-            let Body { q, q_low, p, p_low } = place(i);
-            let [gradient] = self.constraint.jacobian(&q);
-            (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
-            (bodies.p.as_mut()[i], bodies.p_low.as_mut()[i]) = (p, p_low);
-            bodies.normal.as_mut()[i] = Normal::new(gradient);
-        }
-        self.field.evaluate(bodies.q.as_ref(), bodies.force.as_mut());
-        bodies
-    }
-}
 
 /// A one-step method.
 pub trait Stepper: Clone {
@@ -72,18 +31,12 @@ pub trait Stepper: Clone {
     ///
     /// # Errors
     /// Says which body cannot be moved and why; `bodies` are then left half way.
-    fn step<T, K, F, N, W, const D: usize>(
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &System<K, F>,
-        bodies: &mut Bodies<N, T, F::Force, D>,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
         witness: &mut W,
-    ) -> Result<(), Failure>
-    where
-        T: Real,
-        K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
-        N: Count,
-        W: Witness<T>;
+    ) -> Result<(), Failure>;
 }
 
 /// Refuses a step size that is zero or not finite.
@@ -93,10 +46,11 @@ pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
 
 /// Is told the multipliers as a step finds them; `()` does not listen, and then they are not formed.
 pub trait Witness<T> {
-    /// λ of the position equation. A method of several stages tells that of each, the last one last.
-    fn position_multiplier(&mut self, body: usize, lambda: T);
+    /// λ of the position equation with this number: on surfaces, that of the body. A method of several stages tells
+    /// that of each, the last one last.
+    fn position_multiplier(&mut self, equation: usize, lambda: T);
     /// μ of the momentum equation.
-    fn momentum_multiplier(&mut self, body: usize, mu: T);
+    fn momentum_multiplier(&mut self, equation: usize, mu: T);
 }
 
 impl<T> Witness<T> for () {
@@ -226,14 +180,14 @@ impl FailureAt {
     /// The momentum is not finite: a force or a normal is not.
     #[cold]
     #[inline(never)]
-    pub(crate) fn not_finite<T: Real, K, F: Field<T, D>, const D: usize>(
+    pub(crate) fn not_finite<T: Real, F: Field<T, D>, const D: usize>(
         &self,
-        system: &System<K, F>,
+        field: &F,
         positions: &[[T; D]],
         normals: &[Normal<T, D>],
     ) -> Failure {
         let position = self.numbers(&positions[self.body]);
-        if let Some((effect, force)) = system.field.culprit(positions, self.body) {
+        if let Some((effect, force)) = field.culprit(positions, self.body) {
             return self.because(StepFailure::ForceNotFinite {
                 effect,
                 force: self.numbers(&force),

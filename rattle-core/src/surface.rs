@@ -1,0 +1,252 @@
+//! Bodies each on a surface of its own, g(q) = 0: one equation per body, solved in closed form up to one number.
+//!
+//! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
+
+use crate::bodies::{Bodies, Body, Count};
+use crate::effect::{Field, Force};
+use crate::kernel::ConstraintKernel;
+use crate::real::{Mask, Real};
+use crate::solver::{Departure, FAR_GUESS, multiplier_from_curvature};
+use crate::stepper::{Failure, Witness};
+use crate::system::System;
+use crate::vector::{dot, scaled, sum, two_sum};
+
+/// Each body on its own copy of a surface, in a field of force.
+#[derive(Debug, Clone)]
+pub struct OnSurface<K, F, N> {
+    /// g, one equation per body.
+    pub constraint: K,
+    /// U, from all effects.
+    pub field: F,
+    /// How many bodies there are.
+    pub count: N,
+}
+
+/// ∇g and 1/|∇g|² at a body's position.
+#[derive(Debug, Clone, Copy)]
+pub struct Normal<T, const D: usize> {
+    /// ∇g(q).
+    pub gradient: [T; D],
+    /// 1/(∇g·∇g).
+    pub inverse_square: T,
+}
+
+/// What is kept at the positions.
+#[derive(Debug, Clone)]
+pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
+    /// Normals at the positions.
+    pub normal: N::Of<Normal<T, D>>,
+    /// Forces −∇U at the positions; of size zero where no effect acts.
+    pub force: N::Of<F>,
+}
+
+type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
+
+impl<T, K, F, N, const D: usize> System<T, D> for OnSurface<K, F, N>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Field<T, D>,
+    N: Count,
+{
+    type Count = N;
+    type Kept = Kept<N, T, F::Force, D>;
+
+    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
+        let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
+        let kept = Kept { normal, force: self.count.each(Force::zero()) };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
+        self.refresh(&mut bodies);
+        bodies
+    }
+
+    fn refresh(&self, bodies: &mut BodiesOf<N, T, F, D>) {
+        for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
+            let [gradient] = self.constraint.jacobian(q);
+            *normal = Normal::new(gradient);
+        }
+        self.evaluate_forces(bodies);
+    }
+
+    #[inline(always)]
+    fn drift<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for body in 0..bodies.q.as_ref().len() {
+            drift(kick, h, &self.constraint, bodies, body, witness)?;
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
+        self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
+    }
+
+    #[inline(always)]
+    fn settle<W: Witness<T>>(
+        &self,
+        kick: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for body in 0..bodies.q.as_ref().len() {
+            let finite = settle(kick, bodies, body, witness);
+            if !finite.all() {
+                let (q, kept) = (bodies.q.as_ref(), &bodies.kept);
+                return Err(Failure::at(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
+            }
+        }
+        Ok(())
+    }
+
+    fn equations(&self) -> usize {
+        self.count.number()
+    }
+
+    #[inline(always)]
+    fn velocity(&self, _: usize, p: &[T; D]) -> [T; D] {
+        *p
+    }
+
+    fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+        let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
+        let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));
+        energy.fold(T::from_f64(0.0), |sum, part| sum + part)
+    }
+
+    fn potential_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+        self.field.energy(bodies.q.as_ref())
+    }
+
+    fn residuals(&self, bodies: &BodiesOf<N, T, F, D>, g: &mut [T]) {
+        for (g, q) in g.iter_mut().zip(bodies.q.as_ref()) {
+            [*g] = self.constraint.value(q);
+        }
+    }
+
+    fn drift_rates(&self, bodies: &BodiesOf<N, T, F, D>, rates: &mut [T]) {
+        let pairs = bodies.kept.normal.as_ref().iter().zip(bodies.p.as_ref());
+        for (rate, (normal, p)) in rates.iter_mut().zip(pairs) {
+            *rate = dot(&normal.gradient, p);
+        }
+    }
+
+    fn multipliers(&self, bodies: &BodiesOf<N, T, F, D>, multipliers: &mut [T]) {
+        let (q, p) = (bodies.q.as_ref(), bodies.p.as_ref());
+        for (i, multiplier) in multipliers.iter_mut().enumerate() {
+            let normal = &bodies.kept.normal.as_ref()[i];
+            let [bend] = self.constraint.jet(&q[i], &p[i]).2;
+            let force = bodies.kept.force.as_ref()[i].dot(&normal.gradient, T::from_f64(1.0));
+            *multiplier = multiplier_from_curvature(bend, force, normal);
+        }
+    }
+}
+
+/// First half: kick, drift, and the position multiplier.
+#[inline(always)]
+fn drift<T, K, F, N, W, const D: usize>(
+    kick: f64,
+    h: f64,
+    constraint: &K,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    witness: &mut W,
+) -> Result<(), Failure>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    let (step, kicked) = (T::from_f64(h), T::from_f64(kick));
+    let (pushed, half_square) = (T::from_f64(h * kick), T::from_f64(0.5 * h * h));
+    let share = T::from_f64(2.0 * kick / h); // of the force in the motion: 1 for RATTLE
+    let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+    let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+    let normal = &mut bodies.kept.normal.as_mut()[body];
+    let force = bodies.kept.force.as_ref()[body];
+
+    let (_, _, [bend]) = constraint.jet(q, p); // pᵀ∇²g p = ∓κ |∇g| |p|²
+    let path = sum(&scaled(step, p), &scaled(step, p_low));
+    let departure = Departure {
+        q,
+        q_low,
+        normal,
+        free: force.add_to(path, pushed),
+        guess: half_square * multiplier_from_curvature(bend, force.dot(&normal.gradient, share), normal),
+    };
+    let (speed_square, bent_square) = (dot(p, p), step * step * bend * bend * normal.inverse_square);
+    let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
+    if !within_reach.all() {
+        return Err(Failure::at(body, within_reach).too_long(h, &departure, p, bend));
+    }
+    let mut landing = departure.land(constraint, |_| ());
+    let path_square = step * step * speed_square + force.square(pushed);
+    let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
+    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS));
+    if !trusted.all() {
+        let push = scaled(pushed, &force.components());
+        landing = landing.or(trusted, departure.follow(constraint, &path, &push));
+        if !landing.converged.all() {
+            return Err(Failure::at(body, landing.converged).lost(h, constraint, &departure, p, bend));
+        }
+    }
+
+    let per_step = landing.multiplier / step;
+    witness.position_multiplier(body, per_step / T::from_f64(multiplier_time(kick, h)));
+    let change = force.add_to(sum(p_low, &scaled(per_step, &normal.gradient)), kicked);
+    (*p, *p_low) = two_sum(p, &change);
+    (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
+    *normal = Normal::new(landing.gradient);
+    Ok(())
+}
+
+/// The time that λ of the position equation acts for: with the force, or half of a step that has none.
+#[inline(always)]
+pub(crate) fn multiplier_time(kick: f64, h: f64) -> f64 {
+    if kick == 0.0 { 0.5 * h } else { kick }
+}
+
+/// Second half: kick with the new force, and the momentum multiplier. False where p is not finite.
+#[inline(always)]
+fn settle<T, F, N, W, const D: usize>(
+    kick: f64,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    witness: &mut W,
+) -> T::Mask
+where
+    T: Real,
+    F: Force<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    let kicked = T::from_f64(kick);
+    let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+    let change = bodies.kept.force.as_ref()[body].add_to(*p_low, kicked);
+    let (eta, normal_part) = bodies.kept.normal.as_ref()[body].projection(&sum(p, &change));
+    witness.momentum_multiplier(body, eta / kicked);
+    (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
+    dot(p, p).le(T::from_f64(f64::MAX))
+}
+
+impl<T: Real, const D: usize> Normal<T, D> {
+    /// The normal with gradient ∇g.
+    #[inline(always)]
+    pub(crate) fn new(gradient: [T; D]) -> Self {
+        Self { gradient, inverse_square: T::from_f64(1.0) / dot(&gradient, &gradient) }
+    }
+
+    /// η and ∇g η such that p + ∇g η is tangent.
+    #[inline(always)]
+    pub(crate) fn projection(&self, p: &[T; D]) -> (T, [T; D]) {
+        let eta = -dot(&self.gradient, p) * self.inverse_square;
+        (eta, scaled(eta, &self.gradient))
+    }
+}

@@ -1,0 +1,75 @@
+//! What a method moves: bodies, what holds them and what acts on them, behind three verbs.
+//!
+//! ```text
+//! drift    p½ = p  + c (f(q)  + G(q)ᵀ λ),   q′ = q + h M⁻¹ p½      λ such that g(q′) = 0
+//! evaluate f(q′)
+//! settle   p′ = p½ + c (f(q′) + G(q′)ᵀμ)                           μ such that G(q′) M⁻¹ p′ = −∂g/∂t
+//! ```
+//!
+//! With c = h/2 the three in turn are a step of RATTLE. [`OnSurface`](crate::surface::OnSurface) holds each body on a
+//! surface of its own, in lanes if wanted; [`Linked`](crate::linked::Linked) is for everything else.
+
+use crate::bodies::{Bodies, Body, Count};
+use crate::real::Real;
+use crate::stepper::{Failure, Witness};
+use std::fmt::Debug;
+
+/// A mechanical system with D coordinates per body, made ready for the scalar `T`.
+///
+/// ```text
+/// M q̈ = f(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   f = −∇U,   G = ∂g/∂q
+/// ```
+pub trait System<T: Real, const D: usize>: Clone {
+    /// How many bodies there are: one, or many.
+    type Count: Count;
+    /// What is kept at the positions from one step to the next: normals, forces, factors.
+    type Kept: Clone + Debug;
+
+    /// The bodies in these places at this time, with all evaluated there that is kept.
+    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64)
+    -> Bodies<Self::Count, T, Self::Kept, D>;
+    /// Evaluates anew what is kept, after positions were put back.
+    fn refresh(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
+
+    /// Kicks for a time `kick`, then moves for a time `h`, to where the constraints hold. Normals are then those of the
+    /// new positions, forces still the old ones. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// Says which body cannot be moved and why; the bodies are then left half way.
+    fn drift<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+
+    /// Evaluates the forces at the present positions.
+    fn evaluate_forces(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
+
+    /// Kicks for a time `kick` and makes the momenta those of motion along the constraints.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift).
+    fn settle<W: Witness<T>>(
+        &self,
+        kick: f64,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+
+    /// The number of equations g = 0, that is of multipliers.
+    fn equations(&self) -> usize;
+    /// M⁻¹p of a body.
+    fn velocity(&self, body: usize, p: &[T; D]) -> [T; D];
+    /// pᵀM⁻¹p/2, summed over the bodies.
+    fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
+    /// U.
+    fn potential_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
+    /// Writes g(q, t) of each equation.
+    fn residuals(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, g: &mut [T]);
+    /// Writes G M⁻¹p + ∂g/∂t of each equation.
+    fn drift_rates(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, rates: &mut [T]);
+    /// Writes λ of each equation from the present state alone: such that g̈ = 0.
+    fn multipliers(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, multipliers: &mut [T]);
+}
