@@ -2,8 +2,8 @@
 
 use crate::kernel::{Constraint, ConstraintKernel, Potential, PotentialKernel};
 use crate::real::Real;
-use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// A constraint or potential that counts how often it is evaluated.
 ///
@@ -31,7 +31,7 @@ pub struct Counted<X> {
 
 /// How often each function was evaluated, for however many copies of a kernel.
 #[derive(Debug, Clone, Default)]
-pub struct Counts(Rc<[Cell<u64>; 3]>);
+pub struct Counts(Arc<[AtomicU64; 3]>);
 
 impl<X> Counted<X> {
     /// `inner`, counted from zero.
@@ -49,26 +49,26 @@ impl Counts {
     /// Evaluations of the function itself, alone or together with its gradient.
     #[must_use]
     pub fn values(&self) -> u64 {
-        self.0[0].get()
+        self.0[0].load(Relaxed)
     }
     /// Evaluations of the gradient, alone or together with the function.
     #[must_use]
     pub fn gradients(&self) -> u64 {
-        self.0[1].get()
+        self.0[1].load(Relaxed)
     }
     /// Evaluations of second derivatives.
     #[must_use]
     pub fn curvatures(&self) -> u64 {
-        self.0[2].get()
+        self.0[2].load(Relaxed)
     }
     /// Starts counting from zero again.
     pub fn reset(&self) {
-        self.0.iter().for_each(|count| count.set(0));
+        self.0.iter().for_each(|count| count.store(0, Relaxed));
     }
 
     fn add(&self, value: bool, gradient: bool, curvature: bool) {
         for (count, evaluated) in self.0.iter().zip([value, gradient, curvature]) {
-            count.set(count.get() + u64::from(evaluated));
+            count.fetch_add(u64::from(evaluated), Relaxed);
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::kernel::{PairKernel, PairPotential, Potential, PotentialKernel};
 use crate::real::Real;
 use crate::vector::{add_scaled, dot};
 use std::any::type_name;
+use std::array::from_fn;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
@@ -80,6 +81,10 @@ pub trait Effects<const D: usize> {
     type Field<T: Real>: Field<T, D>;
     /// The field with these effects' parameters.
     fn field<T: Real>(&self) -> Self::Field<T>;
+    /// The first effect that names a body beyond the last one, by the name of its type, its member and the body.
+    fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
+        None
+    }
 }
 
 /// All effects of a scene together, over the scalar `T`.
@@ -131,6 +136,11 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
     fn field<T: Real>(&self) -> Self::Field<T> {
         Superposed { effect: self.effect.acting(), name: type_name::<P>(), others: self.others.field() }
     }
+
+    fn stray(&self, bodies: usize) -> Option<(&'static str, usize, usize)> {
+        let own = self.effect.stray(bodies).map(|(member, body)| (type_name::<P>(), member, body));
+        self.others.stray(bodies).or(own)
+    }
 }
 
 /// One effect on top of others.
@@ -179,6 +189,10 @@ pub trait Effect<const D: usize, Kind> {
     type Acting<T: Real>: Acting<T, D>;
     /// The effect with this value's parameters.
     fn acting<T: Real>(&self) -> Self::Acting<T>;
+    /// The first member that names a body beyond the last one, and that body.
+    fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
+        None
+    }
 }
 
 /// One effect over the scalar `T`.
@@ -246,5 +260,91 @@ impl<T: Real, K: PairKernel<T>, const D: usize> Acting<T, D> for BetweenPairs<K>
             }
         }
         energy
+    }
+}
+
+/// A potential on chosen bodies, A at a time: its variables are the coordinates of a member's bodies in turn. Made by
+/// [`Potential::over`].
+///
+/// ```text
+/// scene.with(Spring { stiffness: 9.0, length: 1.0 }.over([[0, 1], [1, 2]]))      // |a: [f64; 3], b: [f64; 3]| …
+/// scene.with(Over::each(masses.iter().enumerate().map(|(i, m)| (Gravity { g: 9.81 * m }, [i]))))
+/// ```
+#[derive(Debug, Clone)]
+pub struct Over<P, const A: usize> {
+    /// One for all members, or one for each.
+    potentials: Vec<P>,
+    members: Vec<[usize; A]>,
+}
+
+impl<P, const A: usize> Over<P, A> {
+    /// The same potential over these members.
+    pub fn new(potential: P, members: impl IntoIterator<Item = [usize; A]>) -> Self {
+        Self { potentials: vec![potential], members: members.into_iter().collect() }
+    }
+
+    /// Each member with a potential of its own.
+    pub fn each(pairs: impl IntoIterator<Item = (P, [usize; A])>) -> Self {
+        let (potentials, members) = pairs.into_iter().unzip();
+        Self { potentials, members }
+    }
+}
+
+/// A potential of K = A·D variables over members of A bodies.
+#[derive(Debug, Clone)]
+pub struct Among<X, const K: usize, const A: usize> {
+    kernels: Vec<X>,
+    members: Vec<[usize; A]>,
+}
+
+impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, Among<(), K, A>>
+    for Over<P, A>
+{
+    type Acting<T: Real> = Among<P::Kernel<T>, K, A>;
+
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        const {
+            assert!(
+                K == A * D,
+                "a potential over A bodies has A times as many variables as a body coordinates"
+            )
+        };
+        Among { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
+    }
+
+    fn stray(&self, bodies: usize) -> Option<(usize, usize)> {
+        let mut strays = self.members.iter().enumerate();
+        strays.find_map(|(i, member)| member.iter().find(|&&body| body >= bodies).map(|&body| (i, body)))
+    }
+}
+
+impl<X, const K: usize, const A: usize> Among<X, K, A> {
+    /// Each member's kernel and bodies, and its variables.
+    #[inline(always)]
+    fn each<'a, T: Real, const D: usize>(
+        &'a self,
+        positions: &'a [[T; D]],
+    ) -> impl Iterator<Item = (&'a X, &'a [usize; A], [T; K])> + 'a {
+        self.members.iter().enumerate().map(|(i, member)| {
+            let kernel = &self.kernels[if self.kernels.len() == 1 { 0 } else { i }];
+            (kernel, member, from_fn(|k| positions[member[k / D]][k % D]))
+        })
+    }
+}
+
+impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A: usize> Acting<T, D>
+    for Among<X, K, A>
+{
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        for (kernel, member, variables) in self.each(positions) {
+            let gradient = kernel.gradient(&variables);
+            for (a, &body) in member.iter().enumerate() {
+                forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
+            }
+        }
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        let energies = self.each(positions).map(|(kernel, _, variables)| kernel.value(&variables));
+        energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
     }
 }

@@ -43,6 +43,10 @@ pub enum Error {
         momenta: usize,
     },
 
+    /// Links, masses or pins that make no sense.
+    #[error(transparent)]
+    Network(NetworkMistake),
+
     /// A start that cannot be simulated.
     #[error("start of particle {body}: {cause}")]
     Start {
@@ -69,6 +73,98 @@ pub enum Error {
 impl fmt::Debug for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)
+    }
+}
+
+/// What is wrong with links, masses or pins.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NetworkMistake {
+    /// A link or pin names a body that the scene does not have.
+    #[error("{what} {member} names body {body}; the scene has {bodies}, counted from 0")]
+    NoSuchBody {
+        /// The type of the constraint, or `pin`.
+        what: &'static str,
+        /// Which of its members.
+        member: usize,
+        /// The body it names.
+        body: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// A link names one body twice.
+    #[error("{what} {member} names body {body} twice; a link is between different bodies")]
+    Repeated {
+        /// The type of the constraint.
+        what: &'static str,
+        /// Which of its members.
+        member: usize,
+        /// The body.
+        body: usize,
+    },
+    /// As many masses as bodies are needed.
+    #[error("{masses} masses were given for {bodies} bodies")]
+    MassCount {
+        /// Masses given.
+        masses: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// A mass is not positive and finite, or a mass matrix not symmetric positive definite.
+    #[error(
+        "the mass of body {body} is not positive and finite, or its matrix not symmetric positive definite"
+    )]
+    Mass {
+        /// Which body.
+        body: usize,
+    },
+    /// Multipliers that act on chosen coordinates, between bodies whose mass couples coordinates.
+    #[error("{what} acts on chosen coordinates; its bodies need masses that do not couple coordinates")]
+    ActingNeedsDiagonalMass {
+        /// The type of the constraint.
+        what: &'static str,
+    },
+}
+
+/// One equation of a network, as messages name it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EquationAt {
+    /// The type of the constraint.
+    pub link: &'static str,
+    /// Which member of its list, counted from 0.
+    pub member: usize,
+    /// Which of the member's equations …
+    pub equation: usize,
+    /// … of so many.
+    pub of: usize,
+    /// The bodies that it ties together.
+    pub bodies: Vec<usize>,
+}
+
+impl fmt::Display for EquationAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.link, self.member)?;
+        if self.of > 1 {
+            write!(f, ", equation {}", self.equation)?;
+        }
+        f.write_str(if self.bodies.len() == 1 { " (body " } else { " (bodies " })?;
+        for (i, body) in self.bodies.iter().enumerate() {
+            write!(f, "{}{body}", if i == 0 { "" } else { ", " })?;
+        }
+        f.write_str(")")
+    }
+}
+
+/// A step size that would pass where one failed, found by trying.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passing(pub Option<f64>);
+
+impl fmt::Display for Passing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(h) => write!(f, "a step of {h:.3e} passes here"),
+            None => f.write_str("no shorter step passes here either"),
+        }
     }
 }
 
@@ -121,6 +217,86 @@ pub enum StartFailure {
         sine: f64,
         /// The largest sine allowed.
         tolerance: f64,
+    },
+    /// An equation between linked bodies does not hold at the start.
+    #[error(
+        "{equation} is off by {distance:.3e} (g = {value:.3e}), allowed {tolerance:.1e}; `scene.project(state)` moves \
+         the start onto the constraints"
+    )]
+    OffConstraint {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g|, to first order the distance.
+        distance: f64,
+        /// The largest distance allowed.
+        tolerance: f64,
+        /// g(q, t).
+        value: f64,
+    },
+    /// The momenta break an equation between linked bodies.
+    #[error(
+        "the momenta break {equation}: it would change at the rate {rate:.3e}, {sine:.3e} of |∇g||v|, allowed \
+         {tolerance:.1e}; `scene.project(state)` makes them fit"
+    )]
+    NotAlong {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// ∇g·v + ∂g/∂t.
+        rate: f64,
+        /// The rate relative to |∇g||v| + |∂g/∂t|.
+        sine: f64,
+        /// The largest relative rate allowed.
+        tolerance: f64,
+    },
+    /// A constraint whose gradient is zero wherever it holds, as z² instead of z.
+    #[error(
+        "{equation} vanishes to second order: its gradient is {gradient:.1e} where it holds (singular point about \
+         {distance:.1e} away); write a constraint whose gradient is not zero there, as z instead of z²"
+    )]
+    Vanishes {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |∇g|.
+        gradient: f64,
+        /// To first order the distance to the point where ∇g = 0.
+        distance: f64,
+    },
+    /// Equations that depend on each other, where elimination was asked for or the component is large.
+    #[error(
+        "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out, or ask for \
+         `LinearAlgebra::Orthogonal`"
+    )]
+    Dependent {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The sine of the angle of its normal to the span of the others.
+        sine: f64,
+    },
+    /// Equations that cannot hold together near the start.
+    #[error(
+        "{equation} contradicts the others: near the start it stays off by {distance:.3e} where they hold"
+    )]
+    Contradictory {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g| that remains.
+        distance: f64,
+    },
+    /// The multiplier of an equation acts only on coordinates that do not change it here.
+    #[error("the multiplier of {equation} acts on coordinates along which g does not change here")]
+    CannotAct {
+        /// Which equation.
+        equation: Box<EquationAt>,
+    },
+    /// A pinned body is elsewhere, or moves.
+    #[error("the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}")]
+    Pinned {
+        /// Where it is pinned.
+        at: Vec<f64>,
+        /// Where it starts.
+        position: Vec<f64>,
+        /// Its momentum.
+        momentum: Vec<f64>,
     },
     /// The gradient is zero here or so near that it has no direction in floating point.
     #[error(
@@ -206,6 +382,57 @@ pub enum StepFailure {
         path: f64,
         /// h·κ·|v|.
         reach: f64,
+    },
+    /// The position equations of linked bodies were not solved, or not on the root that the motion leads to.
+    #[error(
+        "{equation} cannot be kept on a path of {path:.1e}: residuals as lengths {residuals}, |∇g| = {gradient:.3e}, \
+         h·|∇²g v|/|∇g| = {turn:.3} (accurate below about 0.2); {passing} (h = {h:.3e})"
+    )]
+    NotSolved {
+        /// The equation that is furthest off.
+        equation: Box<EquationAt>,
+        /// The longest way of a body of the component without the constraints.
+        path: f64,
+        /// The largest |gᵢ|/|∇gᵢ| before each correction.
+        residuals: History,
+        /// |∇g| of the equation at the start of the step.
+        gradient: f64,
+        /// The largest relative change of a normal within the step, for a surface h·κ·|v|.
+        turn: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// What would pass.
+        passing: Passing,
+    },
+    /// Normals that were independent at the start are no longer.
+    #[error(
+        "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
+         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles)"
+    )]
+    RankLost {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The sine of the angle of its normal to the span of the others.
+        sine: f64,
+    },
+    /// Dependent equations that no longer agree.
+    #[error("{equation} contradicts the others: residuals as lengths {residuals} remain where they hold")]
+    Contradictory {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The largest |gᵢ|/|∇gᵢ| before each correction.
+        residuals: History,
+    },
+    /// The multiplier of an equation acts on chosen coordinates only, and these no longer change it.
+    #[error(
+        "the multiplier of {equation} can no longer hold it: the coordinates that it acts on have a share of {share:.1e} \
+         in its gradient; let it act on the others too"
+    )]
+    CannotAct {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// Length of the gradient along these coordinates, relative to all of it.
+        share: f64,
     },
     /// The gradient of the constraint is zero, NaN or infinite at the new point.
     #[error(

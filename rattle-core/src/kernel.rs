@@ -9,6 +9,7 @@
 //! g : ℝᴰ → ℝᴹ      q̈ = −∇U(q) + G(q)ᵀλ,   G = ∂g/∂q  (M × D),   g(q) = 0
 //! ```
 
+use crate::effect::Over;
 use crate::real::Real;
 use nalgebra::{SMatrix, SVector};
 
@@ -73,7 +74,7 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
 }
 
 /// The functions of a [`Constraint`] over the scalar `T`.
-pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
+pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Send + Sync + 'static {
     /// g(q).
     fn value(&self, q: &[T; D]) -> [T; M];
     /// ∂g/∂q, row i is ∇gᵢ.
@@ -142,10 +143,16 @@ pub trait Potential<const D: usize>: Sized {
     fn gradient(&self, q: &SVector<f64, D>) -> SVector<f64, D> {
         self.kernel::<f64>().gradient(&coordinates(q)).into()
     }
+
+    /// The potential as an [effect](crate::effect::Over) on chosen bodies, or between them: its variables are the
+    /// coordinates of each member's bodies in turn.
+    fn over<const A: usize>(self, members: impl IntoIterator<Item = [usize; A]>) -> Over<Self, A> {
+        Over::new(self, members)
+    }
 }
 
 /// The functions of a [`Potential`] over the scalar `T`.
-pub trait PotentialKernel<T: Real, const D: usize>: Clone {
+pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// U(q).
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
@@ -185,7 +192,7 @@ pub trait PairPotential: Sized {
 }
 
 /// The functions of a [`PairPotential`] over the scalar `T`.
-pub trait PairKernel<T: Real>: Clone {
+pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     /// U at s = r².
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
@@ -223,7 +230,7 @@ pub trait Hamiltonian<const D: usize>: Sized {
 }
 
 /// The functions of a [`Hamiltonian`] over the scalar `T`.
-pub trait HamiltonianKernel<T: Real, const D: usize>: Clone {
+pub trait HamiltonianKernel<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// H(q, p).
     fn value(&self, q: &[T; D], p: &[T; D]) -> T;
     /// ∂H/∂q and ∂H/∂p.
@@ -264,7 +271,9 @@ pub trait PhaseConstraint<const D: usize, const M: usize>: Sized {
 
 /// The functions of a [`PhaseConstraint`] over the scalar `T`.
 #[allow(clippy::type_complexity, reason = "tuples of arrays of one shape")]
-pub trait PhaseConstraintKernel<T: Real, const D: usize, const M: usize>: Clone {
+pub trait PhaseConstraintKernel<T: Real, const D: usize, const M: usize>:
+    Clone + Send + Sync + 'static
+{
     /// g(q, p).
     fn value(&self, q: &[T; D], p: &[T; D]) -> [T; M];
     /// ∂g/∂q and ∂g/∂p.

@@ -7,6 +7,8 @@ pub mod counted;
 pub mod effect;
 pub mod error;
 pub mod kernel;
+pub mod linked;
+pub mod network;
 pub mod rattle;
 pub mod real;
 pub mod recorder;

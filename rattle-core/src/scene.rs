@@ -2,8 +2,9 @@
 
 use crate::bodies::{Body, Count, Many, One};
 use crate::effect::{Effect, Effects, Field, Force, With};
-use crate::error::{Error, StartFailure};
+use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::kernel::Constraint;
+use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
 use crate::real::Real;
 use crate::simulation::Simulation;
 use crate::start;
@@ -12,6 +13,7 @@ use crate::stepper::Stepper;
 use crate::surface::OnSurface;
 use crate::system::System;
 use crate::vector::dot;
+use nalgebra::SVector;
 use std::marker::PhantomData;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
@@ -29,17 +31,24 @@ pub trait Hold<const D: usize> {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
-    /// The system, ready to move.
+    /// The system, ready to move from this start with steps of this size.
     ///
     /// # Errors
-    /// Where the constraints make no sense for so many bodies.
-    fn system<E: Effects<D>, N: Count>(&self, effects: &E, count: N) -> Result<Self::System<E, N>, Error>;
+    /// Where the constraints make no sense for so many bodies; says which body cannot start there and why.
+    fn system<E: Effects<D>, N: Count>(
+        &self,
+        effects: &E,
+        count: N,
+        start: &State<D>,
+        h: f64,
+    ) -> Result<Self::System<E, N>, Error>;
 
-    /// Whether a motion may start here with a step of this size.
-    ///
-    /// # Errors
-    /// Says which body cannot start and why.
-    fn check(&self, start: &State<D>, h: f64) -> Result<(), Error>;
+    /// The same for so many particles, each under its own copy.
+    #[must_use]
+    fn particles(self, number: usize) -> Self;
+
+    /// The same as a network of so many bodies.
+    fn network(self, bodies: usize) -> Network<D>;
 
     /// The state moved onto the constraints.
     ///
@@ -51,17 +60,27 @@ pub trait Hold<const D: usize> {
 impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
     type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N>;
 
-    fn system<E: Effects<D>, N: Count>(&self, effects: &E, count: N) -> Result<Self::System<E, N>, Error> {
-        Ok(OnSurface { constraint: self.kernel(), field: effects.field(), count })
-    }
-
-    fn check(&self, start: &State<D>, h: f64) -> Result<(), Error> {
+    fn system<E: Effects<D>, N: Count>(
+        &self,
+        effects: &E,
+        count: N,
+        start: &State<D>,
+        h: f64,
+    ) -> Result<Self::System<E, N>, Error> {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
             let path = h.abs() * dot(&state.p, &state.p).sqrt();
             start::check(&constraint, state, path).map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(())
+        Ok(OnSurface { constraint, field: effects.field(), count })
+    }
+
+    fn particles(self, _: usize) -> Self {
+        self
+    }
+
+    fn network(self, bodies: usize) -> Network<D> {
+        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
@@ -69,19 +88,171 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
     }
 }
 
-impl<C: Constraint<D, 1>, const D: usize> Scene<C, (), One, D> {
-    /// One particle of unit mass on the surface g(q) = 0, and nothing else.
-    pub fn on(constraint: C) -> Self {
-        Self { constraint, effects: (), count: One }
+/// What a scene can begin with: one constraint, on one particle. A single equation makes a surface; several a
+/// [`Network`]. Up to 64 are listed; for more, `Scene::point().link(constraint, [[0]])`.
+pub trait Begin<const D: usize, const M: usize> {
+    /// What holds the particle.
+    type Hold: Hold<D>;
+    /// The constraint as what holds it.
+    fn begin(self) -> Self::Hold;
+}
+
+impl<C: Constraint<D, 1>, const D: usize> Begin<D, 1> for C {
+    type Hold = C;
+    fn begin(self) -> C {
+        self
+    }
+}
+
+macro_rules! begin_with_several {
+    ($($equations:literal)*) => {$(
+        impl<C: Constraint<D, $equations>, const D: usize> Begin<D, $equations> for C {
+            type Hold = Network<D>;
+            fn begin(self) -> Network<D> {
+                Network::default().with(Links::<_, D, $equations, 1, D>::new(vec![self], vec![[0]]))
+            }
+        }
+    )*};
+}
+begin_with_several!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33 34 35 36 37
+    38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64);
+
+impl Scene<(), (), One, 0> {
+    /// One particle of unit mass on the surface g(q) = 0, or under several equations at once, and nothing else.
+    pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
+        Scene { constraint: constraint.begin(), effects: (), count: One }
+    }
+
+    /// One free body of unit mass, to be linked or left free.
+    #[must_use]
+    pub fn point<const D: usize>() -> Scene<Network<D>, (), One, D> {
+        Scene { constraint: Network::default(), effects: (), count: One }
+    }
+
+    /// So many free bodies of unit mass, to be linked or left free.
+    ///
+    /// ```
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
+    /// let free = Scene::points(2);
+    /// let mut simulation = free.simulate(State::of([[0.0], [1.0]]).moving([2.0]), Rattle::new(0.5))?;
+    /// simulation.run(2)?;
+    /// assert_eq!(simulation.positions().map(|q| q.x).collect::<Vec<_>>(), [2.0, 3.0]);
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    #[must_use]
+    pub fn points<const D: usize>(number: usize) -> Scene<Network<D>, (), Many, D> {
+        Scene { constraint: Network::default(), effects: (), count: Many(number) }
+    }
+}
+
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
+    /// This many particles, each under its own copy of the constraint.
+    pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
+        Scene { constraint: self.constraint.particles(number), effects: self.effects, count: Many(number) }
+    }
+
+    /// The same scene with these links: `constraint` holds between the bodies of each member, with their coordinates in
+    /// turn as its variables.
+    ///
+    /// ```text
+    /// Scene::points(1001).link(Rod { length: 1e-3 }, (0..1000).map(|i| [i, i + 1])).pin(0, [0.0; 3])
+    /// ```
+    pub fn link<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
+        self,
+        constraint: G,
+        members: impl IntoIterator<Item = [usize; A]>,
+    ) -> Scene<Network<D>, E, N, D> {
+        const {
+            assert!(
+                K == A * D,
+                "a constraint on A bodies has A times as many variables as a body coordinates"
+            )
+        };
+        let members = members.into_iter().collect();
+        self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
+    }
+
+    /// The same scene with these links, each with parameters of its own.
+    pub fn link_each<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
+        self,
+        links: impl IntoIterator<Item = (G, [usize; A])>,
+    ) -> Scene<Network<D>, E, N, D> {
+        const {
+            assert!(
+                K == A * D,
+                "a constraint on A bodies has A times as many variables as a body coordinates"
+            )
+        };
+        let (constraints, members) = links.into_iter().unzip();
+        self.network(|network| network.with(Links::<_, K, M, A, D>::new(constraints, members)))
+    }
+
+    /// The same scene with links that change with time: the last variable of `constraint` is the time t.
+    ///
+    /// Such a constraint does work, see [`Simulation::work`]; momenta must satisfy G v = −∂g/∂t.
+    pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
+        self,
+        constraint: G,
+        members: impl IntoIterator<Item = [usize; A]>,
+    ) -> Scene<Network<D>, E, N, D> {
+        const { assert!(K == A * D + 1, "a moving constraint has the variables of its bodies, then the time") };
+        let members = members.into_iter().collect();
+        self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
+    }
+
+    /// The same scene with links whose multipliers act only on the coordinates that are `true`: the others move as if
+    /// there were no link. That is no longer mechanics: energy is not kept, and where g does not depend on the chosen
+    /// coordinates there is no solution, which is an error.
+    pub fn link_acting<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
+        self,
+        constraint: G,
+        members: impl IntoIterator<Item = [usize; A]>,
+        acting: [[bool; D]; A],
+    ) -> Scene<Network<D>, E, N, D> {
+        const {
+            assert!(
+                K == A * D,
+                "a constraint on A bodies has A times as many variables as a body coordinates"
+            )
+        };
+        let mut links = Links::<_, K, M, A, D>::new(vec![constraint], members.into_iter().collect());
+        links.acting = Some(acting);
+        self.network(|network| network.with(links))
+    }
+
+    /// The same scene with a body held at a place.
+    pub fn pin(self, body: usize, at: impl Into<SVector<f64, D>>) -> Scene<Network<D>, E, N, D> {
+        self.network(|mut network| {
+            network.pins.push((body, at.into().into()));
+            network
+        })
+    }
+
+    /// The same scene, every body with this mass: a number, one for each coordinate, or a symmetric positive definite
+    /// matrix. Momenta are then p = M v.
+    pub fn mass(self, mass: impl Into<Mass<D>>) -> Scene<Network<D>, E, N, D> {
+        self.network(|network| Network { masses: Masses::Each(mass.into()), ..network })
+    }
+
+    /// The same scene with the masses of the bodies in turn.
+    pub fn masses<X: Into<Mass<D>>>(self, masses: impl IntoIterator<Item = X>) -> Scene<Network<D>, E, N, D> {
+        let masses = masses.into_iter().map(Into::into).collect();
+        self.network(|network| Network { masses: Masses::Listed(masses), ..network })
+    }
+
+    /// The same scene with multipliers found in this way; see [`Linked::components`](crate::linked::Linked::components)
+    /// for what is chosen otherwise.
+    pub fn linear_algebra(self, algebra: LinearAlgebra) -> Scene<Network<D>, E, N, D> {
+        self.network(|network| Network { algebra, ..network })
+    }
+
+    fn network(self, change: impl FnOnce(Network<D>) -> Network<D>) -> Scene<Network<D>, E, N, D> {
+        let constraint = change(self.constraint.network(self.count.number()));
+        Scene { constraint, effects: self.effects, count: self.count }
     }
 }
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// This many particles, each on its own copy of the surface.
-    pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
-        Scene { constraint: self.constraint, effects: self.effects, count: Many(number) }
-    }
-
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
     pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N> {
         OnSurface { constraint: self.constraint.kernel(), field: self.effects.field(), count: self.count }
@@ -123,8 +294,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if start.len() != self.count.number() {
             return Err(Error::BodyCount { scene: self.count.number(), state: start.len() });
         }
-        let system = self.constraint.system(&self.effects, self.count)?;
-        self.constraint.check(&start, stepper.step_size())?;
+        if let Some((what, member, body)) = self.effects.stray(start.len()) {
+            let bodies = start.len();
+            return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
+        }
+        let system = self.constraint.system(&self.effects, self.count, &start, stepper.step_size())?;
         self.check_forces(&start.bodies)?;
         let bodies = system.bodies(|i| start.bodies[i], start.time);
         Ok(Simulation::new(system, self.count, bodies, stepper))

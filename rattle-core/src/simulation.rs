@@ -1,7 +1,9 @@
 //! A scene under way.
 
-use crate::bodies::{Bodies, One};
+use crate::bodies::{Bodies, Count, One};
+use crate::effect::Field;
 use crate::error::Error;
+use crate::linked::{Counts, Linked};
 use crate::recorder::Recorder;
 use crate::state::State;
 use crate::stepper::{Stepper, Witness};
@@ -209,6 +211,19 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         let mut numbers = vec![0.0; self.system.equations()];
         write(&mut numbers);
         numbers
+    }
+}
+
+impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F, N, D>, S, D> {
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
+    /// the pull of its links.
+    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        self.system.constraint_forces(&self.bodies).into_iter().map(Into::into).collect()
+    }
+
+    /// What the position equations have cost since the start.
+    pub fn counts(&self) -> Counts {
+        self.system.counts(&self.bodies)
     }
 }
 

@@ -9,10 +9,10 @@ use crate::surface::Normal;
 use crate::vector::{add_scaled, dot, largest, scaled};
 
 /// A start whose normal is known to no more digits than this is too near to a singular point.
-const DIRECTION: f64 = 1e-5;
+pub(crate) const DIRECTION: f64 = 1e-5;
 
 /// Newton steps after which a projection is given up.
-const MAX_PROJECTION_STEPS: usize = 60;
+pub(crate) const MAX_PROJECTION_STEPS: usize = 60;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
 ///
@@ -58,7 +58,7 @@ fn not_finite<const D: usize>(value: f64, gradient: &[f64; D], q: &[f64; D]) -> 
     StartFailure::ConstraintNotFinite { value, gradient: gradient.to_vec(), position: q.to_vec() }
 }
 
-fn finite<const D: usize>(quantity: &'static str, x: &[f64; D]) -> Result<(), StartFailure> {
+pub(crate) fn finite<const D: usize>(quantity: &'static str, x: &[f64; D]) -> Result<(), StartFailure> {
     match x.iter().position(|x| !x.is_finite()) {
         Some(component) => Err(StartFailure::NotFinite { quantity, component, value: x[component] }),
         None => Ok(()),

@@ -46,6 +46,9 @@ pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
 
 /// Is told the multipliers as a step finds them; `()` does not listen, and then they are not formed.
 pub trait Witness<T> {
+    /// Whether multipliers are formed at all.
+    const LISTENS: bool = true;
+
     /// λ of the position equation with this number: on surfaces, that of the body. A method of several stages tells
     /// that of each, the last one last.
     fn position_multiplier(&mut self, equation: usize, lambda: T);
@@ -54,6 +57,8 @@ pub trait Witness<T> {
 }
 
 impl<T> Witness<T> for () {
+    const LISTENS: bool = false;
+
     #[inline(always)]
     fn position_multiplier(&mut self, _: usize, _: T) {}
     #[inline(always)]
