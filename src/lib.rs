@@ -49,7 +49,7 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, effect, error, kernel, real, recorder, simulation, stepper,
+    bodies, composition, counted, curvature, effect, error, kernel, real, recorder, simulation, stepper,
 };
 
 pub use rattle_core::composition::Composition;
