@@ -41,6 +41,18 @@ constraint! {
     |x, y, z| sqrt(x^2 + y^2 + z^2 - 1) - 1
 }
 
+constraint! {
+    /// It has a normal at x = 0, but no second derivative along x.
+    struct Edge {}
+    |x, y, z, w| w + x^(6/5) + y^2 + z^2
+}
+
+constraint! {
+    /// The ends of an interval.
+    struct Ends {}
+    |x| x^2 - 1
+}
+
 type Point = SVector<f64, 3>;
 
 fn random(generator: &mut StdRng) -> Point {
@@ -207,9 +219,12 @@ fn singular_points_have_no_curvature() {
     assert_eq!(cone.principal_curvatures(&apex).len(), 2);
     assert!(cone.mean_curvature(&apex).is_nan() && cone.gaussian_curvature(&apex).is_nan());
     assert!(cone.normal_curvature(&apex, &vector![1.0, 0.0, 0.0]).is_nan());
-    // From three curvatures on, they are found by iteration.
+    let edge = Edge {}.principal_curvatures(&SVector::zeros());
+    assert!(edge.iter().all(|(kappa, direction)| kappa.is_nan() && direction[0].is_nan()), "{edge:?}");
     let spheroid = Spheroid { r: 1.0, c: 1.0 }.principal_curvatures(&SVector::zeros());
     assert!(spheroid.len() == 3 && spheroid.iter().all(|(kappa, _)| kappa.is_nan()), "{spheroid:?}");
+    // Two points of a line have no direction to bend in.
+    assert!(Ends {}.principal_curvatures(&vector![1.0]).is_empty());
     let sphere = Sphere { r: 1.0 };
     assert!(sphere.normal_curvature(&vector![1.0, 0.0, 0.0], &Point::zeros()).is_nan());
 }

@@ -28,8 +28,8 @@ use nalgebra::{DMatrix, SVector, SymmetricEigen};
 
 /// Curvatures of the level set of g through q: every [`Constraint`] of one equation has them.
 ///
-/// q need not lie on g = 0; the surface meant is the one on which g has the value g(q). The methods return NaN where
-/// the surface has no normal or g no second derivatives: ∇g = 0, or ∇g or ∇²g not finite.
+/// q need not lie on g = 0; the surface meant is the one on which g has the value g(q). Where the surface
+/// has no normal, ∇g = 0, everything is NaN; where ∇²g is not finite, NaN or infinite.
 pub trait Curvature<const D: usize>: Constraint<D, 1> {
     /// κ along v: curvature of the section through q that n and v span. Of v only the direction of its tangential part
     /// counts; without one κ is NaN.
@@ -45,8 +45,8 @@ pub trait Curvature<const D: usize>: Constraint<D, 1> {
     /// space. Where curvatures are equal, so that no direction is preferred, any such vectors.
     fn principal_curvatures(&self, q: &SVector<f64, D>) -> Vec<(f64, SVector<f64, D>)> {
         let (frame, shape) = shape_operator(self, q);
-        if !shape.iter().all(|entry| entry.is_finite()) {
-            return vec![(f64::NAN, SVector::repeat(f64::NAN)); frame.len()]; // the iteration would not end
+        if frame.is_empty() {
+            return Vec::new(); // D = 1: nalgebra takes no empty matrix
         }
         let eigen = SymmetricEigen::new(shape);
         let direction = |column: usize| {
