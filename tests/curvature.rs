@@ -336,6 +336,9 @@ fn areas_and_gauss_bonnet() {
     // Finer, they are much nearer.
     check_measure("r = 1/6", &lemniscate(1.0 / 6.0), eye, 300, None, (2.0, 1e-4));
     check_measure("tangle cube", &Tanglecube { c: 11.8 }, cube(2.6), 150, None, (5.0, 1e-3));
+    // Six rings that meet in twelve places; in thicker ones the holes at the corners of the cube are closed.
+    check_measure("decocube", &Decocube { b: 0.005, c: 0.95 }, cube(1.4), 250, None, (13.0, 2e-2));
+    check_measure("thick decocube", &Decocube { b: 0.02, c: 0.95 }, cube(1.4), 150, None, (5.0, 1e-3));
     check_measure("cyclide", &DupinCyclide { a: 2.0, b: 1.9, d: 1.0 }, cube(5.0), 150, None, (1.0, 1e-3));
 }
 
