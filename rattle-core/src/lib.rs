@@ -4,6 +4,7 @@
 pub mod bodies;
 pub mod composition;
 pub mod counted;
+pub mod curvature;
 pub mod effect;
 pub mod error;
 pub mod kernel;
