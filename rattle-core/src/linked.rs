@@ -108,9 +108,9 @@ struct Room<const D: usize> {
     excess: Vec<f64>,
     slope: Vec<f64>,
     dx: Vec<f64>,
-    /// |∇gᵢ|, and the rounding of the coordinates that equation i depends on.
+    /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
     lengths: Vec<f64>,
-    rounding: Vec<f64>,
+    scale: Vec<f64>,
 }
 
 type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<<F as Field<f64, D>>::Force, D>, D>;
@@ -176,7 +176,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             slope: vec![0.0; rows],
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
-            rounding: vec![0.0; rows],
+            scale: vec![0.0; rows],
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
@@ -291,13 +291,19 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             let (blocks, rates) = (&blocks[block..block + rows.blocks()], &rates[row..row + m]);
             let (needed, x, total) = (&mut room.g[..m], &mut room.dx[..m], &mut room.x[row..row + m]);
             total.fill(0.0);
-            for _ in 0..2 {
-                // The second time takes what rounding left.
+            for round in 0..2 {
                 for &body in &rows.bodies {
                     room.velocity[body] = shape.roots[body].velocity(&sum(&p[body], &change[body]));
                 }
+                // The second time takes what rounding left, if it left more than comes from forming the rates.
+                let mut settled = round > 0;
                 for (i, needed) in needed.iter_mut().enumerate() {
-                    *needed = -along(rows, i, blocks, &room.velocity) - rates[i];
+                    let (rate, size) = along_and_size(rows, i, blocks, &room.velocity);
+                    *needed = -rate - rates[i];
+                    settled &= needed.abs() <= 2.0 * f64::EPSILON * (size + rates[i].abs());
+                }
+                if settled {
+                    break;
                 }
                 solver.solve(needed, x);
                 solver.push(rows, &shape.roots, 1.0, x, change);
@@ -538,7 +544,7 @@ impl<const D: usize> Flight<'_, D> {
         s: f64,
         room: &mut Room<D>,
         counts: &mut Counts,
-        mut note: impl FnMut(f64),
+        mut note: impl FnMut(&Room<D>),
     ) -> Landing {
         let (rows, time) = (self.rows(), self.time + s * self.h);
         let (m, blocks) = (rows.equations(), rows.blocks());
@@ -559,7 +565,7 @@ impl<const D: usize> Flight<'_, D> {
             Landing { converged: false, upright: pivot > 0.0, first: 0.0, contradictory: false };
         let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
-            note(residual * room.rounding_of_worst(m));
+            note(room);
             if !residual.is_finite() {
                 return landing;
             }
@@ -587,8 +593,7 @@ impl<const D: usize> Flight<'_, D> {
                 if self.change(room) <= STRAIGHT {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
-                    let vain =
-                        self.length_of_correction(solver, room) < 1e-3 * residual * room.rounding_of_worst(m);
+                    let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
                     landing.contradictory = vain && solver.rank(rows) < m && residual > 64.0;
                     landing.converged = !landing.contradictory;
                     return landing;
@@ -649,7 +654,7 @@ impl<const D: usize> Flight<'_, D> {
                 size = f64::max(size, largest(&room.drift[body]));
             }
             room.lengths[row] = square.sqrt();
-            room.rounding[row] = f64::EPSILON * size;
+            room.scale[row] = 1.0 / (f64::EPSILON * size * room.lengths[row]);
         }
     }
 
@@ -688,7 +693,7 @@ impl<const D: usize> Flight<'_, D> {
         let (rows, m) = (self.rows(), self.rows().equations());
         let mut residuals = Vec::new();
         room.y[..m].copy_from_slice(&room.guess[..m]);
-        self.land(solver, 1.0, room, &mut Counts::default(), |length| residuals.push(length));
+        self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
         let row = room.worst(m);
         let equation = self.shape.equation_at(self.component, row);
         let body = equation.bodies[0];
@@ -746,9 +751,8 @@ impl<const D: usize> Room<D> {
     /// The largest residual in units of its rounding; NaN if one is.
     fn residual(&self, equations: usize) -> f64 {
         let mut worst = 0.0;
-        for i in 0..equations {
-            let g = self.g[i].abs();
-            let ratio = if g == 0.0 { 0.0 } else { g / (self.lengths[i] * self.rounding[i]) };
+        for (g, scale) in self.g[..equations].iter().zip(&self.scale) {
+            let ratio = if *g == 0.0 { 0.0 } else { g.abs() * scale };
             if ratio > worst || ratio.is_nan() {
                 worst = ratio;
             }
@@ -758,13 +762,15 @@ impl<const D: usize> Room<D> {
 
     /// The equation with the largest residual.
     fn worst(&self, equations: usize) -> usize {
-        let ratio = |i: usize| self.g[i].abs() / (self.lengths[i] * self.rounding[i]);
+        let ratio = |i: usize| self.g[i].abs() * self.scale[i];
         (0..equations)
             .fold(0, |worst, i| if ratio(i) > ratio(worst) || ratio(i).is_nan() { i } else { worst })
     }
 
-    fn rounding_of_worst(&self, equations: usize) -> f64 {
-        self.rounding[self.worst(equations)]
+    /// Its residual as a length.
+    fn longest(&self, equations: usize) -> f64 {
+        let worst = self.worst(equations);
+        self.g[worst].abs() / self.lengths[worst]
     }
 }
 
@@ -801,4 +807,22 @@ fn along<const D: usize>(rows: &Rows, row: usize, blocks: &[[f64; D]], v: &[[f64
         sum += dot(&blocks[block], &v[rows.bodies[body]]);
     }
     sum
+}
+
+/// ∇gᵢ·v, and the same with all products positive.
+#[inline]
+fn along_and_size<const D: usize>(
+    rows: &Rows,
+    row: usize,
+    blocks: &[[f64; D]],
+    v: &[[f64; D]],
+) -> (f64, f64) {
+    let (mut sum, mut size) = (0.0, 0.0);
+    for (block, body) in rows.blocks_of(row) {
+        for (g, v) in blocks[block].iter().zip(&v[rows.bodies[body]]) {
+            sum += g * v;
+            size += (g * v).abs();
+        }
+    }
+    (sum, size)
 }

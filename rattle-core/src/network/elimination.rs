@@ -65,33 +65,15 @@ impl<const D: usize> Elimination<D> {
             list.sort_unstable();
             list.dedup();
         }
-        let order = minimum_degree(&neighbours);
-        let mut rank_of = vec![0; m];
-        order.iter().enumerate().for_each(|(k, &row)| rank_of[row] = k);
-
-        // Row k of L: everything on the ways up the elimination tree from the neighbours before k (J. Liu 1990).
-        let mut parent = vec![usize::MAX; m];
-        let mut seen = vec![usize::MAX; m];
-        let (mut lower, mut lower_start) = (Vec::new(), vec![0]);
-        let mut entries = 0;
-        for k in 0..m {
-            seen[k] = k;
-            let begin = lower.len();
-            for &row in &neighbours[order[k]] {
-                let mut j = rank_of[row];
-                entries += usize::from(j < k);
-                while j < k && seen[j] != k {
-                    seen[j] = k;
-                    lower.push(j);
-                    if parent[j] == usize::MAX {
-                        parent[j] = k;
-                    }
-                    j = parent[j];
-                }
-            }
-            lower[begin..].sort_unstable();
-            lower_start.push(lower.len());
-        }
+        // As named, if that fills in no more than an order of minimum degree: memory is then read in turn.
+        let as_named = Pattern::new(&neighbours, (0..m).collect());
+        let pattern = if as_named.lower.len() > as_named.entries {
+            let reordered = Pattern::new(&neighbours, minimum_degree(&neighbours));
+            if reordered.lower.len() < as_named.lower.len() { reordered } else { as_named }
+        } else {
+            as_named
+        };
+        let Pattern { order, rank_of, lower, lower_start, entries } = pattern;
         let mut upper_start = vec![0; m + 1];
         lower.iter().for_each(|&k| upper_start[k + 1] += 1);
         (0..m).for_each(|k| upper_start[k + 1] += upper_start[k]);
@@ -250,6 +232,47 @@ impl<const D: usize> Elimination<D> {
                 out[place] = add_scaled(&out[place], scale * x, &self.normals[block]);
             }
         }
+    }
+}
+
+/// Where L has entries, for an order of elimination.
+struct Pattern {
+    order: Vec<usize>,
+    rank_of: Vec<usize>,
+    lower: Vec<usize>,
+    lower_start: Vec<usize>,
+    entries: usize,
+}
+
+impl Pattern {
+    fn new(neighbours: &[Vec<usize>], order: Vec<usize>) -> Self {
+        let m = order.len();
+        let mut rank_of = vec![0; m];
+        order.iter().enumerate().for_each(|(k, &row)| rank_of[row] = k);
+        // Row k of L: everything on the ways up the elimination tree from the neighbours before k (J. Liu 1990).
+        let mut parent = vec![usize::MAX; m];
+        let mut seen = vec![usize::MAX; m];
+        let (mut lower, mut lower_start) = (Vec::new(), vec![0]);
+        let mut entries = 0;
+        for k in 0..m {
+            seen[k] = k;
+            let begin = lower.len();
+            for &row in &neighbours[order[k]] {
+                let mut j = rank_of[row];
+                entries += usize::from(j < k);
+                while j < k && seen[j] != k {
+                    seen[j] = k;
+                    lower.push(j);
+                    if parent[j] == usize::MAX {
+                        parent[j] = k;
+                    }
+                    j = parent[j];
+                }
+            }
+            lower[begin..].sort_unstable();
+            lower_start.push(lower.len());
+        }
+        Self { order, rank_of, lower, lower_start, entries }
     }
 }
 
