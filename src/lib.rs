@@ -56,8 +56,11 @@ pub use rattle_core::{
 pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
 pub use rattle_core::error::Error;
+pub use rattle_core::leapfrog::Leapfrog;
+pub use rattle_core::network::{LinearAlgebra, Mass};
 pub use rattle_core::rattle::Rattle;
 pub use rattle_core::recorder::{Recorder, Trajectory};
+pub use rattle_core::rigid::Rigid;
 pub use rattle_core::scene::Scene;
 pub use rattle_core::simulation::Simulation;
 pub use rattle_core::state::State;
@@ -70,7 +73,7 @@ pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Rattle, Scene, Simulation, State, Stepper};
+    pub use crate::{Leapfrog, LinearAlgebra, Rattle, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

@@ -69,7 +69,7 @@ impl Stepper for Composition {
     fn name(&self) -> &'static str {
         self.coefficients.name
     }
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self, _: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;
         let sum: f64 = gammas.iter().sum();
         let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();

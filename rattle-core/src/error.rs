@@ -43,6 +43,17 @@ pub enum Error {
         momenta: usize,
     },
 
+    /// A method for free bodies was given constraints.
+    #[error(
+        "{method} is for free bodies, and the scene has {equations} equation(s); `Rattle` is for constraints"
+    )]
+    NeedsFreeBodies {
+        /// The method.
+        method: &'static str,
+        /// Equations of the scene.
+        equations: usize,
+    },
+
     /// Links, masses or pins that make no sense.
     #[error(transparent)]
     Network(NetworkMistake),
@@ -117,6 +128,14 @@ pub enum NetworkMistake {
     Mass {
         /// Which body.
         body: usize,
+    },
+    /// Moments of inertia that no body has.
+    #[error(
+        "moments of inertia must be positive and finite, none larger than the sum of the others; found {moments:?}"
+    )]
+    Inertia {
+        /// I₁, I₂, I₃.
+        moments: [f64; 3],
     },
     /// Multipliers that act on chosen coordinates, between bodies whose mass couples coordinates.
     #[error("{what} acts on chosen coordinates; its bodies need masses that do not couple coordinates")]
@@ -288,6 +307,20 @@ pub enum StartFailure {
         /// Which equation.
         equation: Box<EquationAt>,
     },
+    /// Nine numbers that are no attitude of a rigid body.
+    #[error(
+        "no attitude: QᵀQ is off from 1 by {deviation:.1e} (allowed 1e-10), det Q = {determinant:.3}; it must be a rotation; \
+         `scene.project(state)` straightens what is nearly one"
+    )]
+    NoAttitude {
+        /// det Q.
+        determinant: f64,
+        /// The largest entry of QᵀQ − 1.
+        deviation: f64,
+    },
+    /// A rigid body's momenta are more than an angular momentum.
+    #[error("momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`")]
+    NoAngularMomentum,
     /// A pinned body is elsewhere, or moves.
     #[error("the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}")]
     Pinned {
@@ -398,6 +431,18 @@ pub enum StepFailure {
         /// |∇g| of the equation at the start of the step.
         gradient: f64,
         /// The largest relative change of a normal within the step, for a surface h·κ·|v|.
+        turn: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// What would pass.
+        passing: Passing,
+    },
+    /// A rigid body turns so far within the step that no rotation fits.
+    #[error(
+        "the body turns too far within the step: h·|Ω| = {turn:.3} must stay below about 2; {passing} (h = {h:.3e})"
+    )]
+    TurnsTooFar {
+        /// h·|Ω|.
         turn: f64,
         /// The step size: in a composition, that of the stage.
         h: f64,

@@ -330,8 +330,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.shape.equations
     }
 
-    fn velocity(&self, body: usize, p: &[f64; D]) -> [f64; D] {
-        self.shape.roots[body].velocity(p)
+    fn velocity(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> [f64; D] {
+        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
     }
 
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {

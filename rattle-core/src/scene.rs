@@ -6,10 +6,11 @@ use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::kernel::Constraint;
 use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
 use crate::real::Real;
+use crate::rigid::Rigid;
 use crate::simulation::Simulation;
 use crate::start;
 use crate::state::State;
-use crate::stepper::Stepper;
+use crate::stepper::{Stepper, check_step_size};
 use crate::surface::OnSurface;
 use crate::system::System;
 use crate::vector::dot;
@@ -47,14 +48,23 @@ pub trait Hold<const D: usize> {
     #[must_use]
     fn particles(self, number: usize) -> Self;
 
-    /// The same as a network of so many bodies.
-    fn network(self, bodies: usize) -> Network<D>;
-
     /// The state moved onto the constraints.
     ///
     /// # Errors
     /// Where none is found.
     fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
+}
+
+/// What links, pins and masses can be added to.
+pub trait Tie<const D: usize>: Hold<D> {
+    /// The same as a network of so many bodies.
+    fn network(self, bodies: usize) -> Network<D>;
+}
+
+impl<C: Constraint<D, 1>, const D: usize> Tie<D> for C {
+    fn network(self, bodies: usize) -> Network<D> {
+        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
+    }
 }
 
 impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
@@ -77,10 +87,6 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
 
     fn particles(self, _: usize) -> Self {
         self
-    }
-
-    fn network(self, bodies: usize) -> Network<D> {
-        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
@@ -123,6 +129,12 @@ impl Scene<(), (), One, 0> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
 
+    /// One rigid body that turns about its centre of mass.
+    #[must_use]
+    pub fn rigid(body: Rigid) -> Scene<Rigid, (), One, 9> {
+        Scene { constraint: body, effects: (), count: One }
+    }
+
     /// One free body of unit mass, to be linked or left free.
     #[must_use]
     pub fn point<const D: usize>() -> Scene<Network<D>, (), One, D> {
@@ -150,7 +162,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.particles(number), effects: self.effects, count: Many(number) }
     }
+}
 
+impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The same scene with these links: `constraint` holds between the bodies of each member, with their coordinates in
     /// turn as its variables.
     ///
@@ -287,7 +301,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         stepper: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        stepper.check()?;
+        check_step_size(stepper.step_size())?;
         if let Some(momenta) = start.surplus_momenta {
             return Err(Error::MomentumCount { bodies: start.len(), momenta });
         }
@@ -299,6 +313,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
         let system = self.constraint.system(&self.effects, self.count, &start, stepper.step_size())?;
+        stepper.check(system.equations())?;
         self.check_forces(&start.bodies)?;
         let bodies = system.bodies(|i| start.bodies[i], start.time);
         Ok(Simulation::new(system, self.count, bodies, stepper))

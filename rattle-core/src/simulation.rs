@@ -119,6 +119,11 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.start_time + self.steps as f64 * self.stepper.step_size()
     }
 
+    /// The time of the momenta: later than [`Self::time`] by half a step with the staggered leapfrog.
+    pub fn momentum_time(&self) -> f64 {
+        self.time() + self.stepper.momentum_delay()
+    }
+
     /// What is simulated.
     pub fn system(&self) -> &Y {
         &self.system
@@ -151,7 +156,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
 
     /// Velocities M⁻¹p of the bodies in turn.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.p.as_ref().iter().enumerate().map(|(i, p)| self.system.velocity(i, p).into())
+        (0..self.len()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
     /// The present state, from which a new simulation goes on bit for bit.
@@ -245,7 +250,7 @@ impl<Y: System<f64, D, Count = One>, S: Stepper, const D: usize> Simulation<Y, S
 
     /// Its velocity M⁻¹p.
     pub fn velocity(&self) -> SVector<f64, D> {
-        self.system.velocity(0, &self.bodies.p[0]).into()
+        self.system.velocity(&self.bodies, 0).into()
     }
 
     /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See

@@ -19,11 +19,16 @@ pub trait Stepper: Clone {
     /// The method's name, as in the literature.
     fn name(&self) -> &'static str;
 
-    /// Whether the method makes sense, asked once before a run.
+    /// How much later than positions momenta are; 0 but for staggered methods.
+    fn momentum_delay(&self) -> f64 {
+        0.0
+    }
+
+    /// Whether the method makes sense for a system with so many equations, asked once before a run.
     ///
     /// # Errors
     /// [`Error::StepSize`] for a step size that is zero or not finite.
-    fn check(&self) -> Result<(), Error> {
+    fn check(&self, _equations: usize) -> Result<(), Error> {
         check_step_size(self.step_size())
     }
 

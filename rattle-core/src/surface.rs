@@ -109,8 +109,8 @@ where
     }
 
     #[inline(always)]
-    fn velocity(&self, _: usize, p: &[T; D]) -> [T; D] {
-        *p
+    fn velocity(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
+        bodies.p.as_ref()[body]
     }
 
     fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {

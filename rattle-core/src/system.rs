@@ -61,7 +61,7 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
-    fn velocity(&self, body: usize, p: &[T; D]) -> [T; D];
+    fn velocity(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, body: usize) -> [T; D];
     /// pᵀM⁻¹p/2, summed over the bodies.
     fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
     /// U.

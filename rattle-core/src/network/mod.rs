@@ -28,7 +28,7 @@ use crate::bodies::Count;
 use crate::effect::Effects;
 use crate::error::{Error, NetworkMistake};
 use crate::linked::Linked;
-use crate::scene::Hold;
+use crate::scene::{Hold, Tie};
 use crate::state::State;
 use std::sync::Arc;
 
@@ -164,6 +164,12 @@ impl<const D: usize> Network<D> {
     }
 }
 
+impl<const D: usize> Tie<D> for Network<D> {
+    fn network(self, _: usize) -> Self {
+        self
+    }
+}
+
 impl<const D: usize> Hold<D> for Network<D> {
     type System<E: Effects<D>, N: Count> = Linked<E::Field<f64>, N, D>;
 
@@ -182,10 +188,6 @@ impl<const D: usize> Hold<D> for Network<D> {
     fn particles(self, number: usize) -> Self {
         let each = |group: Arc<dyn Group<D>>| group.for_each(number).map_or(group, Arc::from);
         Self { groups: self.groups.into_iter().map(each).collect(), ..self }
-    }
-
-    fn network(self, _: usize) -> Self {
-        self
     }
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
