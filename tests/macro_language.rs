@@ -203,6 +203,28 @@ fn indices_decide() {
     assert_eq!(g, vector![2.0 + 1.0, 1.0 + 2.0, 2.0 + 6.0, 2.0 + 30.0]);
 }
 
+constraint! {
+    /// Conditions on indices and coordinates at once; what the index rules out is not looked at.
+    pub struct Neighbours {}
+    |x: [f64; 3]| for i in 0..3 {
+        if i > 0 && x[i - 1] > 0 || i == 0 && x[0] < 2 { x[i]^2 } else { sum(k in 0..3, if k == i || x[k] > 4 { x[k] } else { 0 }) }
+    }
+}
+
+#[test]
+fn indices_and_coordinates_in_one_condition() {
+    let expected = |x: [f64; 3]| {
+        let others = |i: usize| (0..3).map(|k| if k == i || x[k] > 4.0 { x[k] } else { 0.0 }).sum::<f64>();
+        [0, 1, 2].map(|i| {
+            let squared = if i == 0 { x[0] < 2.0 } else { x[i - 1] > 0.0 };
+            if squared { x[i] * x[i] } else { others(i) }
+        })
+    };
+    for x in [[1.0, -2.0, 3.0], [-1.0, 5.0, 6.0], [3.0, 5.0, 0.5], [2.0, 0.0, 7.0], [4.5, -1.0, -3.0]] {
+        assert_eq!(Neighbours {}.value(&x.into()), SVector::from(expected(x)), "at {x:?}");
+    }
+}
+
 #[test]
 fn phase_space() {
     let (q, p) = (vector![0.3, -0.4], vector![0.5, 0.7]);

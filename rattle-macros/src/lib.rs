@@ -40,8 +40,8 @@ use rattle_symbolic::expand::{Macro, expand};
 /// equations    [g1, g2]   for i in 0..3, j in i..3 { … }     one row of the Jacobian each, in order
 /// ```
 ///
-/// Indices are constants or the indices of loops; a condition on indices alone is decided at compile
-/// time. A variable on which nothing depends is written `_z`.
+/// Indices are constants or the indices of loops. What compares indices alone is decided at compile time,
+/// within a longer condition too: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A variable on which nothing depends is written `_z`.
 ///
 /// # What is computed
 ///
