@@ -1,6 +1,6 @@
 //! From a macro's input to the items it makes.
 
-use crate::emit::Emitter;
+use crate::emit::{Emitter, Frame};
 use crate::formula::{self, Names};
 use crate::graph::{Graph, Id, Input};
 use crate::interface::Method;
@@ -9,7 +9,7 @@ use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
 use crate::syntax::{Item, Parameter, Shape};
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 /// Which macro it is.
@@ -200,7 +200,7 @@ struct Kernel<'a> {
 impl Kernel<'_> {
     fn implementation(&self, which: Macro) -> TokenStream {
         let name = &self.item.name;
-        let kernel = format_ident!("{}Kernel", name);
+        let kernel = self.name();
         let (owner, interface) = which.traits(self.sizes);
         // What a trait provides by itself has no routine where it is large; a stub has none at all.
         let written = |name| self.routines.list.is_empty() || self.routines.named(name).is_some();
@@ -265,7 +265,7 @@ impl Kernel<'_> {
         let Some(kinks) = self.routines.named("kinks").filter(|kinks| !kinks.roots.is_empty()) else {
             return (sparsity, TokenStream::new());
         };
-        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes));
+        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
         let count = Literal::usize_unsuffixed(kinks.roots.len());
         let kinks = quote! {
@@ -293,16 +293,15 @@ impl Kernel<'_> {
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {
-        let (statements, roots) = match self.routines.named(method.name) {
-            Some(routine) => {
-                let statements = self.emitter.body(&routine.roots, &which.spelling(self.sizes));
-                (statements, &routine.roots[..])
-            }
-            None => (TokenStream::new(), &[][..]),
-        };
+        let roots = self.routines.named(method.name).map_or(&[][..], |routine| &routine.roots);
+        let large = self.routines.operations(roots) > routine::LARGE;
+        let kernel = self.name();
+        let arguments = method.arguments();
+        let frame = Frame { kernel: &kernel, arguments: &arguments };
+        let statements = self.emitter.body(roots, &which.spelling(self.sizes), large.then_some(&frame));
         let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
         let signature = method.signature();
-        let hint = if self.routines.operations(roots) > routine::LARGE {
+        let hint = if large {
             quote!(#[inline]) // a copy at each call would cost the compiler more than the call
         } else {
             quote!(#[inline(always)])
@@ -314,6 +313,11 @@ impl Kernel<'_> {
                 #result
             }
         }
+    }
+
+    /// The kernel's type.
+    fn name(&self) -> Ident {
+        format_ident!("{}Kernel", self.item.name)
     }
 }
 

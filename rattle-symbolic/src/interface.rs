@@ -62,15 +62,21 @@ pub(crate) struct Method {
 impl Method {
     pub(crate) fn signature(&self) -> TokenStream {
         let name = Ident::new(self.name, Span::call_site());
-        let arguments = self.arguments.iter().map(|(name, form)| {
-            let (name, tokens) = (Ident::new(name, Span::call_site()), form.tokens());
-            match form {
-                Form::Number => quote!(#name: #tokens),
-                _ => quote!(#name: &#tokens),
-            }
-        });
+        let arguments = self.arguments().into_iter().map(|(name, form)| quote!(#name: #form));
         let result = self.result.tokens();
         quote!(fn #name(&self, #(#arguments),*) -> #result)
+    }
+
+    /// The names and types of the arguments.
+    pub(crate) fn arguments(&self) -> Vec<(Ident, TokenStream)> {
+        let argument = |(name, form): &(&'static str, Form)| {
+            let (name, tokens) = (Ident::new(name, Span::call_site()), form.tokens());
+            match form {
+                Form::Number => (name, tokens),
+                _ => (name, quote!(&#tokens)),
+            }
+        };
+        self.arguments.iter().map(argument).collect()
     }
 }
 
