@@ -196,6 +196,38 @@ fn no_name_is_taken() {
     assert_eq!(names::T { weights: 2.0 }.jacobian(&vector![1.0])[0], 2.0);
 }
 
+/// Constants around the macro are no patterns in it.
+#[test]
+fn no_constant_is_in_the_way() {
+    #![allow(non_upper_case_globals, dead_code)]
+    const q: f64 = 1.0;
+    const v: f64 = 1.0;
+    const p: f64 = 1.0;
+    const s: f64 = 1.0;
+    const i: f64 = 1.0;
+    const dq: f64 = 1.0;
+    const dp: f64 = 1.0;
+    const lane: f64 = 1.0;
+    const found: f64 = 1.0;
+    const count: f64 = 1.0;
+    const values: f64 = 1.0;
+    const weights: f64 = 1.0;
+    const kernel: f64 = 1.0;
+    const memory: f64 = 1.0;
+    constraint! { struct Surface { r } |x, y| abs(x) * y - r }
+    constraint! { struct Long {} |x, y| sum(k in 1..300, sin(k * x) * cos(k * y) / k) }
+    potential! { struct Energy { g } |x, y| g * x * y }
+    pair_potential! { struct Pair { k } |r| k / r }
+    hamiltonian! { struct Motion {} |x: [f64; 1], w: [f64; 1]| x[0]^2 + w[0]^2 }
+    phase_constraint! { struct Both {} |x: [f64; 1], w: [f64; 1]| x[0] * w[0] - 1 }
+    assert_eq!(Surface { r: 1.0 }.value(&vector![-2.0, 3.0])[0], 5.0);
+    assert_eq!(Energy { g: 2.0 }.value(&vector![2.0, 3.0]), 12.0);
+    assert_eq!(PairPotential::value(&Pair { k: 2.0 }, 4.0), 0.5);
+    assert_eq!(Motion {}.value(&vector![1.0], &vector![2.0]), 5.0);
+    assert_eq!(Both {}.value(&vector![1.0], &vector![2.0])[0], 1.0);
+    assert!(Long {}.value(&vector![0.1, 0.2])[0].is_finite());
+}
+
 #[test]
 fn indices_decide() {
     let x = [2.0, 3.0, 5.0, 7.0];

@@ -164,7 +164,7 @@ impl<'a> Emitter<'a> {
         texts.into_iter().rev().collect()
     }
 
-    /// Very long functions as functions that leave what is needed later in `memory`: the compiler's time
+    /// Very long functions as functions that leave what is needed later in `__memory`: the compiler's time
     /// grows faster than the length of a function.
     fn chapters(
         &self,
@@ -195,7 +195,7 @@ impl<'a> Emitter<'a> {
         for (chapter, (defined, read, after)) in chapters.into_iter().zip(plan) {
             let given = read.iter().map(|&id| match slots.get(&id) {
                 Some(&slot) => load(id, slot),
-                None => self.given(id, spelling, &quote!(kernel)),
+                None => self.given(id, spelling, &quote!(__kernel)),
             });
             let given: Vec<TokenStream> = given.collect();
             let finished: Vec<Id> = slots.keys().copied().filter(|id| !after.contains(id)).collect();
@@ -205,7 +205,7 @@ impl<'a> Emitter<'a> {
                 let slot = free.pop_first().unwrap_or(slots.len());
                 slots.insert(id, slot);
                 let (name, slot) = (temporary(id), Literal::usize_unsuffixed(slot));
-                stores.push(quote!(memory[#slot] = #name;));
+                stores.push(quote!(__memory[#slot] = #name;));
             }
             let lines = chapter.iter().map(|(_, statement)| statement);
             texts.push(quote!(#(#given)* #(#lines)* #(#stores)*));
@@ -215,9 +215,9 @@ impl<'a> Emitter<'a> {
             quote! {{
                 #[inline(never)]
                 fn chapter<T: ::rattle::real::Real>(
-                    kernel: &#kernel<T>, #(#names: #types,)* memory: &mut [T; #size],
+                    __kernel: &#kernel<T>, #(#names: #types,)* __memory: &mut [T; #size],
                 ) { #text }
-                chapter(self, #(#names,)* &mut memory);
+                chapter(self, #(#names,)* &mut __memory);
             }}
         });
         let found: BTreeSet<Id> = results.iter().copied().collect();
@@ -226,7 +226,7 @@ impl<'a> Emitter<'a> {
             None => self.given(id, spelling, &quote!(self)),
         });
         quote! {
-            let mut memory = [T::from_f64(0.0); #size];
+            let mut __memory = [T::from_f64(0.0); #size];
             #(#texts)*
             #(#results)*
         }
@@ -273,7 +273,7 @@ impl<'a> Emitter<'a> {
 
 fn load(id: Id, slot: usize) -> TokenStream {
     let (name, slot) = (temporary(id), Literal::usize_unsuffixed(slot));
-    quote!(let #name = memory[#slot];)
+    quote!(let #name = __memory[#slot];)
 }
 
 fn prefix(operator: TokenStream, a: Ident) -> TokenStream {

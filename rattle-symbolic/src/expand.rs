@@ -9,7 +9,7 @@ use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
 use crate::syntax::{Item, Parameter, Shape};
-use proc_macro2::{Ident, Literal, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 /// Which macro it is.
@@ -166,7 +166,7 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
-        let documented = attributes.clone().into_iter().any(|token| token.to_string().contains("doc"));
+        let documented = attributes.clone().into_iter().any(is_documentation);
         let note = format!("The parameter `{name}`.");
         let note = if documented { TokenStream::new() } else { quote!(#[doc = #note]) };
         quote!(#attributes #note #visibility #name: #shape)
@@ -177,6 +177,13 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
         #[derive(Clone, Copy, Debug, PartialEq)]
         #visibility struct #name { #(#fields),* }
     }
+}
+
+/// Whether this is the bracket of `#[doc = …]`.
+fn is_documentation(token: TokenTree) -> bool {
+    let TokenTree::Group(group) = token else { return false };
+    let first = group.stream().into_iter().next();
+    first.is_some_and(|first| matches!(first, TokenTree::Ident(name) if name == "doc"))
 }
 
 fn array_type(shape: &[usize]) -> TokenStream {
@@ -227,7 +234,7 @@ impl Kernel<'_> {
 
                     #[inline(always)]
                     fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
-                        lane: impl Fn(usize) -> &'a Self,
+                        __lane: impl Fn(usize) -> &'a Self,
                     ) -> #kernel<T>
                     where
                         Self: 'a,
@@ -272,11 +279,11 @@ impl Kernel<'_> {
             const KINKS: usize = #count;
 
             #[inline(always)]
-            fn kinks(&self, q: &[T; #d], found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) {
                 #statements
-                let values = [#(#values),*];
-                let count = if found.len() < values.len() { found.len() } else { values.len() };
-                found[..count].copy_from_slice(&values[..count]);
+                let __values = [#(#values),*];
+                let __count = if __found.len() < #count { __found.len() } else { #count };
+                __found[..__count].copy_from_slice(&__values[..__count]);
             }
         };
         (sparsity, kinks)
@@ -287,9 +294,9 @@ impl Kernel<'_> {
         let mut list = Vec::new();
         for parameter in &self.item.parameters {
             let name = &parameter.name;
-            components(quote!(lane(i).#name), &parameter.shape, &mut list);
+            components(quote!(__lane(__i).#name), &parameter.shape, &mut list);
         }
-        list.into_iter().map(|component| quote!(T::from_lanes(|i| #component))).collect()
+        list.into_iter().map(|component| quote!(T::from_lanes(|__i| #component))).collect()
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {

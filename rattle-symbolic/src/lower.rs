@@ -72,7 +72,7 @@ pub(crate) struct Lowering<'a> {
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
     rounds: usize,
-    unreadable: bool,
+    pub(crate) unreadable: bool,
     exhausted: bool,
 }
 

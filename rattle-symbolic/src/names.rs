@@ -5,7 +5,7 @@ use crate::lower::Value;
 use crate::problems::{Extent, Problems, nearest};
 use crate::ratio::Ratio;
 use proc_macro2::Ident;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What a name was introduced as.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -148,9 +148,15 @@ impl Scope {
     /// Reports a name that is not in scope.
     pub(crate) fn unknown(&mut self, problems: &mut Problems, at: Extent, name: &str, is_function: bool) {
         let known: Vec<String> = self.bindings.iter().map(|binding| binding.name.to_string()).collect();
-        let known: Vec<&str> =
-            known.iter().map(String::as_str).chain(CONSTANTS.map(|(name, ..)| name)).collect();
-        let advice = match nearest(name, known.iter().copied()) {
+        let mut listed = HashSet::new(); // a name that is taken twice is one
+        let known: Vec<&str> = known
+            .iter()
+            .map(String::as_str)
+            .chain(CONSTANTS.map(|(name, ..)| name))
+            .filter(|name| listed.insert(*name))
+            .collect();
+        let near = if name == "π" { Some("pi") } else { nearest(name, known.iter().copied()) };
+        let advice = match near {
             _ if is_function => format!("; the function `{name}` needs its argument in parentheses"),
             Some(near) => {
                 self.find(near);

@@ -106,8 +106,56 @@ fn mistakes() {
             "{} |x: [f64; 2]| for i in 0..2 { if i > 0 && x { x[0] } else { x[1] } }",
             vec!["expected a comparison, as in `x < 1`"],
         ),
+        ("{} |x| x * π", vec!["unknown name `π`, expected one of x, pi, e; did you mean `pi`?"]),
+        ("{ a } |x| x * self.a", vec!["parameters are named directly: `a`"]),
+        (
+            "{ radius } |x| x - raduis",
+            vec!["unknown name `raduis`, expected one of radius, x, pi, e; did you mean `radius`?"],
+        ),
+        ("{ weight } |x| x - mass", vec!["unknown name `mass`, expected one of weight, x, pi, e"]),
+        (
+            "{ weight } |x| x - weihgt(2)",
+            vec![
+                "unknown function `weihgt`, expected one of sqrt, cbrt, exp, ln, log10, log2, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, abs, sign, erf, min, max, atan2, hypot, pow, dot, norm, delta, sum, product",
+            ],
+        ),
+        (
+            "{ e } |x| x - e + y",
+            vec![
+                "unknown name `y`, expected one of e, x, pi",
+                "`e` is Euler's number here; choose another name",
+            ],
+        ),
     ];
     for (written, expected) in rows {
         assert_eq!(messages(&format!("struct A {written}")), expected, "{written}");
     }
+}
+
+/// Exponents are exact fractions: 0.1 + 0.2 is 3/10 here, not the sum of two `f64`.
+#[test]
+fn exponents_are_exact() {
+    let rows = [
+        ("x^(0.1 + 0.2)", "x^0.3"),
+        ("x^(1/3 + 1/6)", "sqrt(x)"),
+        ("x^(2 * 0.1 * 5)", "x"),
+        ("{ let n = 0.1; x^(3 * n) }", "x^(3/10)"),
+    ];
+    for (written, exact) in rows {
+        let item = |expression: &str| format!("struct A {{}} |x| [{expression}, x]");
+        assert_eq!(value(&item(written)), value(&item(exact)), "{written}");
+    }
+    let sum = value("struct A {} |x| [x^(0.1 + 0.2), x]");
+    assert!(sum.contains("0.3f64"), "{sum}");
+}
+
+/// An attribute with `doc` in its text is no documentation; one that is keeps ours away.
+#[test]
+fn documented_fields() {
+    let note = |attribute: &str| {
+        let text = expanded(&format!("struct A {{ {attribute} r }} |x| x - r")).to_string();
+        text.contains("The parameter `r`.")
+    };
+    assert!(note("") && note("#[cfg_attr(docs, allow(unused))]") && note("#[deprecated = \"see the doc\"]"));
+    assert!(!note("/// Radius.\n") && !note("#[allow(unused)] #[doc = \"Radius.\"]"));
 }

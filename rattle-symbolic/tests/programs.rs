@@ -472,7 +472,7 @@ impl Generated {
 
     fn call(&self, function: &str, arguments: &[(&str, &[f64])]) -> Vec<f64> {
         let mut names: Names =
-            arguments.iter().map(|(name, list)| ((*name).to_owned(), Value::list(list))).collect();
+            arguments.iter().map(|(name, list)| (format!("__{name}"), Value::list(list))).collect();
         self.run(&self.functions[function].block.stmts, &mut names).numbers()
     }
 
@@ -559,7 +559,7 @@ impl Generated {
                 let syn::Member::Named(name) = &field.member else { panic!("a name") };
                 let owner = &*field.base;
                 match owner {
-                    Expr::Call(_) => names[&name.to_string()].clone(), // lane(i).a
+                    Expr::Call(_) => names[&name.to_string()].clone(), // __lane(__i).a
                     _ => self.fields[&name.to_string()].clone(),
                 }
             }
