@@ -85,8 +85,33 @@ fn operations(expression: &str) -> String {
 
 /// Exact counts: a rewrite that shares less, or more, shows here.
 #[test]
-fn counts_of_a_dozen() {
+fn exact_counts() {
     let rows = [
+        (
+            "twelve sums of adjoints",
+            "{} |x, y, z| sum(i in 1..13, (x + i * y) * z + (x + i * y)^2)",
+            "70 138 91 83 202 0 85; 0",
+        ),
+        (
+            "two subtracted parameters",
+            "{ a, b } |x, y, z| x^4 - a * x^2 - b * x^2 + y^2 * z",
+            "9 14 7 12 28 6 14; 8",
+        ),
+        (
+            "reciprocals that cancel",
+            "{} |x, y, z| (x^2 + y^2)^3 / (x^2 + y^2) + ln(x * z) * x",
+            "10 22 20 54 51 40 57; 0",
+        ),
+        (
+            "ten uses of one",
+            "{} |x, y, z| { let u = x + y; sum(i in 1..11, { let w = u + i * z; w^3 + w * y }) }",
+            "69 126 87 107 202 98 110; 0",
+        ),
+        (
+            "parameters apart and together",
+            "{ a, b } |x, y, z| (x^2 - a - b)^2 * y + (y^2 - b - a * x)^2 * (z - a - b) + a^2 * x * y - b^2 * x",
+            "19 33 26 40 63 30 42; 11",
+        ),
         (
             "lemniscate",
             "{ a, b } |x, y, z| ((x^2 + y^2)^2 - a^2 * (x^2 - y^2))^2 + z^2 - b^2",
