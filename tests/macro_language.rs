@@ -196,11 +196,65 @@ fn no_name_is_taken() {
     assert_eq!(names::T { weights: 2.0 }.jacobian(&vector![1.0])[0], 2.0);
 }
 
+/// Constants around the macro are no patterns in it.
+#[test]
+fn no_constant_is_in_the_way() {
+    #![allow(non_upper_case_globals, dead_code)]
+    const q: f64 = 1.0;
+    const v: f64 = 1.0;
+    const p: f64 = 1.0;
+    const s: f64 = 1.0;
+    const i: f64 = 1.0;
+    const dq: f64 = 1.0;
+    const dp: f64 = 1.0;
+    const lane: f64 = 1.0;
+    const found: f64 = 1.0;
+    const count: f64 = 1.0;
+    const values: f64 = 1.0;
+    const weights: f64 = 1.0;
+    const kernel: f64 = 1.0;
+    const memory: f64 = 1.0;
+    constraint! { struct Surface { r } |x, y| abs(x) * y - r }
+    constraint! { struct Long {} |x, y| sum(k in 1..300, sin(k * x) * cos(k * y) / k) }
+    potential! { struct Energy { g } |x, y| g * x * y }
+    pair_potential! { struct Pair { k } |r| k / r }
+    hamiltonian! { struct Motion {} |x: [f64; 1], w: [f64; 1]| x[0]^2 + w[0]^2 }
+    phase_constraint! { struct Both {} |x: [f64; 1], w: [f64; 1]| x[0] * w[0] - 1 }
+    assert_eq!(Surface { r: 1.0 }.value(&vector![-2.0, 3.0])[0], 5.0);
+    assert_eq!(Energy { g: 2.0 }.value(&vector![2.0, 3.0]), 12.0);
+    assert_eq!(PairPotential::value(&Pair { k: 2.0 }, 4.0), 0.5);
+    assert_eq!(Motion {}.value(&vector![1.0], &vector![2.0]), 5.0);
+    assert_eq!(Both {}.value(&vector![1.0], &vector![2.0])[0], 1.0);
+    assert!(Long {}.value(&vector![0.1, 0.2])[0].is_finite());
+}
+
 #[test]
 fn indices_decide() {
     let x = [2.0, 3.0, 5.0, 7.0];
     let g = Chain {}.value(&x.into());
     assert_eq!(g, vector![2.0 + 1.0, 1.0 + 2.0, 2.0 + 6.0, 2.0 + 30.0]);
+}
+
+constraint! {
+    /// Conditions on indices and coordinates at once; what the index rules out is not looked at.
+    pub struct Neighbours {}
+    |x: [f64; 3]| for i in 0..3 {
+        if i > 0 && x[i - 1] > 0 || i == 0 && x[0] < 2 { x[i]^2 } else { sum(k in 0..3, if k == i || x[k] > 4 { x[k] } else { 0 }) }
+    }
+}
+
+#[test]
+fn indices_and_coordinates_in_one_condition() {
+    let expected = |x: [f64; 3]| {
+        let others = |i: usize| (0..3).map(|k| if k == i || x[k] > 4.0 { x[k] } else { 0.0 }).sum::<f64>();
+        [0, 1, 2].map(|i| {
+            let squared = if i == 0 { x[0] < 2.0 } else { x[i - 1] > 0.0 };
+            if squared { x[i] * x[i] } else { others(i) }
+        })
+    };
+    for x in [[1.0, -2.0, 3.0], [-1.0, 5.0, 6.0], [3.0, 5.0, 0.5], [2.0, 0.0, 7.0], [4.5, -1.0, -3.0]] {
+        assert_eq!(Neighbours {}.value(&x.into()), SVector::from(expected(x)), "at {x:?}");
+    }
 }
 
 #[test]

@@ -25,6 +25,9 @@ use rattle_symbolic::expand::{Macro, expand};
 /// a `#[derive(…)]` of your own, where these four do no harm. There are no generics: parameters are `f64` or
 /// arrays of `f64`.
 ///
+/// What is written refers to the crate as `::rattle`, so a dependency under another name in `Cargo.toml` is not
+/// found: with `other = { package = "rattle-rs", … }`, add `extern crate other as rattle;` to the root of the crate.
+///
 /// # The language
 ///
 /// ```text
@@ -40,15 +43,16 @@ use rattle_symbolic::expand::{Macro, expand};
 /// equations    [g1, g2]   for i in 0..3, j in i..3 { … }     one row of the Jacobian each, in order
 /// ```
 ///
-/// Indices are constants or the indices of loops; a condition on indices alone is decided at compile
-/// time. A variable on which nothing depends is written `_z`.
+/// Indices are constants or the indices of loops. What compares indices alone is decided at compile time,
+/// within a longer condition too: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A variable on which nothing depends is written `_z`.
 ///
 /// # What is computed
 ///
 /// `value` is, bit for bit, the expression as written in Rust. Powers are multiplications in a fixed
 /// order: `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`,
 /// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
-/// exponent that moves needs a positive base. `norm` is the root of the sum of squares, `min` and `max`
+/// exponent that moves needs a positive base. An exponent of numbers and indices alone is worked out as an exact
+/// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of squares, `min` and `max`
 /// take the first argument on a tie and where either is NaN. Derivatives may be rearranged, always in
 /// the same way. Where a function has no derivative, it is set:
 ///

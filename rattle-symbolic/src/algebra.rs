@@ -280,18 +280,15 @@ impl Graph {
                 exact_quotient(factor * number, scale).is_some()
             })
         };
-        let cost = |scale: f64| moving.iter().filter(|&&c| c.abs() != scale.abs()).count();
-        let mut best = None::<f64>;
-        for &c in moving.iter().filter(|&&c| divides(c)) {
-            let better = match best {
-                None => true,
-                Some(b) => (cost(c), c.abs()) < (cost(b), b.abs()),
-            };
-            if better {
-                best = Some(c);
-            }
+        // By size: how often it occurs, and as what first.
+        let mut sizes: BTreeMap<u64, (usize, f64)> = BTreeMap::new();
+        for c in moving {
+            sizes.entry(c.abs().to_bits()).or_insert((0, c)).0 += 1;
         }
-        best.unwrap_or(1.0)
+        let mut sizes: Vec<(usize, f64)> = sizes.into_values().collect();
+        sizes.sort_by_key(|&(count, _)| std::cmp::Reverse(count)); // stable: among equals the smallest
+        let candidates = sizes.into_iter().take(SEARCH).map(|(_, c)| c);
+        candidates.into_iter().find(|&c| divides(c)).unwrap_or(1.0)
     }
 }
 

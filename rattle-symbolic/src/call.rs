@@ -101,6 +101,7 @@ impl Lowering<'_> {
         let names = Function::ALL.iter().map(|function| function.name());
         let names: Vec<&str> =
             names.chain(SPECIAL.iter().map(|row| row.0)).chain(["sum", "product"]).collect();
+        self.unreadable = true; // whatever seems unused may have been meant
         match nearest(&text, names.iter().copied()) {
             Some(near) => self.wrong(at, format!("unknown function `{text}`; did you mean `{near}`?")),
             None => {

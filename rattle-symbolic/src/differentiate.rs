@@ -83,8 +83,11 @@ impl<'a> Calculus<'a> {
                     }
                 }
                 Node::Select(..) => {
-                    for (k, entry) in gradient.iter_mut().enumerate() {
-                        let slope = self.slope(id, k as u32);
+                    let below = self.graph.reachable(&[id]);
+                    for &input in &below {
+                        let Node::Input(Input::Variable(k)) = *self.graph.node(input) else { continue };
+                        let Some(entry) = gradient.get_mut(k as usize) else { continue };
+                        let slope = self.slope(id, k, &below);
                         entry.push(self.graph.product(&[adjoint, slope]));
                     }
                 }
@@ -162,12 +165,10 @@ impl<'a> Calculus<'a> {
         self.ruled(Rule::Branch, selected.into())
     }
 
-    fn slope(&mut self, id: Id, variable: u32) -> Scaled {
-        let mut known: BTreeMap<Id, Scaled> = self
-            .slopes
-            .range((variable, Id(0))..=(variable, id))
-            .map(|(&(_, node), &slope)| (node, slope))
-            .collect();
+    /// The derivative of a branch by one variable; `below` is all that it is made of.
+    fn slope(&mut self, id: Id, variable: u32, below: &[Id]) -> Scaled {
+        let slope_of = |&node: &Id| Some((node, *self.slopes.get(&(variable, node))?));
+        let mut known: BTreeMap<Id, Scaled> = below.iter().filter_map(slope_of).collect();
         let seed = move |_: &mut Graph, input| match input {
             Input::Variable(k) if k == variable => Scaled::ONE,
             _ => Scaled::ZERO,

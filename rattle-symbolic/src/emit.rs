@@ -12,13 +12,21 @@ use crate::graph::{Comparison, Graph, Id, Input, Node};
 use crate::routine::Routines;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How the inputs of a function are spelled.
 pub(crate) type Spelling<'a> = &'a dyn Fn(Input) -> TokenStream;
 
 /// Statements per block, in functions of more than twice as many.
 const CHAPTER: usize = 256;
+
+/// Where the blocks of a function that is not inlined stand: each a function of its own.
+pub(crate) struct Frame<'a> {
+    /// The kernel's type.
+    pub(crate) kernel: &'a Ident,
+    /// The names and types of the arguments, all by reference.
+    pub(crate) arguments: &'a [(Ident, TokenStream)],
+}
 
 pub(crate) struct Emitter<'a> {
     graph: &'a Graph,
@@ -59,19 +67,21 @@ impl<'a> Emitter<'a> {
         }
     }
 
-    /// The statements that compute the roots.
-    pub(crate) fn body(&self, roots: &[Id], spelling: Spelling) -> TokenStream {
+    /// The statements that compute the roots; in chapters where there is a frame for them.
+    pub(crate) fn body(&self, roots: &[Id], spelling: Spelling, frame: Option<&Frame>) -> TokenStream {
         let graph = self.graph;
         let reachable = graph.reachable(roots);
         let mut needed: BTreeSet<Id> = roots.iter().copied().collect();
         for &id in reachable.iter().filter(|&&id| graph.moving(id)) {
             needed.extend(graph.node(id).children());
         }
-        let held = self.fields.iter().enumerate().filter(|(_, id)| needed.contains(id)).map(|(i, &id)| {
-            let (name, field) = (temporary(id), field(i));
-            quote!(let #name = self.#field;)
-        });
-        let held: TokenStream = held.collect();
+        if let Some(frame) = frame {
+            let own = |id: &Id| graph.moving(*id) && !matches!(graph.node(*id), Node::Input(_));
+            let statements = self.statements(reachable.into_iter().filter(own).collect(), spelling);
+            return self.chapters(&statements, roots, spelling, frame);
+        }
+        let held = self.fields.iter().copied().filter(|id| needed.contains(id));
+        let held: TokenStream = held.map(|id| self.given(id, spelling, &quote!(self))).collect();
         let lines = reachable
             .into_iter()
             .filter(|id| needed.contains(id) && (graph.moving(*id) || graph.as_constant(*id).is_some()))
@@ -86,7 +96,23 @@ impl<'a> Emitter<'a> {
         quote!(#name)
     }
 
-    fn lines(&self, ids: Vec<Id>, results: &[Id], spelling: Spelling) -> TokenStream {
+    /// The statement for what costs nothing to have: fields, constants and inputs.
+    fn given(&self, id: Id, spelling: Spelling, owner: &TokenStream) -> TokenStream {
+        let name = temporary(id);
+        match self.fields.binary_search(&id) {
+            Ok(place) => {
+                let field = field(place);
+                quote!(let #name = #owner.#field;)
+            }
+            Err(_) => {
+                let operation = self.operation(id, spelling);
+                quote!(let #name = #operation;)
+            }
+        }
+    }
+
+    /// One `let` per operation, with the nodes that it computes.
+    fn statements(&self, ids: Vec<Id>, spelling: Spelling) -> Vec<(Vec<Id>, TokenStream)> {
         let present: BTreeSet<Id> = ids.iter().copied().collect();
         let other = |function, a| self.graph.find(&Node::Call(function, a)).filter(|id| present.contains(id));
         let mut statements: Vec<(Vec<Id>, TokenStream)> = Vec::with_capacity(ids.len());
@@ -110,27 +136,100 @@ impl<'a> Emitter<'a> {
                 }
             }
         }
+        statements
+    }
+
+    fn lines(&self, ids: Vec<Id>, results: &[Id], spelling: Spelling) -> TokenStream {
+        let statements = self.statements(ids, spelling);
         if statements.len() <= 2 * CHAPTER {
             return statements.into_iter().map(|(_, statement)| statement).collect();
         }
-        self.chapters(&statements, results)
+        self.blocks(&statements, results)
     }
 
     /// Long functions in blocks that hand over what is needed later: compilers nest one scope per `let`.
-    fn chapters(&self, statements: &[(Vec<Id>, TokenStream)], results: &[Id]) -> TokenStream {
-        let chapters: Vec<&[(Vec<Id>, TokenStream)]> = statements.chunks(CHAPTER).collect();
+    fn blocks(&self, statements: &[(Vec<Id>, TokenStream)], results: &[Id]) -> TokenStream {
+        let blocks: Vec<&[(Vec<Id>, TokenStream)]> = statements.chunks(CHAPTER).collect();
         let mut needed: BTreeSet<Id> = results.iter().copied().collect();
-        let mut texts = Vec::with_capacity(chapters.len());
-        for chapter in chapters.into_iter().rev() {
-            let defined: BTreeSet<Id> = chapter.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
+        let mut texts = Vec::with_capacity(blocks.len());
+        for block in blocks.into_iter().rev() {
+            let defined: BTreeSet<Id> = block.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
             let handed: Vec<Ident> = defined.intersection(&needed).map(|&id| temporary(id)).collect();
-            let lines = chapter.iter().map(|(_, statement)| statement);
+            let lines = block.iter().map(|(_, statement)| statement);
             texts.push(quote!(let [#(#handed),*] = { #(#lines)* [#(#handed),*] };));
             for id in defined {
                 needed.extend(self.graph.node(id).children());
             }
         }
         texts.into_iter().rev().collect()
+    }
+
+    /// Very long functions as functions that leave what is needed later in `__memory`: the compiler's time
+    /// grows faster than the length of a function.
+    fn chapters(
+        &self,
+        statements: &[(Vec<Id>, TokenStream)],
+        results: &[Id],
+        spelling: Spelling,
+        frame: &Frame,
+    ) -> TokenStream {
+        let chapters: Vec<&[(Vec<Id>, TokenStream)]> = statements.chunks(CHAPTER).collect();
+        // By chapter: what it computes, what it reads, and what later ones still read.
+        let mut read_later: BTreeSet<Id> = results.iter().copied().collect();
+        let mut plan = Vec::with_capacity(chapters.len());
+        for chapter in chapters.iter().rev() {
+            let defined: BTreeSet<Id> = chapter.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
+            let operands = defined.iter().flat_map(|&id| self.graph.node(id).children());
+            let read: BTreeSet<Id> = operands.filter(|id| !defined.contains(id)).collect();
+            let after = read_later.clone();
+            read_later.retain(|id| !defined.contains(id));
+            read_later.extend(&read);
+            plan.push((defined, read, after));
+        }
+        plan.reverse();
+        let Frame { kernel, arguments } = frame;
+        let (names, types): (Vec<_>, Vec<_>) = arguments.iter().map(|(name, form)| (name, form)).unzip();
+        let mut slots: BTreeMap<Id, usize> = BTreeMap::new();
+        let mut free: BTreeSet<usize> = BTreeSet::new();
+        let mut texts = Vec::with_capacity(chapters.len());
+        for (chapter, (defined, read, after)) in chapters.into_iter().zip(plan) {
+            let given = read.iter().map(|&id| match slots.get(&id) {
+                Some(&slot) => load(id, slot),
+                None => self.given(id, spelling, &quote!(__kernel)),
+            });
+            let given: Vec<TokenStream> = given.collect();
+            let finished: Vec<Id> = slots.keys().copied().filter(|id| !after.contains(id)).collect();
+            free.extend(finished.iter().filter_map(|id| slots.remove(id)));
+            let mut stores = Vec::new();
+            for &id in defined.intersection(&after) {
+                let slot = free.pop_first().unwrap_or(slots.len());
+                slots.insert(id, slot);
+                let (name, slot) = (temporary(id), Literal::usize_unsuffixed(slot));
+                stores.push(quote!(__memory[#slot] = #name;));
+            }
+            let lines = chapter.iter().map(|(_, statement)| statement);
+            texts.push(quote!(#(#given)* #(#lines)* #(#stores)*));
+        }
+        let size = Literal::usize_unsuffixed(slots.len() + free.len());
+        let texts = texts.iter().map(|text| {
+            quote! {{
+                #[inline(never)]
+                fn chapter<T: ::rattle::real::Real>(
+                    __kernel: &#kernel<T>, #(#names: #types,)* __memory: &mut [T; #size],
+                ) { #text }
+                chapter(self, #(#names,)* &mut __memory);
+            }}
+        });
+        let found: BTreeSet<Id> = results.iter().copied().collect();
+        let results = found.iter().map(|&id| match slots.get(&id) {
+            Some(&slot) => load(id, slot),
+            None => self.given(id, spelling, &quote!(self)),
+        });
+        quote! {
+            let mut __memory = [T::from_f64(0.0); #size];
+            #(#texts)*
+            #(#results)*
+        }
     }
 
     fn operation(&self, id: Id, spelling: Spelling) -> TokenStream {
@@ -170,6 +269,11 @@ impl<'a> Emitter<'a> {
             Node::Sum(_) | Node::Product(_) => unreachable!("scheduling leaves binary operations only"),
         }
     }
+}
+
+fn load(id: Id, slot: usize) -> TokenStream {
+    let (name, slot) = (temporary(id), Literal::usize_unsuffixed(slot));
+    quote!(let #name = __memory[#slot];)
 }
 
 fn prefix(operator: TokenStream, a: Ident) -> TokenStream {

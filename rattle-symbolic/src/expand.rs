@@ -1,6 +1,6 @@
 //! From a macro's input to the items it makes.
 
-use crate::emit::Emitter;
+use crate::emit::{Emitter, Frame};
 use crate::formula::{self, Names};
 use crate::graph::{Graph, Id, Input};
 use crate::interface::Method;
@@ -9,7 +9,7 @@ use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
 use crate::syntax::{Item, Parameter, Shape};
-use proc_macro2::{Literal, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream, TokenTree};
 use quote::{format_ident, quote};
 
 /// Which macro it is.
@@ -166,7 +166,7 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
-        let documented = attributes.clone().into_iter().any(|token| token.to_string().contains("doc"));
+        let documented = attributes.clone().into_iter().any(is_documentation);
         let note = format!("The parameter `{name}`.");
         let note = if documented { TokenStream::new() } else { quote!(#[doc = #note]) };
         quote!(#attributes #note #visibility #name: #shape)
@@ -177,6 +177,13 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
         #[derive(Clone, Copy, Debug, PartialEq)]
         #visibility struct #name { #(#fields),* }
     }
+}
+
+/// Whether this is the bracket of `#[doc = …]`.
+fn is_documentation(token: TokenTree) -> bool {
+    let TokenTree::Group(group) = token else { return false };
+    let first = group.stream().into_iter().next();
+    first.is_some_and(|first| matches!(first, TokenTree::Ident(name) if name == "doc"))
 }
 
 fn array_type(shape: &[usize]) -> TokenStream {
@@ -200,7 +207,7 @@ struct Kernel<'a> {
 impl Kernel<'_> {
     fn implementation(&self, which: Macro) -> TokenStream {
         let name = &self.item.name;
-        let kernel = format_ident!("{}Kernel", name);
+        let kernel = self.name();
         let (owner, interface) = which.traits(self.sizes);
         // What a trait provides by itself has no routine where it is large; a stub has none at all.
         let written = |name| self.routines.list.is_empty() || self.routines.named(name).is_some();
@@ -227,7 +234,7 @@ impl Kernel<'_> {
 
                     #[inline(always)]
                     fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
-                        lane: impl Fn(usize) -> &'a Self,
+                        __lane: impl Fn(usize) -> &'a Self,
                     ) -> #kernel<T>
                     where
                         Self: 'a,
@@ -265,18 +272,18 @@ impl Kernel<'_> {
         let Some(kinks) = self.routines.named("kinks").filter(|kinks| !kinks.roots.is_empty()) else {
             return (sparsity, TokenStream::new());
         };
-        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes));
+        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
         let count = Literal::usize_unsuffixed(kinks.roots.len());
         let kinks = quote! {
             const KINKS: usize = #count;
 
             #[inline(always)]
-            fn kinks(&self, q: &[T; #d], found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) {
                 #statements
-                let values = [#(#values),*];
-                let count = if found.len() < values.len() { found.len() } else { values.len() };
-                found[..count].copy_from_slice(&values[..count]);
+                let __values = [#(#values),*];
+                let __count = if __found.len() < #count { __found.len() } else { #count };
+                __found[..__count].copy_from_slice(&__values[..__count]);
             }
         };
         (sparsity, kinks)
@@ -287,22 +294,21 @@ impl Kernel<'_> {
         let mut list = Vec::new();
         for parameter in &self.item.parameters {
             let name = &parameter.name;
-            components(quote!(lane(i).#name), &parameter.shape, &mut list);
+            components(quote!(__lane(__i).#name), &parameter.shape, &mut list);
         }
-        list.into_iter().map(|component| quote!(T::from_lanes(|i| #component))).collect()
+        list.into_iter().map(|component| quote!(T::from_lanes(|__i| #component))).collect()
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {
-        let (statements, roots) = match self.routines.named(method.name) {
-            Some(routine) => {
-                let statements = self.emitter.body(&routine.roots, &which.spelling(self.sizes));
-                (statements, &routine.roots[..])
-            }
-            None => (TokenStream::new(), &[][..]),
-        };
+        let roots = self.routines.named(method.name).map_or(&[][..], |routine| &routine.roots);
+        let large = self.routines.operations(roots) > routine::LARGE;
+        let kernel = self.name();
+        let arguments = method.arguments();
+        let frame = Frame { kernel: &kernel, arguments: &arguments };
+        let statements = self.emitter.body(roots, &which.spelling(self.sizes), large.then_some(&frame));
         let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
         let signature = method.signature();
-        let hint = if self.routines.operations(roots) > routine::LARGE {
+        let hint = if large {
             quote!(#[inline]) // a copy at each call would cost the compiler more than the call
         } else {
             quote!(#[inline(always)])
@@ -314,6 +320,11 @@ impl Kernel<'_> {
                 #result
             }
         }
+    }
+
+    /// The kernel's type.
+    fn name(&self) -> Ident {
+        format_ident!("{}Kernel", self.item.name)
     }
 }
 

@@ -62,16 +62,27 @@ pub(crate) struct Method {
 impl Method {
     pub(crate) fn signature(&self) -> TokenStream {
         let name = Ident::new(self.name, Span::call_site());
-        let arguments = self.arguments.iter().map(|(name, form)| {
-            let (name, tokens) = (Ident::new(name, Span::call_site()), form.tokens());
-            match form {
-                Form::Number => quote!(#name: #tokens),
-                _ => quote!(#name: &#tokens),
-            }
-        });
+        let arguments = self.arguments().into_iter().map(|(name, form)| quote!(#name: #form));
         let result = self.result.tokens();
         quote!(fn #name(&self, #(#arguments),*) -> #result)
     }
+
+    /// The names and types of the arguments.
+    pub(crate) fn arguments(&self) -> Vec<(Ident, TokenStream)> {
+        let argument = |(name, form): &(&'static str, Form)| {
+            let (name, tokens) = (argument_name(name), form.tokens());
+            match form {
+                Form::Number => (name, tokens),
+                _ => (name, quote!(&#tokens)),
+            }
+        };
+        self.arguments.iter().map(argument).collect()
+    }
+}
+
+/// An argument as it is called in generated code, where a constant `q` of the user's would be a pattern.
+fn argument_name(name: &str) -> Ident {
+    Ident::new(&format!("__{name}"), Span::call_site())
 }
 
 impl Macro {
@@ -159,11 +170,11 @@ impl Macro {
         };
         let directions = if half == u32::MAX { ["v", "v"] } else { ["dq", "dp"] };
         let component = |name: &str, k: u32| {
-            let (name, k) = (Ident::new(name, Span::call_site()), Literal::u32_unsuffixed(k));
+            let (name, k) = (argument_name(name), Literal::u32_unsuffixed(k));
             quote!(#name[#k])
         };
         move |input| match input {
-            Input::Variable(_) if self == Macro::PairPotential => quote!(s),
+            Input::Variable(_) if self == Macro::PairPotential => quote!(__s),
             Input::Variable(k) if k < half => component("q", k),
             Input::Variable(k) => component("p", k - half),
             Input::Direction(k) if k < half => component(directions[0], k),

@@ -72,7 +72,7 @@ pub(crate) struct Lowering<'a> {
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
     rounds: usize,
-    unreadable: bool,
+    pub(crate) unreadable: bool,
     exhausted: bool,
 }
 
@@ -470,87 +470,85 @@ impl Lowering<'_> {
         if let Some(known) = self.decided(condition) {
             return self.expression(if known { then } else { other }); // the other may index out of bounds
         }
-        let mut comparisons = Vec::new();
-        let known = self.condition(condition, &mut comparisons);
+        let condition = self.condition(condition);
         let (then, other) = (self.expression(then), self.expression(other));
         let (Some(a), Some(b)) = (then.shape(), other.shape()) else { return Value::Unknown };
         if a != b {
             let (a, b) = (described(&a), described(&b));
             return self.wrong(at, format!("one branch is {a}, the other {b}; the shapes must agree"));
         }
-        if !known {
-            return Value::Unknown;
+        match condition {
+            None => Value::Unknown,
+            Some(condition) => {
+                self.zip(&then, &other, &mut |lowering, then, other| lowering.select(&condition, then, other))
+            }
         }
-        self.zip(&then, &other, &mut |lowering, then, other| {
-            lowering.select(condition, &mut comparisons.iter(), then, other)
-        })
     }
 
-    /// The outcome, where only indices and numbers are compared.
+    /// The outcome, where indices and numbers alone decide it: one part that is false decides `&&`.
     fn decided(&mut self, condition: &Expr) -> Option<bool> {
         let Kind::Chain(first, rest) = &condition.kind else { return None };
-        let (operator, _) = rest.first()?;
+        let (operator, operand) = rest.first()?;
+        if let Operator::And | Operator::Or = operator {
+            let settles = *operator == Operator::Or;
+            let outcomes: Vec<Option<bool>> = parts(first, rest).map(|part| self.decided(part)).collect();
+            return match outcomes.contains(&Some(settles)) {
+                true => Some(settles),
+                false => outcomes.iter().all(Option::is_some).then_some(!settles),
+            };
+        }
+        let order = self.ratio(first)?.compare(self.ratio(operand)?);
         match operator {
-            Operator::And | Operator::Or => {
-                let mut outcome = self.decided(first)?;
-                for (operator, operand) in rest {
-                    let next = self.decided(operand)?;
-                    outcome = if *operator == Operator::And { outcome && next } else { outcome || next };
-                }
-                Some(outcome)
-            }
-            _ => {
-                let (_, operand) = rest.first()?;
-                let order = self.ratio(first)?.compare(self.ratio(operand)?);
-                match operator {
-                    Operator::Less => Some(order.is_lt()),
-                    Operator::LessOrEqual => Some(order.is_le()),
-                    Operator::Greater => Some(order.is_gt()),
-                    Operator::GreaterOrEqual => Some(order.is_ge()),
-                    Operator::Equal => Some(order.is_eq()),
-                    _ => None,
-                }
-            }
+            Operator::Less => Some(order.is_lt()),
+            Operator::LessOrEqual => Some(order.is_le()),
+            Operator::Greater => Some(order.is_gt()),
+            Operator::GreaterOrEqual => Some(order.is_ge()),
+            Operator::Equal => Some(order.is_eq()),
+            _ => None,
         }
     }
 
-    /// Collects the comparisons of a condition in the order of its tree.
-    fn condition(&mut self, expr: &Expr, into: &mut Vec<(Comparison, Id, Id)>) -> bool {
+    /// What is left to compare at run time. Parts that are decided are dropped unseen: in
+    /// `i > 0 && x[i - 1] > 0` the second part has no meaning where the first is false.
+    fn condition(&mut self, expr: &Expr) -> Option<Condition> {
         if let Kind::Chain(first, rest) = &expr.kind
             && let Some((operator, operand)) = rest.first()
         {
             match operator {
                 Operator::And | Operator::Or => {
-                    return rest.iter().fold(self.condition(first, into), |known, (_, operand)| {
-                        self.condition(operand, into) && known
+                    let open: Vec<&Expr> =
+                        parts(first, rest).filter(|part| self.decided(part).is_none()).collect();
+                    // All of them, for their messages, before the first that is wrong ends it.
+                    let open: Vec<Option<Condition>> =
+                        open.into_iter().map(|part| self.condition(part)).collect();
+                    let open = open.into_iter().collect::<Option<Vec<Condition>>>()?;
+                    return Some(match operator {
+                        Operator::And => Condition::All(open),
+                        _ => Condition::Any(open),
                     });
                 }
                 Operator::Less | Operator::LessOrEqual | Operator::Greater | Operator::GreaterOrEqual => {
-                    let sides = [self.expression(first), self.expression(operand)];
-                    return match sides {
-                        [Value::Number(a), Value::Number(b)] => {
-                            into.push(match operator {
-                                Operator::Less => (Comparison::Less, a, b),
-                                Operator::LessOrEqual => (Comparison::LessOrEqual, a, b),
-                                Operator::Greater => (Comparison::Less, b, a),
-                                _ => (Comparison::LessOrEqual, b, a),
-                            });
-                            true
-                        }
-                        [Value::Unknown, _] | [_, Value::Unknown] => false,
+                    return match [self.expression(first), self.expression(operand)] {
+                        [Value::Number(a), Value::Number(b)] => Some(match operator {
+                            Operator::Less => Condition::Compare(Comparison::Less, a, b),
+                            Operator::LessOrEqual => Condition::Compare(Comparison::LessOrEqual, a, b),
+                            Operator::Greater => Condition::Compare(Comparison::Less, b, a),
+                            _ => Condition::Compare(Comparison::LessOrEqual, b, a),
+                        }),
+                        [Value::Unknown, _] | [_, Value::Unknown] => None,
                         _ => {
                             self.wrong(
                                 expr.extent,
                                 "arrays have no order; compare their norms or components",
                             );
-                            false
+                            None
                         }
                     };
                 }
                 Operator::Equal => {
                     self.wrong(expr.extent, "`==` of real numbers is rarely true; compare with `<` or `<=`");
                     self.unreadable = true;
-                    return false;
+                    return None;
                 }
                 _ => {}
             }
@@ -559,51 +557,33 @@ impl Lowering<'_> {
             self.wrong(expr.extent, "expected a comparison, as in `x < 1`");
         }
         self.unreadable = true;
-        false
+        None
     }
 
-    /// Nested selections for `&&` and `||`; `comparisons` are those of the condition, in order.
-    fn select(
-        &mut self,
-        condition: &Expr,
-        comparisons: &mut std::slice::Iter<(Comparison, Id, Id)>,
-        then: Id,
-        other: Id,
-    ) -> Id {
-        if let Kind::Chain(first, rest) = &condition.kind
-            && let Some((operator @ (Operator::And | Operator::Or), _)) = rest.first()
-        {
-            // From the back: `a && b && c` chooses by c inside b inside a.
-            let parts: Vec<&Expr> =
-                std::iter::once(&**first).chain(rest.iter().map(|(_, part)| part)).collect();
-            let mut own: Vec<Vec<(Comparison, Id, Id)>> = Vec::new();
-            for part in &parts {
-                own.push(comparisons.by_ref().take(size(part)).copied().collect());
+    /// One selection per comparison, nested: `a && b && c` chooses by c inside b inside a.
+    fn select(&mut self, condition: &Condition, then: Id, other: Id) -> Id {
+        match condition {
+            Condition::Compare(comparison, a, b) => self.graph.select(*comparison, *a, *b, then, other),
+            Condition::All(parts) => {
+                parts.iter().rev().fold(then, |then, part| self.select(part, then, other))
             }
-            let mut result = if *operator == Operator::And { then } else { other };
-            for (part, own) in parts.iter().zip(&own).rev() {
-                result = match operator {
-                    Operator::And => self.select(part, &mut own.iter(), result, other),
-                    _ => self.select(part, &mut own.iter(), then, result),
-                };
+            Condition::Any(parts) => {
+                parts.iter().rev().fold(other, |other, part| self.select(part, then, other))
             }
-            return result;
-        }
-        match comparisons.next() {
-            Some(&(comparison, a, b)) => self.graph.select(comparison, a, b, then, other),
-            None => other,
         }
     }
 }
 
-/// How many comparisons a condition has.
-fn size(condition: &Expr) -> usize {
-    match &condition.kind {
-        Kind::Chain(first, rest) if matches!(rest.first(), Some((Operator::And | Operator::Or, _))) => {
-            size(first) + rest.iter().map(|(_, part)| size(part)).sum::<usize>()
-        }
-        _ => 1,
-    }
+/// A condition on numbers that are known at run time only.
+enum Condition {
+    Compare(Comparison, Id, Id),
+    All(Vec<Condition>),
+    Any(Vec<Condition>),
+}
+
+/// The operands of a chain.
+fn parts<'a>(first: &'a Expr, rest: &'a [(Operator, Expr)]) -> impl Iterator<Item = &'a Expr> {
+    std::iter::once(first).chain(rest.iter().map(|(_, part)| part))
 }
 
 pub(crate) fn described(shape: &[usize]) -> String {

@@ -5,7 +5,7 @@ use crate::lower::Value;
 use crate::problems::{Extent, Problems, nearest};
 use crate::ratio::Ratio;
 use proc_macro2::Ident;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What a name was introduced as.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,7 +28,7 @@ impl Role {
 }
 
 pub(crate) struct Binding {
-    name: Ident,
+    name: String,
     role: Role,
     pub(crate) value: Value,
     /// The exact constant it is, if it is one: an index, `let n = 3/2;`.
@@ -48,6 +48,8 @@ struct Definition {
 #[derive(Default)]
 pub(crate) struct Scope {
     bindings: Vec<Binding>,
+    /// Where each name is bound, innermost last: looked up, never iterated.
+    index: HashMap<String, Vec<usize>>,
     definitions: Vec<Definition>,
     /// The definition of an identifier by its address: looked up, never iterated.
     places: HashMap<usize, usize>,
@@ -77,14 +79,17 @@ impl Scope {
             self.definitions.push(Definition { name: name.clone(), role, used: false });
             self.check(problems, name);
         }
-        self.bindings.push(Binding { name: name.clone(), role, value, exact, definition });
+        let name = name.to_string();
+        self.index.entry(name.clone()).or_default().push(self.bindings.len());
+        self.bindings.push(Binding { name, role, value, exact, definition });
     }
 
     fn check(&mut self, problems: &mut Problems, name: &Ident) {
         let text = name.to_string();
+        let earlier = self.index.get(&text).and_then(|places| places.first());
         if let Some((_, _, meaning)) = CONSTANTS.iter().find(|(constant, ..)| *constant == text) {
             problems.note_at(name, format!("`{text}` is {meaning} here; choose another name"));
-        } else if let Some(earlier) = self.bindings.iter().find(|earlier| earlier.name == text) {
+        } else if let Some(earlier) = earlier.map(|&place| &self.bindings[place]) {
             self.definitions[earlier.definition].used = true; // one message is enough
             let role = earlier.role.described();
             problems.note_at(name, format!("`{text}` is {role} already; choose another name"));
@@ -94,14 +99,18 @@ impl Scope {
     /// The plain numbers among the names from `start` on.
     pub(crate) fn numbers_from(&self, start: usize) -> impl Iterator<Item = (Id, String)> {
         self.bindings[start..].iter().filter_map(|binding| match binding.value {
-            Value::Number(id) => Some((id, binding.name.to_string())),
+            Value::Number(id) => Some((id, binding.name.clone())),
             _ => None,
         })
     }
 
     /// Ends a scope: the names from `start` on.
     pub(crate) fn close(&mut self, start: usize) {
-        self.bindings.truncate(start);
+        for binding in self.bindings.drain(start..).rev() {
+            if let Some(places) = self.index.get_mut(&binding.name) {
+                places.pop();
+            }
+        }
     }
 
     /// Reports the names that nobody used.
@@ -131,7 +140,7 @@ impl Scope {
     }
 
     pub(crate) fn find(&mut self, name: &str) -> Option<&Binding> {
-        let binding = self.bindings.iter().rev().find(|binding| binding.name == name)?;
+        let binding = &self.bindings[*self.index.get(name)?.last()?];
         self.definitions[binding.definition].used = true;
         Some(binding)
     }
@@ -139,9 +148,15 @@ impl Scope {
     /// Reports a name that is not in scope.
     pub(crate) fn unknown(&mut self, problems: &mut Problems, at: Extent, name: &str, is_function: bool) {
         let known: Vec<String> = self.bindings.iter().map(|binding| binding.name.to_string()).collect();
-        let known: Vec<&str> =
-            known.iter().map(String::as_str).chain(CONSTANTS.map(|(name, ..)| name)).collect();
-        let advice = match nearest(name, known.iter().copied()) {
+        let mut listed = HashSet::new(); // a name that is taken twice is one
+        let known: Vec<&str> = known
+            .iter()
+            .map(String::as_str)
+            .chain(CONSTANTS.map(|(name, ..)| name))
+            .filter(|name| listed.insert(*name))
+            .collect();
+        let near = if name == "π" { Some("pi") } else { nearest(name, known.iter().copied()) };
+        let advice = match near {
             _ if is_function => format!("; the function `{name}` needs its argument in parentheses"),
             Some(near) => {
                 self.find(near);

@@ -208,8 +208,12 @@ impl<'p> Parser<'p> {
                 }
                 let name = input.call(Ident::parse_any)?;
                 if !input.peek(token::Paren) {
-                    let message =
-                        format!("there are no fields here; call the function `{name}()` or index with `[0]`");
+                    let of_self = matches!(&expr.kind, Kind::Name(owner) if owner == "self");
+                    let message = if of_self {
+                        format!("parameters are named directly: `{name}`")
+                    } else {
+                        format!("there are no fields here; call the function `{name}()` or index with `[0]`")
+                    };
                     return Err(syn::Error::new_spanned(&name, message));
                 }
                 let (mut arguments, end) = self.arguments(input)?;

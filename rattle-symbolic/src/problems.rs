@@ -77,7 +77,9 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a s
     candidates
         .into_iter()
         .map(|candidate| (distance(name, candidate), candidate))
-        .filter(|&(distance, candidate)| distance <= limit && distance < name.len().max(candidate.len()))
+        .filter(|&(distance, candidate)| {
+            distance <= limit && distance < name.chars().count().max(candidate.chars().count())
+        })
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
 }
@@ -112,6 +114,7 @@ mod tests {
             ("Sin", Some("sin")),
             ("radus", Some("radius")),
             ("q", None), // every letter is one step from every other
+            ("α", None), // one letter, though two bytes
             ("elephant", None),
         ];
         for (name, expected) in rows {

@@ -41,8 +41,18 @@ impl Ratio {
     pub(crate) fn parts(self, n: i64) -> Option<i64> {
         (n % self.below == 0).then(|| self.above.checked_mul(n / self.below))?
     }
+    /// The nearest number.
     pub(crate) fn value(self) -> f64 {
-        self.above as f64 / self.below as f64
+        const EXACT: u64 = 1 << f64::MANTISSA_DIGITS;
+        if self.above.unsigned_abs() <= EXACT && self.below.unsigned_abs() <= EXACT {
+            return self.above as f64 / self.below as f64;
+        }
+        // 64 bits of the quotient or more, the last of them set if any were to follow: rounded once.
+        let (above, below) = (u128::from(self.above.unsigned_abs()), u128::from(self.below.unsigned_abs()));
+        let shift = above.leading_zeros();
+        let quotient = ((above << shift) / below) | u128::from((above << shift) % below != 0);
+        let size = quotient as f64 / 2_f64.powi(shift as i32);
+        if self.above < 0 { -size } else { size }
     }
     pub(crate) fn negative(self) -> Option<Ratio> {
         Ratio::new(-i128::from(self.above), i128::from(self.below))
@@ -101,6 +111,16 @@ mod tests {
             [("2", "2"), ("0.5", "1/2"), ("1.50", "3/2"), ("1e3", "1000"), ("25e-1", "5/2")]
         {
             assert_eq!(Ratio::parse(text).map(|ratio| ratio.to_string()).as_deref(), Some(expected));
+        }
+        for text in [
+            "0.3",
+            "1.94109590902704654",
+            "0.97367621259556569",
+            "0.18993407926227499",
+            "0.97297597543396552",
+        ] {
+            let value = Ratio::parse(text).map(|ratio| ratio.value());
+            assert_eq!(value, text.parse().ok(), "{text}");
         }
         assert_eq!(Ratio::parse("1e40"), None);
         assert_eq!(Ratio::from(0).reciprocal(), None);

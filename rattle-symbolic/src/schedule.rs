@@ -9,7 +9,8 @@
 use crate::algebra::Scaled;
 use crate::graph::{Graph, Id, Node};
 use crate::interpret::chain;
-use std::collections::{BTreeMap, BTreeSet};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 /// An operand of a bag: an entry, and whether it is subtracted (in sums only).
 type Operand = (usize, bool);
@@ -307,41 +308,46 @@ const LONGEST: usize = 24;
 #[derive(Default)]
 struct Pairs {
     free: BTreeSet<Pair>,
-    places: BTreeMap<Pair, BTreeMap<usize, usize>>,
-    queue: BTreeSet<(usize, std::cmp::Reverse<Pair>)>,
+    places: BTreeMap<Pair, Occurrences>,
+    queue: BTreeSet<(usize, Reverse<Pair>)>,
+}
+
+/// How often a pair can be taken out of each bag, and out of all of them.
+#[derive(Default)]
+struct Occurrences {
+    bags: BTreeMap<usize, usize>,
+    total: usize,
 }
 
 impl Pairs {
     fn add(&mut self, bag: usize, operands: &[Operand]) {
         for (pair, count) in pairs_of(operands) {
-            self.change(pair, |bags| {
-                bags.insert(bag, count);
+            self.change(pair, |own| {
+                own.total += count;
+                own.bags.insert(bag, count);
             });
         }
     }
     fn remove(&mut self, bag: usize, operands: &[Operand]) {
         for (pair, _) in pairs_of(operands) {
-            self.change(pair, |bags| {
-                bags.remove(&bag);
-            });
+            self.change(pair, |own| own.total -= own.bags.remove(&bag).unwrap_or(0));
         }
     }
     fn retire(&mut self, pair: Pair) {
-        self.change(pair, |bags| bags.clear());
+        self.change(pair, |own| *own = Occurrences::default());
     }
-    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut BTreeMap<usize, usize>)) {
+    fn change(&mut self, pair: Pair, change: impl FnOnce(&mut Occurrences)) {
         let bonus = usize::from(self.free.contains(&pair));
-        let bags = self.places.entry(pair).or_default();
-        let score = |bags: &BTreeMap<usize, usize>| bags.values().sum::<usize>() + bonus;
-        self.queue.remove(&(score(bags), std::cmp::Reverse(pair)));
-        change(bags);
-        if !bags.is_empty() && score(bags) >= 2 {
-            self.queue.insert((score(bags), std::cmp::Reverse(pair)));
+        let own = self.places.entry(pair).or_default();
+        self.queue.remove(&(own.total + bonus, Reverse(pair)));
+        change(own);
+        if !own.bags.is_empty() && own.total + bonus >= 2 {
+            self.queue.insert((own.total + bonus, Reverse(pair)));
         }
     }
     fn best(&self) -> Option<(Pair, Vec<usize>)> {
-        let (_, std::cmp::Reverse(pair)) = *self.queue.last()?;
-        Some((pair, self.places.get(&pair)?.keys().copied().collect()))
+        let (_, Reverse(pair)) = *self.queue.last()?;
+        Some((pair, self.places.get(&pair)?.bags.keys().copied().collect()))
     }
 }
 
@@ -520,16 +526,18 @@ impl Writer<'_> {
     /// Combines the two shallowest operands until one is left.
     fn combined(
         &mut self,
-        mut operands: Vec<(Id, bool)>,
+        operands: Vec<(Id, bool)>,
         combine: impl Fn(&mut Graph, (Id, bool), (Id, bool)) -> (Id, bool),
     ) -> Option<(Id, bool)> {
+        let order = |target: &Graph, (id, negative): (Id, bool)| {
+            Reverse((if target.moving(id) { target.depth(id) } else { 0 }, id, negative))
+        };
+        let mut heap: BinaryHeap<_> = operands.into_iter().map(|own| order(self.target, own)).collect();
         loop {
-            let target = &mut *self.target;
-            let depth = |id| if target.moving(id) { target.depth(id) } else { 0 };
-            operands.sort_by_key(|&(id, negative)| std::cmp::Reverse((depth(id), id, negative)));
-            let first = operands.pop()?;
-            let Some(second) = operands.pop() else { return Some(first) };
-            operands.push(combine(target, first, second));
+            let Reverse((_, a, minus_a)) = heap.pop()?;
+            let Some(Reverse((_, b, minus_b))) = heap.pop() else { return Some((a, minus_a)) };
+            let both = combine(self.target, (a, minus_a), (b, minus_b));
+            heap.push(order(self.target, both));
         }
     }
 }

@@ -1,0 +1,161 @@
+//! What expressions mean, and what is said about those that mean nothing.
+
+use proc_macro2::{TokenStream, TokenTree};
+use rattle_symbolic::expand::{Macro, expand};
+
+fn expanded(input: &str) -> TokenStream {
+    expand(Macro::Constraint, input.parse().expect("tokens"))
+}
+
+/// The messages, in order.
+fn messages(input: &str) -> Vec<String> {
+    fn collect(tokens: TokenStream, into: &mut Vec<String>) {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        for (i, token) in tokens.iter().enumerate() {
+            let TokenTree::Group(group) = token else { continue };
+            let error = i >= 2 && tokens[i - 2].to_string() == "compile_error";
+            match error {
+                true => into.push(group.stream().to_string()),
+                false => collect(group.stream(), into),
+            }
+        }
+    }
+    let mut list = Vec::new();
+    collect(expanded(input), &mut list);
+    list.iter().map(|text| text.trim_matches('"').to_owned()).collect()
+}
+
+/// The body of `value`, its temporaries numbered as they come: unused indices leave gaps in the numbers.
+fn value(input: &str) -> String {
+    let text = expanded(input).to_string();
+    assert!(!text.contains("compile_error"), "{input}: {:?}", messages(input));
+    let body = text.split_once("fn value (").and_then(|(_, rest)| rest.split_once("# [inline"));
+    let mut names: Vec<&str> = Vec::new();
+    let numbered = body.expect("a function").0.split(' ').map(|word| match word.starts_with("__t") {
+        false => word.to_owned(),
+        true => {
+            let known = names.iter().position(|name| *name == word);
+            let number = known.unwrap_or_else(|| {
+                names.push(word);
+                names.len() - 1
+            });
+            format!("t{number}")
+        }
+    });
+    numbered.collect::<Vec<_>>().join(" ")
+}
+
+/// Conditions of indices and numbers together: each row as it is written, and worked out by hand.
+#[test]
+fn indices_in_conditions() {
+    let rows = [
+        (
+            "for i in 0..2 { if i == 0 && x[0] > 0 { x[1] } else { x[2] } }",
+            "[if x[0] > 0 { x[1] } else { x[2] }, x[2]]",
+        ),
+        (
+            "for i in 0..3 { if i > 0 && x[i - 1] > 0 { x[i] } else { x[0] } }",
+            "[x[0], if x[0] > 0 { x[1] } else { x[0] }, if x[1] > 0 { x[2] } else { x[0] }]",
+        ),
+        (
+            "for i in 0..2 { if x[i + 1] < x[i] && i < 1 { x[0] } else { x[2] } }",
+            "[if x[1] < x[0] { x[0] } else { x[2] }, x[2]]",
+        ),
+        (
+            "for i in 0..2 { if i == 0 || x[i - 1] > 0 { x[i] } else { x[2] } }",
+            "[x[0], if x[0] > 0 { x[1] } else { x[2] }]",
+        ),
+        (
+            "for i in 0..3 { if i == 2 || x[0] > 0 && i > 0 { x[1] } else { x[2] } }",
+            "[x[2], if x[0] > 0 { x[1] } else { x[2] }, x[1]]",
+        ),
+        (
+            "for i in 0..2 { if (i == 0 || x[i - 1] > 0) && (x[i + 1] < 1 || i > 0) { x[0] } else { x[2] } }",
+            "[if x[1] < 1 { x[0] } else { x[2] }, if x[0] > 0 { x[0] } else { x[2] }]",
+        ),
+        (
+            "if x[0] < 1 && 1 < 2 && x[1] < 2 || 2 < 1 || x[2] < 3 { x[0] } else { x[1] }",
+            "if x[0] < 1 && x[1] < 2 || x[2] < 3 { x[0] } else { x[1] }",
+        ),
+        (
+            "sum(i in 0..3, if 1 <= i && x[i - 1] >= 0 { x[i] } else { 1 })",
+            "1 + if x[0] >= 0 { x[1] } else { 1 } + if x[1] >= 0 { x[2] } else { 1 }",
+        ),
+    ];
+    for (written, by_hand) in rows {
+        let item = |expression: &str| {
+            format!("struct A {{}} |x: [f64; 3]| [x[0] + x[1] + x[2], 0 * x[0] + 1 * x[1], {expression}]")
+        };
+        assert_eq!(value(&item(written)), value(&item(by_hand)), "{written}");
+    }
+}
+
+/// Each mistake has its message, and no other.
+#[test]
+fn mistakes() {
+    let rows = [
+        (
+            "{} |x: [f64; 2]| for i in 0..2 { if i == 0 && x[i] == 0 { x[0] } else { x[1] } }",
+            vec!["`==` of real numbers is rarely true; compare with `<` or `<=`"],
+        ),
+        (
+            "{} |x: [f64; 2]| for i in 0..2 { if i > 0 || x[i - 1] > 0 { x[0] } else { x[1] } }",
+            vec!["the index is -1, expected 0 to 1"],
+        ),
+        (
+            "{} |x: [f64; 2]| for i in 0..2 { if i > 0 && x { x[0] } else { x[1] } }",
+            vec!["expected a comparison, as in `x < 1`"],
+        ),
+        ("{} |x| x * π", vec!["unknown name `π`, expected one of x, pi, e; did you mean `pi`?"]),
+        ("{ a } |x| x * self.a", vec!["parameters are named directly: `a`"]),
+        (
+            "{ radius } |x| x - raduis",
+            vec!["unknown name `raduis`, expected one of radius, x, pi, e; did you mean `radius`?"],
+        ),
+        ("{ weight } |x| x - mass", vec!["unknown name `mass`, expected one of weight, x, pi, e"]),
+        (
+            "{ weight } |x| x - weihgt(2)",
+            vec![
+                "unknown function `weihgt`, expected one of sqrt, cbrt, exp, ln, log10, log2, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, abs, sign, erf, min, max, atan2, hypot, pow, dot, norm, delta, sum, product",
+            ],
+        ),
+        (
+            "{ e } |x| x - e + y",
+            vec![
+                "unknown name `y`, expected one of e, x, pi",
+                "`e` is Euler's number here; choose another name",
+            ],
+        ),
+    ];
+    for (written, expected) in rows {
+        assert_eq!(messages(&format!("struct A {written}")), expected, "{written}");
+    }
+}
+
+/// Exponents are exact fractions: 0.1 + 0.2 is 3/10 here, not the sum of two `f64`.
+#[test]
+fn exponents_are_exact() {
+    let rows = [
+        ("x^(0.1 + 0.2)", "x^0.3"),
+        ("x^(1/3 + 1/6)", "sqrt(x)"),
+        ("x^(2 * 0.1 * 5)", "x"),
+        ("{ let n = 0.1; x^(3 * n) }", "x^(3/10)"),
+    ];
+    for (written, exact) in rows {
+        let item = |expression: &str| format!("struct A {{}} |x| [{expression}, x]");
+        assert_eq!(value(&item(written)), value(&item(exact)), "{written}");
+    }
+    let sum = value("struct A {} |x| [x^(0.1 + 0.2), x]");
+    assert!(sum.contains("0.3f64"), "{sum}");
+}
+
+/// An attribute with `doc` in its text is no documentation; one that is keeps ours away.
+#[test]
+fn documented_fields() {
+    let note = |attribute: &str| {
+        let text = expanded(&format!("struct A {{ {attribute} r }} |x| x - r")).to_string();
+        text.contains("The parameter `r`.")
+    };
+    assert!(note("") && note("#[cfg_attr(docs, allow(unused))]") && note("#[deprecated = \"see the doc\"]"));
+    assert!(!note("/// Radius.\n") && !note("#[allow(unused)] #[doc = \"Radius.\"]"));
+}
