@@ -64,6 +64,7 @@ enum Style {
     Line,
     Thin,
     Marked,
+    Points,
     Slope(f64),
 }
 
@@ -158,6 +159,18 @@ impl Chart {
     /// ```
     pub fn marked(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.single(label.into(), points, Style::Marked)
+    }
+
+    /// Points that no line joins: values of one thing over another, or measurements on top of a curve.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let chart = Chart::new("Section").points("returns", [(1.0, 3.0), (2.0, 1.0), (1.2, 2.0)]);
+    /// assert!(chart.to_svg()?.matches("<circle").count() >= 3);
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn points(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.single(label.into(), points, Style::Points)
     }
 
     /// Many curves of one kind in the order of a parameter: thin lines, colours along viridis, and a legend that
@@ -377,14 +390,18 @@ impl Frame {
         let (width, style) = match curve.style {
             Style::Line => (1.6, LineStyle::Solid),
             Style::Thin => (1.0, LineStyle::Solid),
-            Style::Marked => (1.6, LineStyle::Solid),
+            Style::Marked | Style::Points => (1.6, LineStyle::Solid),
             Style::Slope(_) => (1.2, LineStyle::Dashed),
         };
         let line = LinePlot::new().with_color(&*curve.colour).with_stroke_width(width).with_line_style(style);
-        let mut plots = vec![Plot::Line(line.with_data(points.iter().copied()))];
-        if curve.style == Style::Marked {
+        let mut plots = Vec::new();
+        if curve.style != Style::Points {
+            plots.push(Plot::Line(line.with_data(points.iter().copied())));
+        }
+        if matches!(curve.style, Style::Marked | Style::Points) {
+            let size = if curve.style == Style::Points { 3.0 } else { 4.0 };
             plots.push(Plot::Scatter(
-                ScatterPlot::new().with_data(points).with_color(&*curve.colour).with_size(4.0),
+                ScatterPlot::new().with_data(points).with_color(&*curve.colour).with_size(size),
             ));
         }
         plots
@@ -422,7 +439,7 @@ fn entry(curve: &Curve) -> LegendEntry {
     LegendEntry {
         label: curve.label.clone(),
         color: curve.colour.clone(),
-        shape: LegendShape::Line,
+        shape: if curve.style == Style::Points { LegendShape::Circle } else { LegendShape::Line },
         dasharray: dashed,
     }
 }

@@ -120,7 +120,8 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} bodies, {} equations", self.bodies, self.equations)?;
+        let bodies = if self.bodies == 1 { "body" } else { "bodies" };
+        write!(f, "{} {bodies}, {} equations", self.bodies, self.equations)?;
         if self.rank < self.equations {
             write!(f, " of which {} independent", self.rank)?;
         }
