@@ -27,7 +27,7 @@ pub struct Scene<C, E, N, const D: usize> {
     count: N,
 }
 
-/// What holds the bodies of a scene: a surface for each, or a [`Network`](crate::network::Network) of constraints.
+/// What holds the bodies of a scene: a surface for each, or a [`Network`] of constraints.
 pub trait Hold<const D: usize> {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
