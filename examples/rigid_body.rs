@@ -32,9 +32,12 @@ potential! {
 const H: f64 = 0.02;
 const STEPS: u64 = 2500;
 
-/// Attitude and angular momentum in the body's frame, step by step, and the largest energy error.
+/// Time, attitude, and angular momentum in the body's frame.
+type Sample = (f64, Matrix3<f64>, Vector3<f64>);
+
+/// A run step by step, and the largest energy error.
 struct Run {
-    path: Vec<(f64, Matrix3<f64>, Vector3<f64>)>,
+    path: Vec<Sample>,
     energy_error: f64,
 }
 
@@ -95,11 +98,7 @@ fn compare(runs: &[(&'static str, Run); 3], kept: &str, constant: fn(&Matrix3<f6
 }
 
 /// A line for the first formulation, points for the others, so that all can be seen where they coincide.
-fn overlay(
-    chart: Chart,
-    runs: &[(&'static str, Run); 3],
-    point: fn(&(f64, Matrix3<f64>, Vector3<f64>)) -> (f64, f64),
-) -> Chart {
+fn overlay(chart: Chart, runs: &[(&'static str, Run); 3], point: fn(&Sample) -> (f64, f64)) -> Chart {
     runs.iter().enumerate().fold(chart, |chart, (i, (name, run))| match i {
         0 => chart.line(*name, run.path.iter().map(point)),
         _ => chart.points(*name, run.path.iter().skip(20 * i).step_by(60).map(point)),
