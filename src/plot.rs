@@ -343,8 +343,9 @@ impl Chart {
     }
 }
 
-/// The window on the data. `shift` moves logarithmic data by whole decades, because the chart crate takes every
-/// logarithm of max(x, 1e-10) and we plot errors down to 1e-16; the tick labels shift back.
+/// The window on the data. `shift` moves data by whole decades, because the chart crate takes every logarithm of
+/// max(x, 1e-10), and every range shorter than about 1e-12 for empty, and we plot errors down to 1e-16; the tick labels
+/// shift back.
 struct Frame {
     x: (f64, f64),
     y: (f64, f64),
@@ -374,6 +375,12 @@ impl Frame {
                 height: HEIGHT,
             };
         }
+        let mut shift = (decades_up(x), decades_up(y));
+        if chart.equal {
+            shift = (shift.0.min(shift.1), shift.0.min(shift.1));
+        }
+        let moved = |(low, high): (f64, f64), shift| (scaled(low, shift), scaled(high, shift));
+        let (x, y) = (moved(x, shift.0), moved(y, shift.1));
         let (x, y) = (padded(x, if chart.equal { 0.05 } else { 0.0 }), padded(y, 0.06));
         let height = if chart.equal {
             // Title, ticks and labels take about 110 of the height and 90 of the width.
@@ -381,7 +388,7 @@ impl Frame {
         } else {
             HEIGHT
         };
-        Self { x, y, shift: (0, 0), stride: (1, 1), height }
+        Self { x, y, shift, stride: (1, 1), height }
     }
 
     fn plots(&self, curve: &Curve) -> Vec<Plot> {
@@ -412,6 +419,12 @@ impl Frame {
 const LOG_LABELS: f64 = 16.0;
 /// Room at the ends of a logarithmic axis.
 const LOG_MARGIN: f64 = 1.35;
+
+/// By how many decades tiny numbers are to be raised on a linear axis; none from 10⁻⁶ on.
+fn decades_up((low, high): (f64, f64)) -> i32 {
+    let size = low.abs().max(high.abs());
+    if size > 0.0 && size < 1e-6 { -(size.log10().floor() as i32) } else { 0 }
+}
 
 fn padded((low, high): (f64, f64), part: f64) -> (f64, f64) {
     let span = high - low;

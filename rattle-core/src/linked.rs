@@ -46,6 +46,8 @@ const SMALLEST_PART: f64 = 1.0 / 4096.0;
 const MAX_PARTS: usize = 200;
 /// Halvings of a failed step that are tried, to say which would pass.
 const HALVINGS: i32 = 24;
+/// Steps in which normals change by less are short enough to be accurate: where one fails, the reason is another.
+const SHORT: f64 = 0.2;
 /// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
 pub(crate) const LOST: f64 = 1e-7;
 
@@ -693,19 +695,30 @@ impl<const D: usize> Flight<'_, D> {
         let (rows, m) = (self.rows(), self.rows().equations());
         let mut residuals = Vec::new();
         room.y[..m].copy_from_slice(&room.guess[..m]);
-        self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
+        let direct =
+            self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
         let row = room.worst(m);
         let equation = self.shape.equation_at(self.component, row);
         let body = equation.bodies[0];
         let because = |cause| Failure { body, cause };
         let share = acting_share(self.shape, self.component, row, blocks);
-        if rows.acting && share < 0.1 {
+        // Within the step the normal turns by about this much: the share may be gone at its end.
+        let lost = if turn < SHORT { turn } else { 0.0 };
+        if rows.acting && share < 0.1 + lost {
             return because(StepFailure::CannotAct { equation, share });
         }
         let square: f64 = rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
         let first = residuals.first().copied().unwrap_or(f64::NAN);
         if !(first.is_finite() && square.is_finite()) && residuals.len() < 2 {
             return because(StepFailure::ConstraintNotFinite { position: self.q[body].to_vec() });
+        }
+        // A solution is near, but within a few such steps normals may fall together: it may lie on another branch.
+        if direct.converged && turn < SHORT {
+            let (sine, row) = solver.clone().normals(rows, blocks, &self.shape.roots);
+            if sine < 4.0 * turn {
+                let equation = self.shape.equation_at(self.component, row);
+                return because(StepFailure::RankLost { equation, sine });
+            }
         }
         let path = self.path(room);
         let mut passing = None;

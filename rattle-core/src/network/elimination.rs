@@ -302,7 +302,8 @@ fn from_both_ends(neighbours: &[Vec<usize>]) -> Option<Vec<usize>> {
         before = chain[chain.len() - 1];
         chain.push(next);
     }
-    (chain.len() == m).then(|| (0..m).map(|k| chain[if k % 2 == 0 { k / 2 } else { m - 1 - k / 2 }]).collect())
+    (chain.len() == m)
+        .then(|| (0..m).map(|k| chain[if k % 2 == 0 { k / 2 } else { m - 1 - k / 2 }]).collect())
 }
 
 /// An order of elimination with little fill.
