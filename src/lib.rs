@@ -49,7 +49,7 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, kernel, linked, network, real, recorder,
+    bodies, composition, counted, curvature, effect, error, kernel, linked, lobatto, network, real, recorder,
     simulation, stepper, surface, system,
 };
 
@@ -57,6 +57,7 @@ pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
 pub use rattle_core::error::Error;
 pub use rattle_core::leapfrog::Leapfrog;
+pub use rattle_core::lobatto::Lobatto;
 pub use rattle_core::network::{LinearAlgebra, Mass};
 pub use rattle_core::rattle::Rattle;
 pub use rattle_core::recorder::{Recorder, Trajectory};
@@ -73,7 +74,7 @@ pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Leapfrog, LinearAlgebra, Rattle, Rigid, Scene, Simulation, State, Stepper};
+    pub use crate::{Leapfrog, LinearAlgebra, Lobatto, Rattle, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

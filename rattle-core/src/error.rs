@@ -25,6 +25,13 @@ pub enum Error {
         state: usize,
     },
 
+    /// A collocation method with a number of stages that there is no table for.
+    #[error("Lobatto methods have 2 to 9 stages, found {stages}")]
+    Stages {
+        /// The number asked for.
+        stages: usize,
+    },
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {
@@ -436,6 +443,37 @@ pub enum StepFailure {
         h: f64,
         /// What would pass.
         passing: Passing,
+    },
+    /// The stages of a collocation method were not solved to the rounding floor.
+    #[error(
+        "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
+         {left:.1e} roundings; try a smaller step"
+    )]
+    StagesNotSolved {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
+    },
+    /// Normals of successive stages are turned over: the step jumps over a bend.
+    #[error(
+        "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
+    )]
+    StagesTurnOver {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+    },
+    /// The system has no collocation.
+    #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
+    NoCollocation {
+        /// The kind of system.
+        system: &'static str,
     },
     /// A rigid body turns so far within the step that no rotation fits.
     #[error(

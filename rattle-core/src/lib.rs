@@ -10,6 +10,7 @@ pub mod error;
 pub mod kernel;
 pub mod leapfrog;
 pub mod linked;
+pub mod lobatto;
 pub mod network;
 pub mod rattle;
 pub mod real;

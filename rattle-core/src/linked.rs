@@ -22,6 +22,7 @@
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
+use crate::lobatto::Table;
 use crate::network::{Report, Rows, Shape, Solver};
 use crate::stepper::{Failure, Witness};
 use crate::surface::multiplier_time;
@@ -326,6 +327,16 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             }
         }
         Ok(())
+    }
+
+    fn collocate<W: Witness<f64>>(
+        &self,
+        _: &Table,
+        _: f64,
+        _: &mut BodiesOf<F, N, D>,
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: "a network of linked bodies" } })
     }
 
     fn equations(&self) -> usize {

@@ -315,7 +315,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let system = self.constraint.system(&self.effects, self.count, &start, stepper.step_size())?;
         stepper.check(system.equations())?;
         self.check_forces(&start.bodies)?;
-        let bodies = system.bodies(|i| start.bodies[i], start.time);
+        let mut bodies = system.bodies(|i| start.bodies[i], start.time);
+        system.reserve(&mut bodies, stepper.stages());
         Ok(Simulation::new(system, self.count, bodies, stepper))
     }
 

@@ -10,6 +10,7 @@
 //! surface of its own, in lanes if wanted; [`Linked`](crate::linked::Linked) is for everything else.
 
 use crate::bodies::{Bodies, Body, Count};
+use crate::lobatto::Table;
 use crate::real::Real;
 use crate::stepper::{Failure, Witness};
 use std::fmt::Debug;
@@ -54,6 +55,21 @@ pub trait System<T: Real, const D: usize>: Clone {
     fn settle<W: Witness<T>>(
         &self,
         kick: f64,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+
+    /// Makes room for a method of so many inner stages, so that its steps need not allocate.
+    fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
+
+    /// Takes one step of the collocation method with this table.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift); and where the system has no collocation.
+    fn collocate<W: Witness<T>>(
+        &self,
+        table: &Table,
+        h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,
     ) -> Result<(), Failure>;
