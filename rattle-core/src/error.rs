@@ -25,13 +25,6 @@ pub enum Error {
         state: usize,
     },
 
-    /// A collocation method with a number of stages that there is no table for.
-    #[error("Lobatto methods have 2 to 9 stages, found {stages}")]
-    Stages {
-        /// The number asked for.
-        stages: usize,
-    },
-
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {

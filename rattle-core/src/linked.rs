@@ -329,9 +329,9 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         Ok(())
     }
 
-    fn collocate<W: Witness<f64>>(
+    fn collocate<W: Witness<f64>, const S: usize>(
         &self,
-        _: &Table,
+        _: &Table<S>,
         _: f64,
         _: &mut BodiesOf<F, N, D>,
         _: &mut W,

@@ -14,98 +14,70 @@
 mod tables;
 
 use crate::bodies::Bodies;
-use crate::error::Error;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness, check_step_size};
+use crate::stepper::{Failure, Stepper, Witness};
 use crate::system::System;
 
-/// Nodes c, weights b, and rows 2 … s of a without its last column, which is zero.
-#[derive(Debug)]
-pub struct Table {
+/// Nodes c, weights b, and a, whose first row and last column are zero.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Table<const S: usize> {
     /// c₁ … cₛ.
-    pub nodes: &'static [f64],
+    pub nodes: [f64; S],
     /// b₁ … bₛ.
-    pub weights: &'static [f64],
-    /// aᵢⱼ for i = 2 … s, j = 1 … s − 1.
-    pub positions: &'static [&'static [f64]],
+    pub weights: [f64; S],
+    /// aᵢⱼ, row by row.
+    pub positions: [[f64; S]; S],
 }
 
-impl Table {
-    /// The number of stages, s.
-    #[must_use]
-    pub fn stages(&self) -> usize {
-        self.nodes.len()
-    }
+/// Numbers of stages with a table.
+#[diagnostic::on_unimplemented(
+    message = "Lobatto methods have 2 to 9 stages",
+    label = "no table for so many"
+)]
+pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
+    /// The name of the method, with its order.
+    const NAME: &'static str;
+    /// The coefficients.
+    const TABLE: Self;
 }
 
-/// The tables of 2 to 9 stages.
-static TABLES: [Table; 8] = [
-    tables::STAGES_2,
-    tables::STAGES_3,
-    tables::STAGES_4,
-    tables::STAGES_5,
-    tables::STAGES_6,
-    tables::STAGES_7,
-    tables::STAGES_8,
-    tables::STAGES_9,
-];
-
-/// Names by the number of stages.
-const NAMES: [&str; 8] = [
-    "Lobatto, order 2",
-    "Lobatto, order 4",
-    "Lobatto, order 6",
-    "Lobatto, order 8",
-    "Lobatto, order 10",
-    "Lobatto, order 12",
-    "Lobatto, order 14",
-    "Lobatto, order 16",
-];
-
-/// Lobatto IIIA–IIIB with a constant step size.
+/// Lobatto IIIA–IIIB of 2 to 9 stages with a constant step size. Five, order 8, serve most uses.
 ///
 /// ```
 /// # use rattle_core::{lobatto::Lobatto, stepper::Stepper};
-/// assert_eq!(Lobatto::new(5, 0.05).order(), 8);
+/// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lobatto {
-    stages: usize,
+pub struct Lobatto<const S: usize> {
     h: f64,
 }
 
-impl Lobatto {
-    /// The method of 2 to 9 stages with step size `h`, in the unit of time; 5 stages, order 8, for most uses.
+impl<const S: usize> Lobatto<S>
+where
+    Table<S>: Tabulated,
+{
+    /// The method with step size `h`, in the unit of time.
     #[must_use]
-    pub fn new(stages: usize, h: f64) -> Self {
-        Self { stages, h }
-    }
-
-    /// The method's coefficients; those of the nearest number of stages there is.
-    #[must_use]
-    pub fn table(&self) -> &'static Table {
-        &TABLES[self.stages.clamp(2, 9) - 2]
+    pub fn new(h: f64) -> Self {
+        Self { h }
     }
 }
 
-impl Stepper for Lobatto {
+impl<const S: usize> Stepper for Lobatto<S>
+where
+    Table<S>: Tabulated,
+{
     fn step_size(&self) -> f64 {
         self.h
     }
     fn order(&self) -> u32 {
-        u32::try_from(2 * self.stages.clamp(2, 9) - 2).unwrap_or(2)
+        u32::try_from(2 * S - 2).unwrap_or(u32::MAX)
     }
     fn name(&self) -> &'static str {
-        NAMES[self.stages.clamp(2, 9) - 2]
+        Table::<S>::NAME
     }
     fn stages(&self) -> usize {
-        self.stages
-    }
-    fn check(&self, _: usize) -> Result<(), Error> {
-        if !(2..=9).contains(&self.stages) {
-            return Err(Error::Stages { stages: self.stages });
-        }
-        check_step_size(self.h)
+        S
     }
 
     #[inline(always)]
@@ -115,6 +87,6 @@ impl Stepper for Lobatto {
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.collocate(self.table(), self.h, bodies, witness)
+        system.collocate(&Table::<S>::TABLE, self.h, bodies, witness)
     }
 }

@@ -314,9 +314,9 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Ok(())
     }
 
-    fn collocate<W: Witness<f64>>(
+    fn collocate<W: Witness<f64>, const S: usize>(
         &self,
-        _: &Table,
+        _: &Table<S>,
         _: f64,
         _: &mut BodiesOf<F, N>,
         _: &mut W,

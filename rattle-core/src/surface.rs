@@ -114,9 +114,9 @@ where
         bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
     }
 
-    fn collocate<W: Witness<T>>(
+    fn collocate<W: Witness<T>, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,

@@ -66,9 +66,9 @@ pub trait System<T: Real, const D: usize>: Clone {
     ///
     /// # Errors
     /// As [`drift`](Self::drift); and where the system has no collocation.
-    fn collocate<W: Witness<T>>(
+    fn collocate<W: Witness<T>, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,

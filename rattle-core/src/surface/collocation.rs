@@ -27,7 +27,7 @@ use std::array::from_fn;
 /// Iterations after which a step is given up; six to ten suffice where there is a solution.
 const MAX_ITERATIONS: usize = 60;
 
-/// Room for the stages of all bodies: stage by stage, body by body.
+/// Room for the stages of all bodies: positions and forces stage by stage, the rest body by body.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Stages<T, F, const D: usize> {
     q: Vec<[T; D]>,
@@ -35,13 +35,7 @@ pub(crate) struct Stages<T, F, const D: usize> {
     normal: Vec<[T; D]>,
     /// f + ∇g λ.
     total: Vec<[T; D]>,
-    /// The change of `total` in the last evaluation.
-    change: Vec<[T; D]>,
     lambda: Vec<T>,
-    /// Right sides, then δλ.
-    right: Vec<T>,
-    /// The matrix of one body, by rows.
-    matrix: Vec<T>,
 }
 
 impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
@@ -52,19 +46,38 @@ impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
             force: vec![F::zero(); n],
             normal: vec![[zero; D]; n],
             total: vec![[zero; D]; n],
-            change: vec![[zero; D]; n],
             lambda: vec![zero; n],
-            right: vec![zero; stages],
-            matrix: vec![zero; stages * stages],
         }
     }
 }
 
-impl<K, F, N> OnSurface<K, F, N> {
+/// What λ is at a body's place, and the sum of force and constraint.
+#[inline(always)]
+fn pull<T, K, F, N, const D: usize>(
+    constraint: &K,
+    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> (T, [T; D])
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+{
+    let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
+    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
+    let [bend] = constraint.jet(q, p).2;
+    let along = force.dot(&normal.gradient, T::from_f64(1.0));
+    let lambda = multiplier_from_curvature(bend, along, normal);
+    (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
+}
+
+impl<K, F, N: Count> OnSurface<K, F, N> {
     /// One step of the collocation method with this table.
-    pub(super) fn collocate<T, W, const D: usize>(
+    #[inline(always)]
+    pub(super) fn collocate<T, W, const D: usize, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
@@ -73,15 +86,19 @@ impl<K, F, N> OnSurface<K, F, N> {
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Field<T, D>,
-        N: Count,
         W: Witness<T>,
     {
-        let (n, s) = (self.count.number(), table.stages());
+        let n = self.count.number();
         let mut stages = match bodies.kept.stages.take() {
-            Some(stages) if stages.q.len() == s * n => stages,
-            _ => Box::new(Stages::new(s, n)),
+            Some(stages) if stages.q.len() == S * n => stages,
+            _ => Box::new(Stages::new(S, n)),
         };
-        self.guess(bodies, &mut stages, s);
+        for body in 0..n {
+            let (lambda, total) = pull(&self.constraint, bodies, body);
+            stages.lambda[body * S..][..S].fill(lambda);
+            stages.total[body * S..][..S].fill(total);
+            stages.normal[body * S] = bodies.kept.normal.as_ref()[body].gradient;
+        }
         let mut solved = self.solve(table, h, bodies, &mut stages);
         if solved.is_err() && self.guess_by_steps(table, h, bodies, &mut stages).is_ok() {
             solved = self.solve(table, h, bodies, &mut stages);
@@ -101,42 +118,12 @@ impl<K, F, N> OnSurface<K, F, N> {
         Ok(())
     }
 
-    /// Constant acceleration.
-    fn guess<T, const D: usize>(
-        &self,
-        bodies: &BodiesOf<N, T, F, D>,
-        stages: &mut Stages<T, F::Force, D>,
-        s: usize,
-    ) where
-        T: Real,
-        K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
-        N: Count,
-    {
-        let n = self.count.number();
-        for body in 0..n {
-            let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
-            let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
-            let [bend] = self.constraint.jet(q, p).2;
-            let along = force.dot(&normal.gradient, T::from_f64(1.0));
-            let lambda = multiplier_from_curvature(bend, along, normal);
-            let pull = normal.gradient.map(|n| lambda * n);
-            for stage in 0..s {
-                let at = stage * n + body;
-                stages.lambda[at] = lambda;
-                stages.total[at] = force.add_to(pull, T::from_f64(1.0));
-            }
-            stages.normal[body] = normal.gradient;
-            stages.force[body] = force;
-        }
-    }
-
     /// Steps of RATTLE from node to node.
     #[cold]
     #[inline(never)]
-    fn guess_by_steps<T, const D: usize>(
+    fn guess_by_steps<T, const D: usize, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &BodiesOf<N, T, F, D>,
         stages: &mut Stages<T, F::Force, D>,
@@ -145,53 +132,28 @@ impl<K, F, N> OnSurface<K, F, N> {
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Field<T, D>,
-        N: Count,
     {
-        let n = self.count.number();
-        self.guess(bodies, stages, 1);
-        let mut ahead: Bodies<N, T, Kept<N, T, F::Force, D>, D> = bodies.clone();
-        for stage in 1..table.stages() {
-            let part = h * (table.nodes[stage] - table.nodes[stage - 1]);
-            self.drift(0.5 * part, part, &mut ahead, &mut ())?;
-            self.evaluate_forces(&mut ahead);
-            self.settle(0.5 * part, &mut ahead, &mut ())?;
-            for body in 0..n {
-                let (q, p) = (&ahead.q.as_ref()[body], &ahead.p.as_ref()[body]);
-                let (normal, force) = (&ahead.kept.normal.as_ref()[body], ahead.kept.force.as_ref()[body]);
-                let [bend] = self.constraint.jet(q, p).2;
-                let along = force.dot(&normal.gradient, T::from_f64(1.0));
-                let lambda = multiplier_from_curvature(bend, along, normal);
-                let at = stage * n + body;
-                stages.lambda[at] = lambda;
-                stages.total[at] = force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0));
+        let mut ahead = bodies.clone();
+        for stage in 0..S {
+            if stage > 0 {
+                let part = h * (table.nodes[stage] - table.nodes[stage - 1]);
+                self.drift(0.5 * part, part, &mut ahead, &mut ())?;
+                self.evaluate_forces(&mut ahead);
+                self.settle(0.5 * part, &mut ahead, &mut ())?;
+            }
+            for body in 0..self.count.number() {
+                let at = body * S + stage;
+                (stages.lambda[at], stages.total[at]) = pull(&self.constraint, &ahead, body);
             }
         }
         Ok(())
     }
 
-    /// Qᵢ − q of one body: drift and the sum over the stages.
-    #[inline(always)]
-    fn increment<T: Real, X, const D: usize>(
-        table: &Table,
-        h: f64,
-        velocity: &[T; D],
-        stages: &Stages<T, X, D>,
-        stage: usize,
-        body: usize,
-        n: usize,
-    ) -> [T; D] {
-        let mut acceleration = [T::from_f64(0.0); D];
-        for (j, a) in table.positions[stage - 1].iter().enumerate() {
-            acceleration = add_scaled(&acceleration, T::from_f64(*a), &stages.total[j * n + body]);
-        }
-        let (drift, push) = (T::from_f64(h * table.nodes[stage]), T::from_f64(h * h));
-        from_fn(|d| drift * velocity[d] + push * acceleration[d])
-    }
-
     /// Iterates until the stages hold to rounding.
-    fn solve<T, const D: usize>(
+    #[inline(always)]
+    fn solve<T, const D: usize, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &BodiesOf<N, T, F, D>,
         stages: &mut Stages<T, F::Force, D>,
@@ -200,113 +162,87 @@ impl<K, F, N> OnSurface<K, F, N> {
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Field<T, D>,
-        N: Count,
     {
-        let (n, s) = (self.count.number(), table.stages());
-        let push = T::from_f64(h * h);
+        let n = self.count.number();
         let zero = T::from_f64(0.0);
-        let mut last = f64::INFINITY;
+        let positions: [[T; S]; S] = table.positions.map(|row| row.map(|a| T::from_f64(h * h * a)));
+        let drift: [T; S] = table.nodes.map(|c| T::from_f64(h * c));
+        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
         for iteration in 0..MAX_ITERATIONS {
-            for stage in 1..s {
-                for body in 0..n {
-                    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
-                    let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-                    let increment = Self::increment(table, h, &v, stages, stage, body, n);
+            for body in 0..n {
+                let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+                let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+                let total: &[[T; D]; S] = part(&stages.total, body);
+                for stage in 1..S {
+                    let increment = increment(&positions[stage], drift[stage], &v, total);
                     stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
                 }
+            }
+            for stage in 1..S {
                 self.field.evaluate(&stages.q[stage * n..][..n], &mut stages.force[stage * n..][..n]);
             }
-            let (mut worst, mut at_floor) = (0.0_f64, true);
+            let (mut worst, mut at_floor, mut upright) = (0.0_f64, true, true);
             for body in 0..n {
-                let floor = largest(&bodies.q.as_ref()[body]) * T::from_f64(f64::EPSILON);
-                let mut moved = zero;
-                for stage in 1..s {
+                let normal: &mut [[T; D]; S] = part_mut(&mut stages.normal, body);
+                let total: &mut [[T; D]; S] = part_mut(&mut stages.total, body);
+                let lambda: &mut [T; S] = part_mut(&mut stages.lambda, body);
+                let mut change = [[zero; D]; S];
+                let mut right = [zero; S];
+                for stage in 1..S {
                     let at = stage * n + body;
                     let ([g], [gradient]) = self.constraint.value_and_jacobian(&stages.q[at]);
-                    stages.normal[at] = gradient;
-                    stages.right[stage - 1] = -g;
-                    let pull = gradient.map(|n| stages.lambda[at] * n);
-                    let total = stages.force[at].add_to(pull, T::from_f64(1.0));
-                    stages.change[at] = add_scaled(&total, T::from_f64(-1.0), &stages.total[at]);
-                    stages.total[at] = total;
+                    normal[stage] = gradient;
+                    right[stage] = -g;
+                    let sum = stages.force[at].add_to(gradient.map(|n| lambda[stage] * n), T::from_f64(1.0));
+                    change[stage] = add_scaled(&sum, T::from_f64(-1.0), &total[stage]);
+                    total[stage] = sum;
+                    upright &= zero.lt(dot(&gradient, &normal[stage - 1])).all();
                 }
-                stages.change[body] = [zero; D];
-                let m = s - 1;
-                for i in 0..m {
-                    let normal = stages.normal[(i + 1) * n + body];
-                    let mut shift = [zero; D];
-                    for (j, a) in table.positions[i].iter().enumerate() {
-                        let factor = push * T::from_f64(*a);
-                        shift = add_scaled(&shift, factor, &stages.change[j * n + body]);
-                        stages.matrix[i * m + j] = factor * dot(&normal, &stages.normal[j * n + body]);
+                let mut shift = [[zero; D]; S];
+                let mut matrix = [[zero; S]; S];
+                for i in 1..S {
+                    for j in 0..S - 1 {
+                        shift[i] = add_scaled(&shift[i], positions[i][j], &change[j]);
+                        matrix[i][j] = positions[i][j] * dot(&normal[i], &normal[j]);
                     }
-                    moved = moved.max(largest(&shift));
-                    stages.right[i] = stages.right[i] - dot(&normal, &shift);
+                    right[i] = right[i] - dot(&normal[i], &shift[i]);
                 }
-                eliminate(&mut stages.matrix, &mut stages.right, m);
-                for j in 0..m {
-                    let at = j * n + body;
-                    let change = stages.right[j];
-                    let normal = stages.normal[at];
-                    stages.lambda[at] = stages.lambda[at] + change;
-                    stages.total[at] = add_scaled(&stages.total[at], change, &normal);
-                    stages.change[at] = normal.map(|n| change * n);
-                }
-                for i in 0..m {
-                    let mut shift = [zero; D];
-                    for (j, a) in table.positions[i].iter().enumerate() {
-                        shift = add_scaled(&shift, push * T::from_f64(*a), &stages.change[j * n + body]);
+                let correction = eliminate(matrix, right);
+                for j in 0..S - 1 {
+                    lambda[j] = lambda[j] + correction[j];
+                    let push = normal[j].map(|n| correction[j] * n);
+                    total[j] = sum(&total[j], &push);
+                    for i in 1..S {
+                        shift[i] = add_scaled(&shift[i], positions[i][j], &push);
                     }
-                    moved = moved.max(largest(&shift));
                 }
-                let ratio = moved / floor;
-                for lane in ratio.lanes() {
+                let moved = shift[1..].iter().map(largest).fold(zero, |a, b| select_larger(a, b));
+                let floor = largest(&bodies.q.as_ref()[body]) * T::from_f64(f64::EPSILON);
+                for lane in (moved / floor).lanes() {
                     worst = if lane > worst || lane.is_nan() { lane } else { worst };
                 }
                 at_floor &= moved.le(floor).all();
             }
             if !worst.is_finite() {
-                return Err(Failure::at(0, false).unsolved(h, table.stages(), iteration, worst));
+                return Err(Failure::at(0, false).unsolved(h, S, iteration, worst));
             }
             let contraction = worst / last;
-            let small = iteration > 0 && contraction < 0.5 && contraction * worst <= 1.0 / 16.0;
+            let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
+            let small = iteration > 1 && rate < 0.5 && rate * worst <= 1.0 / 16.0;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0;
             if at_floor || small || stalled {
-                return self.check_normals(h, table, stages);
+                return if upright { Ok(()) } else { Err(Failure::at(0, false).turned_over(h, S)) };
             }
-            last = worst;
+            (last, last_contraction) = (worst, contraction);
         }
-        Err(Failure::at(0, false).unsolved(h, table.stages(), MAX_ITERATIONS, last))
-    }
-
-    /// Whether no normal is turned over between successive stages.
-    fn check_normals<T, X, const D: usize>(
-        &self,
-        h: f64,
-        table: &Table,
-        stages: &Stages<T, X, D>,
-    ) -> Result<(), Failure>
-    where
-        T: Real,
-        N: Count,
-    {
-        let n = self.count.number();
-        for stage in 1..table.stages() {
-            for body in 0..n {
-                let upright = T::from_f64(0.0)
-                    .lt(dot(&stages.normal[stage * n + body], &stages.normal[(stage - 1) * n + body]));
-                if !upright.all() {
-                    return Err(Failure::at(body, upright).turned_over(h, table.stages()));
-                }
-            }
-        }
-        Ok(())
+        Err(Failure::at(0, false).unsolved(h, S, MAX_ITERATIONS, last))
     }
 
     /// Takes the bodies to the end of the step.
-    fn arrive<T, W, const D: usize>(
+    #[inline(always)]
+    fn arrive<T, W, const D: usize, const S: usize>(
         &self,
-        table: &Table,
+        table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
         stages: &Stages<T, F::Force, D>,
@@ -315,26 +251,27 @@ impl<K, F, N> OnSurface<K, F, N> {
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Field<T, D>,
-        N: Count,
         W: Witness<T>,
     {
-        let (n, s) = (self.count.number(), table.stages());
-        let last_weight = T::from_f64(h * table.weights[s - 1]);
+        let n = self.count.number();
+        let last_weight = T::from_f64(h * table.weights[S - 1]);
+        let row = table.positions[S - 1].map(|a| T::from_f64(h * h * a));
         for body in 0..n {
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
             let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-            let increment = Self::increment(table, h, &v, stages, s - 1, body, n);
+            let increment = increment(&row, T::from_f64(h), &v, part(&stages.total, body));
             (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
             let [gradient] = self.constraint.jacobian(q);
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
-            witness.position_multiplier(body, stages.lambda[body]);
+            witness.position_multiplier(body, stages.lambda[body * S]);
         }
         self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            let total: &[[T; D]; S] = part(&stages.total, body);
             let mut impulse = [T::from_f64(0.0); D];
-            for (j, b) in table.weights[..s - 1].iter().enumerate() {
-                impulse = add_scaled(&impulse, T::from_f64(h * b), &stages.total[j * n + body]);
+            for j in 0..S - 1 {
+                impulse = add_scaled(&impulse, T::from_f64(h * table.weights[j]), &total[j]);
             }
             let change = bodies.kept.force.as_ref()[body].add_to(sum(p_low, &impulse), last_weight);
             let (eta, normal_part) = bodies.kept.normal.as_ref()[body].projection(&sum(p, &change));
@@ -344,26 +281,63 @@ impl<K, F, N> OnSurface<K, F, N> {
     }
 }
 
-/// Solves the m × m system by elimination without exchanges, the solution in place of the right sides. Leading minors of
-/// the tables are positive, and normals of successive stages do not turn over.
+/// The larger one, NaN if one is.
 #[inline(always)]
-fn eliminate<T: Real>(matrix: &mut [T], right: &mut [T], m: usize) {
-    for k in 0..m {
-        let inverse = T::from_f64(1.0) / matrix[k * m + k];
-        for i in k + 1..m {
-            let factor = matrix[i * m + k] * inverse;
-            for j in k + 1..m {
-                matrix[i * m + j] = matrix[i * m + j] - factor * matrix[k * m + j];
+fn select_larger<T: Real>(a: T, b: T) -> T {
+    T::select(b.le(a), a, b)
+}
+
+/// The stages of one body.
+#[inline(always)]
+fn part<X, const S: usize>(all: &[X], body: usize) -> &[X; S] {
+    let stages = &all[body * S..][..S];
+    stages.first_chunk().expect("a slice of S is an array of S")
+}
+
+/// The stages of one body, to be changed.
+#[inline(always)]
+fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
+    let stages = &mut all[body * S..][..S];
+    stages.first_chunk_mut().expect("a slice of S is an array of S")
+}
+
+/// Qᵢ − q of one body: drift and the sum over the stages.
+#[inline(always)]
+fn increment<T: Real, const D: usize, const S: usize>(
+    row: &[T; S],
+    drift: T,
+    velocity: &[T; D],
+    total: &[[T; D]; S],
+) -> [T; D] {
+    let mut push = [T::from_f64(0.0); D];
+    for j in 0..S - 1 {
+        push = add_scaled(&push, row[j], &total[j]);
+    }
+    from_fn(|d| drift * velocity[d] + push[d])
+}
+
+/// Solves for x₀ … x_{S−2} from rows 1 … S − 1, by elimination without exchanges: leading minors of the tables are positive,
+/// and normals of successive stages do not turn over.
+#[inline(always)]
+fn eliminate<T: Real, const S: usize>(mut matrix: [[T; S]; S], mut right: [T; S]) -> [T; S] {
+    let mut x = [T::from_f64(0.0); S];
+    for k in 0..S - 1 {
+        let inverse = T::from_f64(1.0) / matrix[k + 1][k];
+        for i in k + 1..S - 1 {
+            let factor = matrix[i + 1][k] * inverse;
+            for j in k + 1..S - 1 {
+                matrix[i + 1][j] = matrix[i + 1][j] - factor * matrix[k + 1][j];
             }
-            right[i] = right[i] - factor * right[k];
+            right[i + 1] = right[i + 1] - factor * right[k + 1];
         }
-        matrix[k * m + k] = inverse;
+        matrix[k + 1][k] = inverse;
     }
-    for i in (0..m).rev() {
-        let mut rest = right[i];
-        for j in i + 1..m {
-            rest = rest - matrix[i * m + j] * right[j];
+    for i in (0..S - 1).rev() {
+        let mut rest = right[i + 1];
+        for j in i + 1..S - 1 {
+            rest = rest - matrix[i + 1][j] * x[j];
         }
-        right[i] = rest * matrix[i * m + i];
+        x[i] = rest * matrix[i + 1][i];
     }
+    x
 }
