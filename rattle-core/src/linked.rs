@@ -199,6 +199,15 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
+    fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
+                bodies.kept.normals(&self.shape, c, time, bodies.q.as_ref());
+            }
+        }
+    }
+
     fn drift<W: Witness<f64>>(
         &self,
         kick: f64,

@@ -195,7 +195,12 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         constraint: G,
         members: impl IntoIterator<Item = [usize; A]>,
     ) -> Scene<Network<D>, E, N, D> {
-        const { assert!(K == A * D + 1, "a moving constraint has the variables of its bodies, then the time") };
+        const {
+            assert!(
+                A > 0 && K == A * D + 1,
+                "a moving constraint has the variables of its bodies, then the time"
+            )
+        };
         let members = members.into_iter().collect();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
     }
@@ -301,7 +306,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let system = self.constraint.system(&self.effects, self.count, &start, stepper.step_size())?;
         self.check_forces(&start.bodies)?;
         let bodies = system.bodies(|i| start.bodies[i], start.time);
-        Ok(Simulation::new(system, self.count, bodies, stepper))
+        Ok(Simulation::new(system, self.count, bodies, start.time_low, stepper))
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
