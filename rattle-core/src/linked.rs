@@ -539,7 +539,7 @@ impl<const D: usize> Flight<'_, D> {
             let (drift, push) = (&room.drift[body], &room.push[body]);
             room.lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i]);
         }
-        solver.displace(rows, &self.shape.roots, &room.y, &mut room.lift);
+        solver.displace(rows, &self.shape.roots, &room.y[..rows.equations()], &mut room.lift);
         for &body in &rows.bodies {
             room.trial[body] = sum(&self.q[body], &sum(&self.q_low[body], &room.lift[body]));
         }
@@ -671,7 +671,7 @@ impl<const D: usize> Flight<'_, D> {
     fn length_of_correction(&self, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
         let rows = self.rows();
         rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
-        solver.displace(rows, &self.shape.roots, &room.dx, &mut room.lift);
+        solver.displace(rows, &self.shape.roots, &room.dx[..rows.equations()], &mut room.lift);
         rows.bodies.iter().map(|&body| largest(&room.lift[body])).fold(0.0, f64::max)
     }
 
