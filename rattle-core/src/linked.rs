@@ -15,8 +15,8 @@
 //! It also ends where a fresh derivative, equal to the one before, does not make residuals smaller: then they are the
 //! rounding of g itself.
 //!
-//! **Which root.** As on surfaces: if the guess was off by a small part of the path, pivots stayed positive and
-//! the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
+//! **Which root.** As on surfaces: if the guess was off by a small part of the path (or the normals do not change), pivots
+//! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
 //! followed from h = 0 in parts of the step that are halved until that holds.
 
 use crate::bodies::{Bodies, Body, Count};
@@ -121,6 +121,8 @@ struct Flight<'a, const D: usize> {
     component: usize,
     q: &'a [[f64; D]],
     q_low: &'a [[f64; D]],
+    /// The gradients there.
+    blocks: &'a [[f64; D]],
     time: f64,
     h: f64,
 }
@@ -232,12 +234,12 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let (first, m) = (component.first, rows.equations());
             let blocks = &blocks[first.1..first.1 + rows.blocks()];
-            let flight = Flight { shape, component: c, q, q_low, time: bodies.time, h };
+            let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
             counts.solves += 1;
-            let turn = flight.guess(solver, blocks, room);
+            let turn = flight.guess(solver, room);
             let solved = flight.solve(solver, turn, room, counts);
             if !solved.converged {
-                return Err(flight.failure(solver, blocks, turn, room, solved));
+                return Err(flight.failure(solver, turn, room, solved));
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }
@@ -494,8 +496,8 @@ impl<const D: usize> Flight<'_, D> {
     }
 
     /// Writes the x with g̈ = 0 into `room.guess`. Returns the largest relative change of a normal in the step.
-    fn guess(&self, solver: &mut Solver<D>, blocks: &[[f64; D]], room: &mut Room<D>) -> f64 {
-        let rows = self.rows();
+    fn guess(&self, solver: &mut Solver<D>, room: &mut Room<D>) -> f64 {
+        let (rows, blocks) = (self.rows(), self.blocks);
         let m = rows.equations();
         let (bends, turns) = (&mut room.g[..m], &mut room.dx[..m]);
         self.shape.bends(self.component, self.time, self.q, &room.velocity, bends, turns);
@@ -517,12 +519,24 @@ impl<const D: usize> Flight<'_, D> {
         let m = self.rows().equations();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
-        let path = self.path(room);
-        if turn <= LARGE_TURN && landing.trusted(path, FAR_GUESS) {
+        let mut path = self.path(room);
+        if self.rows().moving {
+            // A constraint that begins to move takes bodies along that had no way of their own.
+            room.dx[..m].copy_from_slice(&room.guess[..m]);
+            path += self.length_of_correction(solver, room) + landing.first;
+        }
+        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, room) {
             return landing;
         }
         counts.followed += 1;
         self.follow(solver, path, room, counts)
+    }
+
+    /// Whether the root found is taken for the one that the motion leads to: the guess was off by no more than `far`, or
+    /// the normals are those of the start, so that there is no other one near (as at rest, where `far` is 0).
+    fn trusts(&self, landing: &Landing, far: f64, room: &Room<D>) -> bool {
+        let straight = || self.change(room, self.blocks) <= STRAIGHT;
+        landing.converged && landing.upright && (landing.first <= far || straight())
     }
 
     /// The longest way of a body without the constraints.
@@ -599,7 +613,7 @@ impl<const D: usize> Flight<'_, D> {
                 let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..blocks]);
                 self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
                 counts.gradients += 1;
-                if self.change(room) <= STRAIGHT {
+                if self.change(room, &room.before) <= STRAIGHT {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
@@ -631,7 +645,7 @@ impl<const D: usize> Flight<'_, D> {
                 room.y[i] = room.guess[i] * end * end + room.excess[i] + room.slope[i] * length;
             }
             landing = self.land(solver, end, room, counts, |_| ());
-            if landing.trusted(length * path, FAR_EXTRAPOLATION) {
+            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, room) {
                 for i in 0..m {
                     let excess = room.y[i] - room.guess[i] * end * end;
                     room.slope[i] = (excess - room.excess[i]) / length;
@@ -652,7 +666,7 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: false, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on.
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer.
     fn measure_rounding(&self, room: &mut Room<D>) {
         let rows = self.rows();
         for row in 0..rows.equations() {
@@ -663,6 +677,7 @@ impl<const D: usize> Flight<'_, D> {
                 size = f64::max(size, largest(&room.drift[body]));
             }
             room.lengths[row] = square.sqrt();
+            size = f64::max(size, room.g[row].abs() / room.lengths[row]);
             room.scale[row] = 1.0 / (f64::EPSILON * size * room.lengths[row]);
         }
     }
@@ -675,12 +690,12 @@ impl<const D: usize> Flight<'_, D> {
         rows.bodies.iter().map(|&body| largest(&room.lift[body])).fold(0.0, f64::max)
     }
 
-    /// The largest relative change of a gradient from `room.before`.
-    fn change(&self, room: &Room<D>) -> f64 {
+    /// The largest relative change of a gradient from `before`.
+    fn change(&self, room: &Room<D>, before: &[[f64; D]]) -> f64 {
         let rows = self.rows();
         let change = |row: usize| {
             let apart = rows.blocks_of(row).map(|(block, _)| {
-                let difference = add_scaled(&room.blocks[block], -1.0, &room.before[block]);
+                let difference = add_scaled(&room.blocks[block], -1.0, &before[block]);
                 dot(&difference, &difference)
             });
             apart.sum::<f64>().sqrt() / room.lengths[row]
@@ -691,15 +706,8 @@ impl<const D: usize> Flight<'_, D> {
     /// Why the step failed, and what would pass.
     #[cold]
     #[inline(never)]
-    fn failure(
-        &self,
-        solver: &mut Solver<D>,
-        blocks: &[[f64; D]],
-        turn: f64,
-        room: &mut Room<D>,
-        landing: Landing,
-    ) -> Failure {
-        let (rows, m) = (self.rows(), self.rows().equations());
+    fn failure(&self, solver: &mut Solver<D>, turn: f64, room: &mut Room<D>, landing: Landing) -> Failure {
+        let (rows, m, blocks) = (self.rows(), self.rows().equations(), self.blocks);
         let mut residuals = Vec::new();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
@@ -747,12 +755,6 @@ impl<const D: usize> Flight<'_, D> {
                 passing: Passing(passing),
             }
         })
-    }
-}
-
-impl Landing {
-    fn trusted(&self, path: f64, far: f64) -> bool {
-        self.converged && self.upright && self.first <= far * path
     }
 }
 
