@@ -86,7 +86,8 @@ fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Re
     for &(body, at) in &shape.pins {
         let Body { q, p, .. } = bodies[body];
         let off = largest(&add_scaled(&q, -1.0, &at));
-        if !(off <= START_TOLERANCE * size.max(largest(&at)) && p == [0.0; D]) {
+        let finite = at.iter().all(|x| x.is_finite());
+        if !(finite && off <= START_TOLERANCE * size.max(largest(&at)) && p == [0.0; D]) {
             let cause = StartFailure::Pinned { at: at.to_vec(), position: q.to_vec(), momentum: p.to_vec() };
             return Err(Error::Start { body, cause });
         }
