@@ -22,7 +22,7 @@
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
-use crate::network::{Report, Rows, Shape, Solver};
+use crate::network::{Report, Root, Rows, Shape, Solver};
 use crate::stepper::{Failure, Witness};
 use crate::surface::multiplier_time;
 use crate::system::System;
@@ -459,12 +459,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[cold]
     fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
-        let position = q[body].to_vec();
-        let cause = match self.field.culprit(q, body) {
-            Some((effect, force)) => StepFailure::ForceNotFinite { effect, force: force.to_vec(), position },
-            None => StepFailure::MomentumNotFinite { position },
-        };
-        Failure { body, cause }
+        // Links hand a force that is none on to other bodies.
+        let culprits = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
+        let mut culprits = culprits.filter_map(|body| Some((body, self.field.culprit(q, body)?)));
+        if let Some((body, (effect, force))) = culprits.next() {
+            let (force, position) = (force.to_vec(), q[body].to_vec());
+            return Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } };
+        }
+        Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
     }
 
     pub(crate) fn counts(&self, bodies: &BodiesOf<F, N, D>) -> Counts {
