@@ -48,6 +48,12 @@ const MAX_PARTS: usize = 200;
 const HALVINGS: i32 = 24;
 /// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
 pub(crate) const LOST: f64 = 1e-7;
+/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it: where
+/// a mechanism branches, places are known to √ε.
+const BRANCHING: f64 = 1e-6;
+const MUCH_SHORTER: f64 = 1e-3;
+/// A multiplier that acts along less than this part of ∇g is what stopped a step.
+const LITTLE_SHARE: f64 = 0.25;
 
 /// A network of constraints on bodies in a field of force.
 #[derive(Debug, Clone)]
@@ -718,7 +724,7 @@ impl<const D: usize> Flight<'_, D> {
         let body = equation.bodies[0];
         let because = |cause| Failure { body, cause };
         let share = acting_share(self.shape, self.component, row, blocks);
-        if rows.acting && share < 0.1 {
+        if rows.acting && share < LITTLE_SHARE {
             return because(StepFailure::CannotAct { equation, share });
         }
         let square: f64 = rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
@@ -741,6 +747,14 @@ impl<const D: usize> Flight<'_, D> {
                 passing = Some(parts.0);
                 break;
             }
+        }
+        let much_shorter = passing.is_none_or(|h: f64| h.abs() <= MUCH_SHORTER * self.h.abs());
+        let independent = solver.rank(rows) == m;
+        let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
+        if much_shorter && independent && sine < BRANCHING && !rows.acting {
+            let equation = self.shape.equation_at(self.component, weakest);
+            let body = equation.bodies[0];
+            return Failure { body, cause: StepFailure::RankLost { equation, sine } };
         }
         let residuals = residuals.into_iter().collect();
         because(if landing.contradictory {
