@@ -323,7 +323,7 @@ fn a_step_too_long_says_what_passes() {
         .link(Rod { length: 1.0 }, chain(2))
         .pin(0, [0.0, 0.0])
         .with(PlanarGravity { g: 1.0 });
-    let mut found = 0;
+    let (mut found, mut composed_failures) = (0, 0);
     for (speed, h) in [(3.0, 0.5), (10.0, 0.3), (1.0, 2.0), (0.0, 4.0)] {
         let start = double_pendulum().with_momenta([[0.0, 0.0], [0.0, speed], [-speed, speed]]);
         let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
@@ -358,10 +358,17 @@ fn a_step_too_long_says_what_passes() {
         assert!((gradient - 8.0_f64.sqrt()).abs() < 1e-12 || (gradient - 2.0).abs() < 1e-12, "{gradient}");
         says(&error, &[&format!("a step of {short:.3e} passes")]);
         scene.simulate(state.clone(), Rattle::new(short)).unwrap().step().unwrap();
-        assert!(scene.simulate(state, Rattle::new(2.0 * short)).unwrap().step().is_err(), "the longest");
+        assert!(
+            scene.simulate(state.clone(), Rattle::new(2.0 * short)).unwrap().step().is_err(),
+            "the longest"
+        );
+        // In a composition stages before the one that fails are taken back too.
+        let suzuki = Composition::new(SUZUKI_1990_ORDER_4, 4.0 * short);
+        let mut composed = scene.simulate(state, suzuki).unwrap();
+        composed_failures += u32::from(matches!(fails(&mut composed, 1000), Error::Step { .. }));
         found += 1;
     }
-    assert!(found >= 3, "{found}");
+    assert!(found >= 3 && composed_failures == found, "{found}");
 }
 
 potential! {

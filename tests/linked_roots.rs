@@ -180,7 +180,7 @@ fn mass(rng: &mut StdRng) -> Mass<2> {
 #[test]
 fn no_network_makes_a_panic() {
     let mut rng = StdRng::seed_from_u64(11);
-    let (mut mistakes, mut starts, mut steps, mut runs) = (0, 0, 0, 0);
+    let (mut mistakes, mut starts, mut steps, mut runs, mut checked) = (0, 0, 0, 0, 0);
     for _ in 0..20_000 {
         let rng = &mut rng;
         let bodies = if rng.random_bool(0.02) { 0 } else { rng.random_range(1..7_usize) };
@@ -272,10 +272,20 @@ fn no_network_makes_a_panic() {
                 steps += 1;
                 break;
             }
-            assert!(phase(&simulation.state()).iter().all(|x| x.is_finite()), "no step ends in NaN");
+            let phase = phase(&simulation.state());
+            assert!(phase.iter().all(|x| x.is_finite()), "no step ends in NaN");
+            let size = phase.iter().fold(1.0, |size, x| f64::max(size, x.abs()));
+            if size < 1e3 {
+                // No length here is longer than that, and no gradient larger than a few times the lengths.
+                let off = simulation.constraint_residual().max(simulation.cotangent_residual());
+                assert!(off <= 1e-9 * size * size, "{off:e} at {phase:?}");
+                checked += 1;
+            }
         }
         let _ = (simulation.energy_error(), simulation.constraint_forces(), simulation.multipliers());
     }
-    println!("{mistakes} mistakes, {starts} bad starts, {runs} runs of which {steps} ended early");
+    println!(
+        "{mistakes} mistakes, {starts} bad starts, {runs} runs of which {steps} ended early; {checked} steps checked"
+    );
     assert!(mistakes > 100 && starts > 1000 && runs > 1000 && steps > 100);
 }

@@ -278,3 +278,75 @@ fn rest_without_forces_is_no_failure() {
     }
     assert!(rested > 50, "{rested}");
 }
+
+#[test]
+fn moving_constraints_go_back_the_way_they_came() {
+    let scene = Scene::points(3)
+        .link_moving(GrowingRod { length: 1.0, rate: 0.1 }, chain(2))
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let start = scene.project(&double_pendulum().at_time(0.3)).unwrap();
+    let there = after(|h| scene.simulate(start.clone(), Rattle::new(h)), 1.0, 100);
+    let back = after(|h| scene.simulate(there.state(), Rattle::new(h)), -1.0, 100);
+    let error = apart(&phase(&back.state()), &phase(&start));
+    println!("moving, there and back: {error:.1e}; work {:.2e} {:.2e}", there.work(), back.work());
+    assert!(error <= 1e-13 && (back.time() - 0.3).abs() <= 1e-16, "{error:e}");
+    assert!(there.work().abs() > 0.01 && (there.work() + back.work()).abs() <= 1e-13, "the work is undone");
+}
+
+/// μ of one step and λ of the next, each of first order with errors that cancel; in the order of naming, also where
+/// equations of two components take turns.
+#[test]
+fn recorded_multipliers_are_in_the_order_of_naming() {
+    let rods = [[0, 1], [2, 3], [1, 4], [3, 5]];
+    let lengths = [1.0, 0.5, 0.8, 1.2];
+    let scene = Scene::points(6)
+        .link_each(lengths.map(|length| Rod { length }).into_iter().zip(rods))
+        .pin(0, [0.0, 0.0])
+        .pin(2, [5.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let q = [[0.0, 0.0], [1.0, 0.0], [5.0, 0.0], [5.0, 0.5], [1.0, 0.8], [6.2, 0.5]];
+    let error = |n: u32| {
+        let mut simulation = scene.simulate(State::of(q), Rattle::new(1.0 / f64::from(n))).unwrap();
+        assert_eq!(simulation.system().components().len(), 2);
+        let mut trajectory = Trajectory::with_multipliers(&simulation);
+        simulation.run_recording(u64::from(n), &mut trajectory).unwrap();
+        let exact = simulation.multipliers();
+        simulation.run_recording(1, &mut trajectory).unwrap();
+        let found = trajectory.multipliers().unwrap();
+        let row = 4 * n as usize;
+        let mean: Vec<f64> =
+            (0..4).map(|i| 0.5 * (found.momentum[row + i] + found.position[row + 4 + i])).collect();
+        assert!(exact.iter().all(|x| x.abs() > 0.05), "{exact:?}");
+        apart(&mean, &exact)
+    };
+    let errors = [200, 400, 800].map(error);
+    println!("recorded multipliers: {errors:?}");
+    check_ratios("λ", errors, 2);
+}
+
+/// A chain that hangs still: every rod carries what is below it, the pin all of it.
+#[test]
+fn constraint_forces_are_in_the_unit_of_force() {
+    let masses = [1.0, 2.0, 0.5, 3.0];
+    for algebra in [Orthogonal, Elimination] {
+        let scene = Scene::points(4)
+            .link(Rod { length: 1.0 }, chain(3))
+            .pin(0, [0.0, 0.0])
+            .masses(masses)
+            .linear_algebra(algebra)
+            .with(weights(&masses));
+        let start = State::of((0..4).map(|i| [0.0, -f64::from(i)]));
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap();
+        simulation.run(10).unwrap();
+        assert!(apart(&phase(&simulation.state()), &phase(&start)) <= 1e-15);
+        let forces: Vec<f64> = simulation.constraint_forces().iter().map(|force| force.y).collect();
+        assert!(apart(&forces, &[-5.5, 2.0, 0.5, 3.0]) <= 1e-14, "{forces:?}");
+        // F = 2 λ · length for a rod of length 1.
+        assert!(
+            apart(&simulation.multipliers(), &[-2.75, -1.75, -1.5]) <= 1e-14,
+            "{:?}",
+            simulation.multipliers()
+        );
+    }
+}

@@ -533,18 +533,27 @@ impl<const D: usize> Flight<'_, D> {
             room.dx[..m].copy_from_slice(&room.guess[..m]);
             path += self.length_of_correction(solver, room) + landing.first;
         }
-        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, room) {
+        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
             return landing;
         }
         counts.followed += 1;
         self.follow(solver, path, room, counts)
     }
 
-    /// Whether the root found is taken for the one that the motion leads to: the guess was off by no more than `far`, or
-    /// the normals are those of the start, so that there is no other one near (as at rest, where `far` is 0).
-    fn trusts(&self, landing: &Landing, far: f64, room: &Room<D>) -> bool {
-        let straight = || self.change(room, self.blocks) <= STRAIGHT;
-        landing.converged && landing.upright && (landing.first <= far || straight())
+    /// Whether the root found for the part `s` of the step is taken for the one that the motion leads to: the guess was off
+    /// by no more than `far`, or the normals there are those of the start (as at rest, where `far` is 0).
+    fn trusts(&self, landing: &Landing, far: f64, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
+        landing.converged && landing.upright && (landing.first <= far || self.straight(solver, s, room))
+    }
+
+    #[cold]
+    fn straight(&self, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
+        let (m, blocks) = (self.rows().equations(), self.rows().blocks());
+        self.place(solver, s, room);
+        let (g, there) = (&mut room.g[..m], &mut room.blocks[..blocks]);
+        let time = self.time + s * self.h;
+        self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
+        self.change(room, self.blocks) <= STRAIGHT
     }
 
     /// The longest way of a body without the constraints.
@@ -653,7 +662,7 @@ impl<const D: usize> Flight<'_, D> {
                 room.y[i] = room.guess[i] * end * end + room.excess[i] + room.slope[i] * length;
             }
             landing = self.land(solver, end, room, counts, |_| ());
-            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, room) {
+            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, solver, end, room) {
                 for i in 0..m {
                     let excess = room.y[i] - room.guess[i] * end * end;
                     room.slope[i] = (excess - room.excess[i]) / length;
