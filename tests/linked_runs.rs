@@ -350,3 +350,34 @@ fn constraint_forces_are_in_the_unit_of_force() {
         );
     }
 }
+
+constraint! {
+    /// A line that falls off to the right.
+    struct Slope {}
+    |x, y| y + x / 2
+}
+
+/// A bead that its slope pushes along y only, tied by a rod to another: the slope's equation feels the rod along x too.
+#[test]
+fn a_multiplier_on_chosen_coordinates_among_others() {
+    let start = State::of([[0.0, 0.0], [0.6, -0.8]]);
+    let scene = Scene::points(2)
+        .link(Rod { length: 1.0 }, [[0, 1]])
+        .link_acting(Slope {}, [[0]], [[false, true]])
+        .with(PlanarGravity { g: 1.0 });
+    let ends = [Orthogonal, Elimination].map(|algebra| {
+        let scene = scene.clone().linear_algebra(algebra);
+        let done = after(|h| scene.simulate(start.clone(), Rattle::new(h)), 0.5, 100);
+        assert!(done.constraint_residual() <= 1e-15 && done.cotangent_residual() <= 1e-15);
+        phase(&done.state())
+    });
+    assert!(apart(&ends[0], &ends[1]) <= 1e-13, "{ends:?}");
+    // At rest: with r = (0.6, −0.8) the rod pulls body 0 by T r and body 1 by −T r, the slope lifts body 0 by N.
+    //   rod     (T r + (0, N)) · r = −T r · r              2 T = 0.8 N
+    //   slope   T r_y + N − 1 + T r_x/2 = 0                N − 0.5 T = 1
+    let (tension, lift) = (0.5, 1.25);
+    let simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+    // ∇g of the rod on body 0 is −2 r.
+    let multipliers = simulation.multipliers();
+    assert!(apart(&multipliers, &[-tension / 2.0, lift]) <= 1e-15, "{multipliers:?}");
+}

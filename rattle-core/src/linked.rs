@@ -322,7 +322,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                 if settled {
                     break;
                 }
-                solver.solve(needed, x);
+                solver.respond(rows, blocks, &shape.roots, needed, x);
                 solver.push(rows, &shape.roots, 1.0, x, change);
                 total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
             }
@@ -393,7 +393,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             }
             let mut solver = bodies.kept.solvers[c].clone();
             let mut x = vec![0.0; out.len()];
-            solver.solve(&bends, &mut x);
+            solver.respond(rows, blocks, &self.shape.roots, &mut bends, &mut x);
             solver.multipliers(&x, out);
         });
     }
@@ -518,7 +518,7 @@ impl<const D: usize> Flight<'_, D> {
             }
             *bend = -0.5 * self.h * self.h * *bend - along(rows, i, blocks, &room.push);
         }
-        solver.solve(bends, &mut room.guess[..m]);
+        solver.respond(rows, blocks, &self.shape.roots, bends, &mut room.guess[..m]);
         largest_turn
     }
 
