@@ -209,7 +209,12 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         constraint: G,
         members: impl IntoIterator<Item = [usize; A]>,
     ) -> Scene<Network<D>, E, N, D> {
-        const { assert!(K == A * D + 1, "a moving constraint has the variables of its bodies, then the time") };
+        const {
+            assert!(
+                A > 0 && K == A * D + 1,
+                "a moving constraint has the variables of its bodies, then the time"
+            )
+        };
         let members = members.into_iter().collect();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
     }
@@ -317,7 +322,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         system.reserve(&mut bodies, stepper.stages());
-        Ok(Simulation::new(system, self.count, bodies, stepper))
+        Ok(Simulation::new(system, self.count, bodies, start.time_low, stepper))
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {

@@ -32,6 +32,12 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// Evaluates anew what is kept, after positions were put back.
     fn refresh(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
 
+    /// Sets the time at the end of a step, which the sum of its stages may miss by rounding.
+    #[inline(always)]
+    fn set_time(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, time: f64) {
+        bodies.time = time;
+    }
+
     /// Kicks for a time `kick`, then moves for a time `h`, to where the constraints hold. Normals are then those of the
     /// new positions, forces still the old ones. Neither allocates nor panics.
     ///

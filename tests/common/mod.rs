@@ -2,6 +2,7 @@
 #![allow(dead_code, unused_imports, unreachable_pub, reason = "each test uses its part")]
 
 pub mod lanes;
+pub mod linked;
 
 use rattle::prelude::*;
 use std::collections::HashMap;
