@@ -153,3 +153,86 @@ fn steps_three_times_as_long_as_those_of_rattle() {
     assert!(worst < 0.1, "{worst}"); // of 0.83; measured 0.07
     assert!(simulation.constraint_residual() < 1e-15);
 }
+
+constraint! {
+    /// Two points at a distance, in the plane.
+    struct Rod { length }
+    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
+}
+
+#[test]
+fn orders_2_to_16_of_linked_bodies() {
+    fn check<const S: usize>(steps: [u64; 3])
+    where
+        Table<S>: Tabulated,
+    {
+        let rows = table("double_pendulum");
+        let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 1.0).unwrap();
+        let exact = row.numbers(["x1", "y1", "x2", "y2"]);
+        let scene = Scene::points(3)
+            .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+            .pin(0, [0.0, 0.0])
+            .with(PlanarGravity { g: 1.0 });
+        let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let points = steps.map(|n| {
+            let mut simulation = scene.simulate(start.clone(), Lobatto::<S>::new(1.0 / n as f64)).unwrap();
+            simulation.run(n).unwrap();
+            let q: Vec<_> = simulation.positions().collect();
+            let error = distance([q[1].x, q[1].y, q[2].x, q[2].y], exact);
+            assert!(simulation.constraint_residual() < 1e-15 && error < 0.1);
+            ((1.0 / n as f64).ln(), error.ln())
+        });
+        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let slope = (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x);
+        let order = f64::from(Lobatto::<S>::new(1.0).order());
+        assert!((slope - order).abs() < order / 8.0, "s = {S}: slope {slope}, order {order}");
+    }
+    check::<2>([40, 60, 80]);
+    check::<3>([4, 6, 8]);
+    check::<4>([3, 4, 5]);
+    check::<5>([2, 3, 4]);
+    check::<6>([2, 3, 4]);
+    check::<7>([2, 3, 4]);
+    // Beyond, a single step of length 1 leaves 2e-10 and 4e-12.
+    single::<8>(1e-9);
+    single::<9>(1e-11);
+}
+
+fn single<const S: usize>(bound: f64)
+where
+    Table<S>: Tabulated,
+{
+    let rows = table("double_pendulum");
+    let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 1.0).unwrap();
+    let scene = Scene::points(3)
+        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    let mut simulation = scene.simulate(start, Lobatto::<S>::new(1.0)).unwrap();
+    simulation.step().unwrap();
+    let q: Vec<_> = simulation.positions().collect();
+    let error = distance([q[1].x, q[1].y, q[2].x, q[2].y], row.numbers(["x1", "y1", "x2", "y2"]));
+    assert!(error < bound, "s = {S}: {error:e}");
+}
+
+constraint! {
+    /// A sphere whose radius swings with time.
+    struct Breathing { amplitude }
+    |x, y, z, t| x^2 + y^2 + z^2 - (1 + amplitude * sin(t))^2
+}
+
+#[test]
+fn the_work_of_a_moving_constraint_is_known_to_the_method_s_order() {
+    let scene = Scene::point().link_moving(Breathing { amplitude: 0.3 }, [[0]]).with(Gravity { g: 1.0 });
+    let start = scene.project(&State::at([0.8, 0.0, 0.6]).moving([0.0, 1.0, 0.0])).unwrap();
+    let missing = [8_u64, 16].map(|n| {
+        let mut simulation = scene.simulate(start.clone(), Lobatto::<3>::new(2.0 / n as f64)).unwrap();
+        simulation.run(n).unwrap();
+        assert!(simulation.work().abs() > 0.1);
+        simulation.energy_error().abs()
+    });
+    let ratio = missing[0] / missing[1];
+    assert!((13.0..20.0).contains(&ratio), "order 4 has 16: {ratio}, {missing:?}");
+}

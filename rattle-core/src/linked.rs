@@ -19,6 +19,8 @@
 //! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
 //! followed from h = 0 in parts of the step that are halved until that holds.
 
+mod collocation;
+
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
@@ -28,6 +30,7 @@ use crate::stepper::{Failure, Witness};
 use crate::surface::multiplier_time;
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
+use collocation::Stages;
 use std::sync::Arc;
 
 /// A first correction longer than this part of the path asks for following, as on surfaces; while it is followed, …
@@ -77,6 +80,8 @@ pub struct Kept<F, const D: usize> {
     /// Corrections and evaluations of g, since the start.
     counts: Counts,
     room: Room<D>,
+    /// Room for a method with inner stages.
+    stages: Option<Box<Stages<F, D>>>,
 }
 
 /// What the position equations have cost since the start of a simulation.
@@ -196,6 +201,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
             counts: Counts::default(),
             room,
+            stages: None,
         };
         let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
@@ -229,7 +235,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         let shape = &*self.shape;
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
-        let Kept { force, blocks, rates, solvers, counts, room } = &mut bodies.kept;
+        let Kept { force, blocks, rates, solvers, counts, room, .. } = &mut bodies.kept;
         for (body, root) in shape.roots.iter().enumerate() {
             let v = root.velocity(&p[body]);
             let v_low = root.velocity(&p_low[body]);
@@ -346,14 +352,19 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         Ok(())
     }
 
+    fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
+        let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
+        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
+    }
+
     fn collocate<W: Witness<f64>, const S: usize>(
         &self,
-        _: &Table<S>,
-        _: f64,
-        _: &mut BodiesOf<F, N, D>,
-        _: &mut W,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        witness: &mut W,
     ) -> Result<(), Failure> {
-        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: "a network of linked bodies" } })
+        self.collocate(table, h, bodies, witness)
     }
 
     fn equations(&self) -> usize {
