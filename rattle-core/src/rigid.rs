@@ -20,7 +20,7 @@ use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
 use crate::state::State;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Stepper, Witness};
 use crate::system::System;
 use crate::vector::{sum, two_sum};
 use nalgebra::{Matrix3, Vector3};
@@ -184,7 +184,7 @@ impl Hold<9> for Rigid {
         effects: &E,
         count: N,
         start: &State<9>,
-        _: f64,
+        _: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error> {
         let fine = |moment: &f64| *moment > 0.0 && moment.is_finite();
         let triangle = self.column_masses().iter().all(|d| *d >= -4.0 * f64::EPSILON * self.inertia.amax());
@@ -290,6 +290,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
+        _: f64,
         bodies: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {
