@@ -49,7 +49,7 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, kernel, linked, network, real, recorder,
+    bodies, composition, counted, curvature, effect, error, kernel, linked, network, real, recorder, scene,
     simulation, stepper, surface, system,
 };
 

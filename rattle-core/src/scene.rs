@@ -44,6 +44,11 @@ pub trait Hold<const D: usize> {
         method: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error>;
 
+    /// Whether this body cannot move at all.
+    fn pinned(&self, _body: usize) -> bool {
+        false
+    }
+
     /// The same for so many particles, each under its own copy.
     #[must_use]
     fn particles(self, number: usize) -> Self;
@@ -296,7 +301,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     pub fn staggered<S: Stepper>(&self, state: &State<D>, method: &S) -> State<D> {
         let mut state = state.clone();
         let forces = self.forces(&state.bodies);
-        for (body, force) in state.bodies.iter_mut().zip(forces) {
+        let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
+        for (_, (body, force)) in state.bodies.iter_mut().zip(forces).enumerate().filter(moving) {
             let change = force.add_to(body.p_low, method.momentum_delay());
             (body.p, body.p_low) = two_sum(&body.p, &change);
         }
