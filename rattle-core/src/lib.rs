@@ -18,6 +18,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
+pub mod shadow;
 pub mod shake;
 pub mod simulation;
 mod solver;

@@ -331,6 +331,19 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
     }
 
+    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.shape.roots[body].product(a, b)
+    }
+
+    fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.forces(bodies.q.as_ref(), &mut forces);
+        let pulls = self.constraint_forces(bodies);
+        for (body, a) in accelerations.iter_mut().enumerate() {
+            *a = self.shape.roots[body].velocity(&forces[body].add_to(pulls[body], 1.0));
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
         let energy = parts.map(|((p, low), root)| {

@@ -324,6 +324,25 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
     }
 
+    fn mass_product(&self, _: usize, a: &[f64; 9], b: &[f64; 9]) -> f64 {
+        let masses = self.body.column_masses();
+        (0..9).map(|k| masses[k % 3] * a[k] * b[k]).sum()
+    }
+
+    /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
+    fn accelerations(&self, bodies: &BodiesOf<F, N>, accelerations: &mut [[f64; 9]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.field.evaluate(bodies.q.as_ref(), &mut forces);
+        for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
+            let place = Place::of(bodies, number);
+            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
+            let rate = place.m.component_div(&self.body.inertia);
+            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
+            let cross = rate.cross_matrix();
+            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N>) -> f64 {
         let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
             let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);

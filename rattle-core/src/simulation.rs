@@ -19,7 +19,7 @@ use std::marker::PhantomData;
 pub struct Simulation<Y: System<f64, D>, S, const D: usize> {
     system: Y,
     stepper: S,
-    bodies: Bodies<Y::Count, f64, Y::Kept, D>,
+    pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
     before: Bodies<Y::Count, f64, (), D>,
     steps: u64,

@@ -114,6 +114,21 @@ where
         bodies.p.as_ref()[body]
     }
 
+    fn mass_product(&self, _: usize, a: &[T; D], b: &[T; D]) -> T {
+        dot(a, b)
+    }
+
+    fn accelerations(&self, bodies: &BodiesOf<N, T, F, D>, accelerations: &mut [[T; D]]) {
+        let mut multipliers = vec![T::from_f64(0.0); self.count.number()];
+        <Self as System<T, D>>::multipliers(self, bodies, &mut multipliers);
+        let mut forces = self.count.each(F::Force::zero());
+        self.field.evaluate(bodies.q.as_ref(), forces.as_mut());
+        for (i, a) in accelerations.iter_mut().enumerate() {
+            let pull = scaled(multipliers[i], &bodies.kept.normal.as_ref()[i].gradient);
+            *a = forces.as_ref()[i].add_to(pull, T::from_f64(1.0));
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
         let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));

@@ -65,6 +65,10 @@ pub trait System<T: Real, const D: usize>: Clone {
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
     fn velocity(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, body: usize) -> [T; D];
+    /// aᵀM b, for changes of position of a body; 0 for one that is pinned.
+    fn mass_product(&self, body: usize, a: &[T; D], b: &[T; D]) -> T;
+    /// Writes q̈ = M⁻¹(f + Gᵀλ) of each body, from the present state alone.
+    fn accelerations(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, accelerations: &mut [[T; D]]);
     /// pᵀM⁻¹p/2, summed over the bodies.
     fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
     /// U.
