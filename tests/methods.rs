@@ -579,3 +579,67 @@ fn shake_is_rattle_seen_half_a_step_earlier() {
     }
     assert_ne!(rattle.momentum(), shake.momentum());
 }
+
+/// A step is a function of the state alone: of nothing that was kept from the step before.
+#[test]
+fn a_saved_state_goes_on_bit_for_bit() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method), method);
+        goes_on(name, &linked, &linked.staggered(&start, &method), method);
+    }
+}
+
+fn goes_on<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    name: &str,
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: Method,
+) {
+    let mut whole = scene.simulate(start.clone(), method).unwrap();
+    whole.run(25).unwrap();
+    let mut rest = scene.simulate(whole.state(), method).unwrap();
+    assert_eq!(rest.multipliers(), whole.multipliers(), "{name}: multipliers are those of the state");
+    whole.run(25).unwrap();
+    rest.run(25).unwrap();
+    assert_ne!(bits(&rest.state()), bits(start));
+    assert_eq!(bits(&rest.state()), bits(&whole.state()), "{name}");
+}
+
+#[test]
+fn no_step_allocates() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
+        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let allocated = allocation_counter::measure(|| {
+            particle.run(50).unwrap();
+            rods.run(50).unwrap();
+        });
+        assert_eq!((particle.steps(), rods.steps(), allocated.count_total), (50, 50, 0), "{name}");
+    }
+}
+
+/// Round the unit sphere at unit speed h·κ·|v| is h: at most 1 for each inner step.
+#[test]
+fn inner_steps_have_the_limit() {
+    let takes = |method: Method| {
+        let scene = Scene::on(Sphere { radius: 1.0 });
+        let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+        scene.simulate(start, method).unwrap().run(100).is_ok()
+    };
+    let limits: [(fn(f64) -> Method, f64); 5] = [
+        (|h| Method::Rattle(Rattle::new(h)), 1.0),
+        (|h| Method::Euler(SymplecticEuler::new(h)), 1.0),
+        (|h| Method::PositionVerlet(PositionVerlet::new(h)), 2.0),
+        (|h| Method::Geodesic(Geodesic::new(h, 4)), 4.0),
+        (|h| Method::Composed(Composition::new(SUZUKI_1990_ORDER_4, h)), 1.0 / 0.657_963_087_177_503),
+    ];
+    for (method, limit) in limits {
+        assert!(takes(method(0.9 * limit)) && !takes(method(1.02 * limit)), "{:?}", method(limit));
+    }
+}

@@ -119,7 +119,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.start_time + self.steps as f64 * self.stepper.step_size()
     }
 
-    /// The time of the momenta: later than [`Self::time`] by half a step with the staggered leapfrog.
+    /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
+    /// with SHAKE.
     pub fn momentum_time(&self) -> f64 {
         self.time() + self.stepper.momentum_delay()
     }
