@@ -10,6 +10,8 @@
 //!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a
 //!   factor h/2 in its half of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h)
 //!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
+//!   Every method tells impulses over h/2, h that of the inner step: those of stages, or of the free motion alone, are
+//!   shares. `simulation.multipliers()` is λ of the present state, whatever the method.
 //! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
 //!   and f = −∇U; see [`curvature`](crate::curvature).
 //!   They are in the unit of U over that of g; Gᵀλ is a force, see

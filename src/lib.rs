@@ -32,8 +32,8 @@
 //! ```
 //!
 //! A macro differentiates the expression when it compiles and writes native functions for the value,
-//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Stepper`] how: [`Rattle`]
-//! or a [`Composition`] of it. What a scene does not name costs nothing.
+//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Stepper`] how: [`Rattle`],
+//! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
 //! Signs and scales stand on one page: [`conventions`].
 
@@ -50,22 +50,26 @@ pub mod view;
 
 pub use rattle_core::{
     bodies, composition, counted, curvature, effect, error, kernel, linked, lobatto, network, real, recorder,
-    simulation, stepper, surface, system,
+    scene, shadow, simulation, stepper, surface, system,
 };
 
 pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
 pub use rattle_core::error::Error;
+pub use rattle_core::geodesic::Geodesic;
 pub use rattle_core::leapfrog::Leapfrog;
 pub use rattle_core::lobatto::Lobatto;
 pub use rattle_core::network::{LinearAlgebra, Mass};
+pub use rattle_core::position_verlet::PositionVerlet;
 pub use rattle_core::rattle::Rattle;
 pub use rattle_core::recorder::{Recorder, Trajectory};
 pub use rattle_core::rigid::Rigid;
 pub use rattle_core::scene::Scene;
+pub use rattle_core::shake::Shake;
 pub use rattle_core::simulation::Simulation;
 pub use rattle_core::state::State;
 pub use rattle_core::stepper::Stepper;
+pub use rattle_core::symplectic_euler::SymplecticEuler;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
@@ -74,7 +78,8 @@ pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Leapfrog, LinearAlgebra, Lobatto, Rattle, Rigid, Scene, Simulation, State, Stepper};
+    pub use crate::{Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};
+    pub use crate::{LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

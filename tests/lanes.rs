@@ -13,9 +13,18 @@ use std::array::from_fn;
 
 #[test]
 fn four_trajectories_in_lanes_are_the_four_alone() {
+    four_alone(&Rattle::new(0.01));
+    four_alone(&SymplecticEuler::new(0.01));
+    four_alone(&Shake::new(0.01));
+    four_alone(&Geodesic::new(0.02, 3));
+    four_alone(&PositionVerlet::new(0.01));
+    four_alone(&Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+}
+
+fn four_alone<S: Stepper>(method: &S) {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let directions = [0.1, 0.7, 2.0, 4.4];
-    let alone = directions.map(|theta| scene.simulate(billiard(theta), Rattle::new(0.01)).unwrap());
+    let alone = directions.map(|theta| scene.simulate(billiard(theta), method.clone()).unwrap());
     let system = scene.lanes::<Four>();
     let lanes = |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
     let zero = [Four([0.0; 4]); 3];
@@ -30,11 +39,16 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     );
     let mut alone = alone;
     for step in 0..1000 {
-        Rattle::new(0.01).step(&system, &mut together, &mut ()).unwrap();
+        method.step(&system, &mut together, &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);
-            assert_eq!(q, <[f64; 3]>::from(simulation.position()), "lane {lane}, step {step}");
+            assert_eq!(
+                q,
+                <[f64; 3]>::from(simulation.position()),
+                "{}: lane {lane}, step {step}",
+                method.name()
+            );
         }
     }
 }

@@ -62,7 +62,7 @@ pub struct Body<T, const D: usize> {
 /// Positions and momenta of all bodies, and what a [`System`](crate::system::System) keeps at them.
 ///
 /// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` holds what
-/// rounding took from `q`. What is kept is a function of positions and time alone.
+/// rounding took from `q`. What a step reads of what is kept is a function of positions and time alone.
 #[derive(Debug, Clone)]
 pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     /// Positions, rounded.

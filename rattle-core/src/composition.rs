@@ -1,17 +1,32 @@
-//! Compositions: methods of high order from steps of RATTLE with well-chosen sizes.
+//! Compositions: methods of high order from steps of a symmetric one with well-chosen sizes.
 //!
 //! ```text
-//! Ψₕ = Φ_{γₛh} ∘ … ∘ Φ_{γ₁h},   γ_{s+1−i} = γᵢ,   Σγᵢ = 1,   Σγᵢ³ = 0 (order 4)
+//! Ψₕ = Φ_{γₛh} ∘ … ∘ Φ_{γ₁h},   γ_{s+1−i} = γᵢ,   Σγᵢ = 1,   Σγᵢ³ = 0 (order 4),   …
 //! ```
 //!
-//! A symmetric method of order 2 composed symmetrically stays symplectic and reversible. Some γ are
+//! A symmetric method of order 2 composed symmetrically stays symmetric, and symplectic if it was. Some γ are
 //! negative, and the limit h·κ·|v| < 1 holds for each |γᵢ|h.
+//!
+//! **Order conditions.** A symmetric method is exp(hY₁ + h³Y₃ + h⁵Y₅ + …) with Y₁ the exact motion and Yₖ that do not
+//! commute. The composition has order p if in
+//!
+//! ```text
+//! exp(Σₖ γ₁ᵏYₖ) ⋯ exp(Σₖ γₛᵏYₖ)
+//! ```
+//!
+//! every word Y_a Y_b ⋯ with a + b + ⋯ ≤ p that is not a power of Y₁ has the coefficient 0.
+//!
+//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, III.1.3 and V.3.
+
+mod coefficients;
+
+pub use coefficients::*;
 
 use crate::bodies::Bodies;
 use crate::error::Error;
-use crate::rattle;
+use crate::rattle::Rattle;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness, check_step_size};
+use crate::stepper::{Failure, Stepper, Witness};
 use crate::system::System;
 
 /// Coefficients of a symmetric composition.
@@ -25,51 +40,58 @@ pub struct Coefficients {
     pub gammas: &'static [f64],
 }
 
-/// M. Suzuki, Phys. Lett. A 146 (1990) 319: γ₁ = γ₂ = 1/(4 − ∛4), γ₃ = −∛4 γ₁; five steps, |γ| ≤ 0.66.
-#[allow(clippy::excessive_precision, reason = "rounded once, by the compiler")]
-pub const SUZUKI_1990_ORDER_4: Coefficients = Coefficients {
-    name: "Suzuki 1990, order 4",
-    order: 4,
-    gammas: &[
-        0.414_490_771_794_375_737_142_354,
-        0.414_490_771_794_375_737_142_354,
-        -0.657_963_087_177_502_948_569_416,
-        0.414_490_771_794_375_737_142_354,
-        0.414_490_771_794_375_737_142_354,
-    ],
-};
-
-/// RATTLE steps of sizes γᵢh, together one step of size h.
+/// Steps of a symmetric method, by default RATTLE, of sizes γᵢh: together one step of size h.
 ///
 /// ```
-/// # use rattle_core::composition::{Composition, SUZUKI_1990_ORDER_4};
+/// # use rattle_core::composition::{Composition, KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
+/// # use rattle_core::geodesic::Geodesic;
 /// let method = Composition::new(SUZUKI_1990_ORDER_4, 0.03);
+/// let other = Composition::of(Geodesic::new(0.1, 4), KAHAN_LI_1997_ORDER_8);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Composition {
+pub struct Composition<B = Rattle> {
+    base: B,
     coefficients: Coefficients,
-    h: f64,
 }
 
 impl Composition {
-    /// The composition with these coefficients and step size `h`, in the unit of time.
+    /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
     #[must_use]
     pub fn new(coefficients: Coefficients, h: f64) -> Self {
-        Self { coefficients, h }
+        Self::of(Rattle::new(h), coefficients)
     }
 }
 
-impl Stepper for Composition {
+impl<B: Stepper> Composition<B> {
+    /// `base` composed with these coefficients: γᵢ of its step in turn make one of the same length.
+    #[must_use]
+    pub fn of(base: B, coefficients: Coefficients) -> Self {
+        Self { base, coefficients }
+    }
+
+    /// Its coefficients.
+    pub fn coefficients(&self) -> Coefficients {
+        self.coefficients
+    }
+}
+
+impl<B: Stepper> Stepper for Composition<B> {
     fn step_size(&self) -> f64 {
-        self.h
+        self.base.step_size()
     }
     fn order(&self) -> u32 {
-        self.coefficients.order
+        self.coefficients.order.max(self.base.order())
     }
     fn name(&self) -> &'static str {
         self.coefficients.name
     }
-    fn check(&self, _: usize) -> Result<(), Error> {
+    fn with_step(&self, h: f64) -> Self {
+        Self { base: self.base.with_step(h), ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        self.base.is_symmetric()
+    }
+    fn check(&self, equations: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;
         let sum: f64 = gammas.iter().sum();
         let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();
@@ -77,7 +99,10 @@ impl Stepper for Composition {
         if !(gammas.iter().eq(gammas.iter().rev()) && adds_up) {
             return Err(Error::Coefficients { name, sum });
         }
-        check_step_size(self.h)
+        if !self.base.is_symmetric() {
+            return Err(Error::NeedsSymmetricMethod { composition: name, method: self.base.name() });
+        }
+        self.base.check(equations)
     }
 
     #[inline(always)]
@@ -88,7 +113,7 @@ impl Stepper for Composition {
         witness: &mut W,
     ) -> Result<(), Failure> {
         for gamma in self.coefficients.gammas {
-            rattle::step(gamma * self.h, system, bodies, witness)?;
+            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, witness)?;
         }
         Ok(())
     }

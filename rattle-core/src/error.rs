@@ -25,6 +25,15 @@ pub enum Error {
         state: usize,
     },
 
+    /// A composition of a method that is not symmetric.
+    #[error("{composition} raises the order of symmetric methods, and {method} is not symmetric")]
+    NeedsSymmetricMethod {
+        /// The coefficients.
+        composition: &'static str,
+        /// The method.
+        method: &'static str,
+    },
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {
@@ -45,7 +54,7 @@ pub enum Error {
 
     /// A method for free bodies was given constraints.
     #[error(
-        "{method} is for free bodies, and the scene has {equations} equation(s); `Rattle` is for constraints"
+        "{method} is for free bodies, and the scene has {equations} equation(s); `Shake` and `Rattle` are for constraints"
     )]
     NeedsFreeBodies {
         /// The method.

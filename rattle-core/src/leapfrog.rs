@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Symplectic, second order on its two grids, one force per step. For free bodies only: momenta half a step away from
-//! the positions cannot be tangent to a constraint there; [`Rattle`](crate::rattle::Rattle) is the leapfrog with constraints.
+//! the positions cannot be tangent to a constraint there; [`Shake`](crate::shake::Shake) is the leapfrog with constraints.
 
 use crate::bodies::Bodies;
 use crate::error::Error;
@@ -48,6 +48,12 @@ impl Stepper for Leapfrog {
     fn name(&self) -> &'static str {
         "leapfrog"
     }
+    fn with_step(&self, h: f64) -> Self {
+        Self::new(h)
+    }
+    fn is_symmetric(&self) -> bool {
+        false // positions and momenta would have to change places
+    }
     fn momentum_delay(&self) -> f64 {
         0.5 * self.h
     }
@@ -67,6 +73,6 @@ impl Stepper for Leapfrog {
     ) -> Result<(), Failure> {
         system.drift(0.0, self.h, bodies, witness)?;
         system.evaluate_forces(bodies);
-        system.settle(self.h, bodies, witness)
+        system.settle(self.h, self.h, bodies, witness)
     }
 }

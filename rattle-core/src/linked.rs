@@ -27,7 +27,6 @@ use crate::error::{EquationAt, Passing, StepFailure};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
 use crate::stepper::{Failure, Witness};
-use crate::surface::multiplier_time;
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
 use collocation::Stages;
@@ -273,7 +272,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                 let rates = &rates[component.first.0..];
                 for (row, displacement) in room.dx[..x.len()].iter().enumerate() {
                     bodies.work -= displacement / h * rates[row];
-                    let multiplier = displacement / (h * multiplier_time(kick, h));
+                    let multiplier = displacement / (h * (0.5 * h));
                     witness.position_multiplier(rows.equation(row), multiplier);
                 }
             }
@@ -292,15 +291,13 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
-        self.field.evaluate(bodies.q.as_ref(), &mut bodies.kept.force);
-        for &(body, _) in &self.shape.pins {
-            bodies.kept.force[body] = F::Force::zero();
-        }
+        self.forces(bodies.q.as_ref(), &mut bodies.kept.force);
     }
 
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
+        h: f64,
         bodies: &mut BodiesOf<F, N, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
@@ -339,7 +336,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                 solver.multipliers(total, x);
                 for (i, impulse) in x.iter().enumerate() {
                     bodies.work -= impulse * rates[i];
-                    witness.momentum_multiplier(rows.equation(i), impulse / kick);
+                    witness.momentum_multiplier(rows.equation(i), impulse / (0.5 * h));
                 }
             }
         }
@@ -375,6 +372,19 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
     }
 
+    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.shape.roots[body].product(a, b)
+    }
+
+    fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.forces(bodies.q.as_ref(), &mut forces);
+        let pulls = self.constraint_forces(bodies);
+        for (body, a) in accelerations.iter_mut().enumerate() {
+            *a = self.shape.roots[body].velocity(&forces[body].add_to(pulls[body], 1.0));
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
         let energy = parts.map(|((p, low), root)| {
@@ -405,8 +415,10 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
 
     fn multipliers(&self, bodies: &BodiesOf<F, N, D>, multipliers: &mut [f64]) {
         let velocity = self.velocities(bodies);
-        let forces = bodies.kept.force.iter().zip(&self.shape.roots);
-        let pulls: Vec<_> = forces.map(|(f, root)| root.velocity(&f.components())).collect();
+        let mut forces = vec![F::Force::zero(); velocity.len()];
+        self.forces(bodies.q.as_ref(), &mut forces);
+        let pulls: Vec<_> =
+            forces.iter().zip(&self.shape.roots).map(|(f, root)| root.velocity(&f.components())).collect();
         self.for_rows(multipliers, |c, out| {
             let (rows, (_, block)) = (self.component(c), self.shape.components[c].first);
             let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
@@ -424,6 +436,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
 }
 
 impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Forces at these positions; none on what is pinned.
+    fn forces(&self, q: &[[f64; D]], forces: &mut [F::Force]) {
+        self.field.evaluate(q, forces);
+        for &(body, _) in &self.shape.pins {
+            forces[body] = F::Force::zero();
+        }
+    }
+
     fn velocities(&self, bodies: &BodiesOf<F, N, D>) -> Vec<[f64; D]> {
         bodies.p.as_ref().iter().zip(&self.shape.roots).map(|(p, root)| root.velocity(p)).collect()
     }

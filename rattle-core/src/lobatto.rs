@@ -76,6 +76,12 @@ where
     fn name(&self) -> &'static str {
         Table::<S>::NAME
     }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h }
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
     fn stages(&self) -> usize {
         S
     }

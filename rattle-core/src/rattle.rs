@@ -8,7 +8,8 @@
 //!
 //! Second order, symplectic, and reversible while the step is short enough to have one clear solution, h·κ·|v| ≲ ½.
 //! λ and μ are on one scale, that of q̈ = −∇U + ∇g λ; each is
-//! first order, their mean (μₙ + λₙ₊₁)/2 at tₙ second.
+//! first order, their mean (μₙ + λₙ₊₁)/2 at tₙ second. Without constraints, RATTLE is the velocity form of the
+//! Störmer–Verlet method, kick–drift–kick.
 //!
 //! The step is formed as an increment and added once, q and p are compensated sums (Kahan 1965):
 //! rounding in the energy then grows like √n steps instead of like n. The first guess of λ comes
@@ -53,6 +54,12 @@ impl Stepper for Rattle {
     fn name(&self) -> &'static str {
         "RATTLE"
     }
+    fn with_step(&self, h: f64) -> Self {
+        Self::new(h)
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
@@ -75,5 +82,5 @@ pub(crate) fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
 ) -> Result<(), Failure> {
     system.drift(0.5 * h, h, bodies, witness)?;
     system.evaluate_forces(bodies);
-    system.settle(0.5 * h, bodies, witness)
+    system.settle(0.5 * h, h, bodies, witness)
 }

@@ -21,7 +21,7 @@ use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
 use crate::state::State;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Stepper, Witness};
 use crate::system::System;
 use crate::vector::{sum, two_sum};
 use nalgebra::{Matrix3, Vector3};
@@ -185,7 +185,7 @@ impl Hold<9> for Rigid {
         effects: &E,
         count: N,
         start: &State<9>,
-        _: f64,
+        _: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error> {
         let fine = |moment: &f64| *moment > 0.0 && moment.is_finite();
         let triangle = self.column_masses().iter().all(|d| *d >= -4.0 * f64::EPSILON * self.inertia.amax());
@@ -291,6 +291,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
+        _: f64,
         bodies: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {
@@ -335,6 +336,25 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
         let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
         Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
+    }
+
+    fn mass_product(&self, _: usize, a: &[f64; 9], b: &[f64; 9]) -> f64 {
+        let masses = self.body.column_masses();
+        (0..9).map(|k| masses[k % 3] * a[k] * b[k]).sum()
+    }
+
+    /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
+    fn accelerations(&self, bodies: &BodiesOf<F, N>, accelerations: &mut [[f64; 9]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.field.evaluate(bodies.q.as_ref(), &mut forces);
+        for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
+            let place = Place::of(bodies, number);
+            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
+            let rate = place.m.component_div(&self.body.inertia);
+            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
+            let cross = rate.cross_matrix();
+            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
+        }
     }
 
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N>) -> f64 {

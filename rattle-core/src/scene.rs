@@ -13,7 +13,7 @@ use crate::state::State;
 use crate::stepper::{Stepper, check_step_size};
 use crate::surface::OnSurface;
 use crate::system::System;
-use crate::vector::dot;
+use crate::vector::{dot, two_sum};
 use nalgebra::SVector;
 use std::marker::PhantomData;
 
@@ -32,7 +32,7 @@ pub trait Hold<const D: usize> {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
-    /// The system, ready to move from this start with steps of this size.
+    /// The system, ready to move from this start by this method.
     ///
     /// # Errors
     /// Where the constraints make no sense for so many bodies; says which body cannot start there and why.
@@ -41,8 +41,13 @@ pub trait Hold<const D: usize> {
         effects: &E,
         count: N,
         start: &State<D>,
-        h: f64,
+        method: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error>;
+
+    /// Whether this body cannot move at all.
+    fn pinned(&self, _body: usize) -> bool {
+        false
+    }
 
     /// The same for so many particles, each under its own copy.
     #[must_use]
@@ -75,12 +80,13 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         effects: &E,
         count: N,
         start: &State<D>,
-        h: f64,
+        method: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error> {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
-            let path = h.abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path).map_err(|cause| Error::Start { body, cause })?;
+            let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
+            start::check(&constraint, state, path, method.momentum_delay() == 0.0)
+                .map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(OnSurface { constraint, field: effects.field(), count })
     }
@@ -295,6 +301,19 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.constraint.project(state)
     }
 
+    /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a
+    /// staggered method from momenta of the same time.
+    pub fn staggered<S: Stepper>(&self, state: &State<D>, method: &S) -> State<D> {
+        let mut state = state.clone();
+        let forces = self.forces(&state.bodies);
+        let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
+        for (_, (body, force)) in state.bodies.iter_mut().zip(forces).enumerate().filter(moving) {
+            let change = force.add_to(body.p_low, method.momentum_delay());
+            (body.p, body.p_low) = two_sum(&body.p, &change);
+        }
+        state
+    }
+
     /// A simulation of this scene from `start` by the method `stepper`.
     ///
     /// # Errors
@@ -317,7 +336,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let bodies = start.len();
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
-        let system = self.constraint.system(&self.effects, self.count, &start, stepper.step_size())?;
+        let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
@@ -325,14 +344,19 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         Ok(Simulation::new(system, self.count, bodies, start.time_low, stepper))
     }
 
-    fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
-        let field = self.effects.field::<f64>();
+    fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {
         let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
         let mut forces = vec![Force::zero(); bodies.len()];
-        field.evaluate(&positions, &mut forces);
-        for (body, force) in forces.iter().enumerate() {
+        self.effects.field::<f64>().evaluate(&positions, &mut forces);
+        forces
+    }
+
+    fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
+        for (body, force) in self.forces(bodies).iter().enumerate() {
             let force = force.components();
             if !force.iter().all(|f| f.is_finite()) {
+                let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
+                let field = self.effects.field::<f64>();
                 let effect = field.culprit(&positions, body).map_or("sum of effects", |(name, _)| name);
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });

@@ -20,7 +20,7 @@ use std::marker::PhantomData;
 pub struct Simulation<Y: System<f64, D>, S, const D: usize> {
     system: Y,
     stepper: S,
-    bodies: Bodies<Y::Count, f64, Y::Kept, D>,
+    pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
     before: Bodies<Y::Count, f64, (), D>,
     steps: u64,
@@ -133,7 +133,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         (time, low)
     }
 
-    /// The time of the momenta: later than [`Self::time`] by half a step with the staggered leapfrog.
+    /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
+    /// with SHAKE.
     pub fn momentum_time(&self) -> f64 {
         self.time() + self.stepper.momentum_delay()
     }

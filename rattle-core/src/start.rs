@@ -16,11 +16,13 @@ pub(crate) const MAX_PROJECTION_STEPS: usize = 60;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
 ///
-/// `path` is the length of the first step; it matters as a length scale where q is near zero.
+/// `path` is the length of the first step; it matters as a length scale where q is near zero. Staggered momenta need
+/// not be tangent.
 pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     constraint: &K,
     body: &Body<f64, D>,
     path: f64,
+    tangent: bool,
 ) -> Result<(), StartFailure> {
     finite("position", &body.q)?;
     finite("momentum", &body.p)?;
@@ -48,7 +50,7 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     }
     let along_normal = dot(&gradient, &body.p).abs() / length;
     let speed = dot(&body.p, &body.p).sqrt();
-    if along_normal > START_TOLERANCE * speed {
+    if tangent && along_normal > START_TOLERANCE * speed {
         return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });
     }
     Ok(())

@@ -19,7 +19,14 @@ pub trait Stepper: Clone {
     /// The method's name, as in the literature.
     fn name(&self) -> &'static str;
 
-    /// How much later than positions momenta are; 0 but for staggered methods.
+    /// The same method with another step size, which may be negative.
+    #[must_use]
+    fn with_step(&self, h: f64) -> Self;
+    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1: what [compositions](crate::composition) are made of.
+    fn is_symmetric(&self) -> bool;
+
+    /// How much later than positions momenta are, negative if earlier; 0 but for staggered methods. Only momenta of the
+    /// same time can be, and are, those of motion along the constraints.
     fn momentum_delay(&self) -> f64 {
         0.0
     }

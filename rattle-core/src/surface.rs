@@ -35,12 +35,12 @@ pub struct Normal<T, const D: usize> {
     pub inverse_square: T,
 }
 
-/// What is kept at the positions.
+/// What is kept from one step to the next.
 #[derive(Debug, Clone)]
 pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
     /// Normals at the positions.
     pub normal: N::Of<Normal<T, D>>,
-    /// Forces −∇U at the positions; of size zero where no effect acts.
+    /// Forces −∇U last evaluated; of size zero where no effect acts.
     pub force: N::Of<F>,
     /// Room for a method with inner stages.
     stages: Option<Box<Stages<T, F, D>>>,
@@ -97,11 +97,12 @@ where
     fn settle<W: Witness<T>>(
         &self,
         kick: f64,
+        h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
         for body in 0..bodies.q.as_ref().len() {
-            let finite = settle(kick, bodies, body, witness);
+            let finite = settle(kick, h, bodies, body, witness);
             if !finite.all() {
                 let (q, kept) = (bodies.q.as_ref(), &bodies.kept);
                 return Err(Failure::at(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
@@ -133,6 +134,21 @@ where
         bodies.p.as_ref()[body]
     }
 
+    fn mass_product(&self, _: usize, a: &[T; D], b: &[T; D]) -> T {
+        dot(a, b)
+    }
+
+    fn accelerations(&self, bodies: &BodiesOf<N, T, F, D>, accelerations: &mut [[T; D]]) {
+        let mut multipliers = vec![T::from_f64(0.0); self.count.number()];
+        <Self as System<T, D>>::multipliers(self, bodies, &mut multipliers);
+        let mut forces = self.count.each(F::Force::zero());
+        self.field.evaluate(bodies.q.as_ref(), forces.as_mut());
+        for (i, a) in accelerations.iter_mut().enumerate() {
+            let pull = scaled(multipliers[i], &bodies.kept.normal.as_ref()[i].gradient);
+            *a = forces.as_ref()[i].add_to(pull, T::from_f64(1.0));
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
         let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));
@@ -158,10 +174,12 @@ where
 
     fn multipliers(&self, bodies: &BodiesOf<N, T, F, D>, multipliers: &mut [T]) {
         let (q, p) = (bodies.q.as_ref(), bodies.p.as_ref());
+        let mut forces = self.count.each(F::Force::zero());
+        self.field.evaluate(q, forces.as_mut());
         for (i, multiplier) in multipliers.iter_mut().enumerate() {
             let normal = &bodies.kept.normal.as_ref()[i];
             let [bend] = self.constraint.jet(&q[i], &p[i]).2;
-            let force = bodies.kept.force.as_ref()[i].dot(&normal.gradient, T::from_f64(1.0));
+            let force = forces.as_ref()[i].dot(&normal.gradient, T::from_f64(1.0));
             *multiplier = multiplier_from_curvature(bend, force, normal);
         }
     }
@@ -219,7 +237,7 @@ where
     }
 
     let per_step = landing.multiplier / step;
-    witness.position_multiplier(body, per_step / T::from_f64(multiplier_time(kick, h)));
+    witness.position_multiplier(body, per_step / T::from_f64(0.5 * h));
     let change = force.add_to(sum(p_low, &scaled(per_step, &normal.gradient)), kicked);
     (*p, *p_low) = two_sum(p, &change);
     (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
@@ -227,16 +245,11 @@ where
     Ok(())
 }
 
-/// The time that λ of the position equation acts for: with the force, or half of a step that has none.
-#[inline(always)]
-pub(crate) fn multiplier_time(kick: f64, h: f64) -> f64 {
-    if kick == 0.0 { 0.5 * h } else { kick }
-}
-
 /// Second half: kick with the new force, and the momentum multiplier. False where p is not finite.
 #[inline(always)]
 fn settle<T, F, N, W, const D: usize>(
     kick: f64,
+    h: f64,
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
     witness: &mut W,
@@ -251,7 +264,7 @@ where
     let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
     let change = bodies.kept.force.as_ref()[body].add_to(*p_low, kicked);
     let (eta, normal_part) = bodies.kept.normal.as_ref()[body].projection(&sum(p, &change));
-    witness.momentum_multiplier(body, eta / kicked);
+    witness.momentum_multiplier(body, eta / T::from_f64(0.5 * h));
     (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
     dot(p, p).le(T::from_f64(f64::MAX))
 }

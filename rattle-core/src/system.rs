@@ -6,7 +6,7 @@
 //! settle   p′ = p½ + c (f(q′) + G(q′)ᵀμ)                           μ such that G(q′) M⁻¹ p′ = −∂g/∂t
 //! ```
 //!
-//! With c = h/2 the three in turn are a step of RATTLE. [`OnSurface`](crate::surface::OnSurface) holds each body on a
+//! With c = h/2 the three in turn are a step of RATTLE; other orders and other c make the other methods. [`OnSurface`](crate::surface::OnSurface) holds each body on a
 //! surface of its own, in lanes if wanted; [`Linked`](crate::linked::Linked) is for everything else.
 
 use crate::bodies::{Bodies, Body, Count};
@@ -23,7 +23,7 @@ use std::fmt::Debug;
 pub trait System<T: Real, const D: usize>: Clone {
     /// How many bodies there are: one, or many.
     type Count: Count;
-    /// What is kept at the positions from one step to the next: normals, forces, factors.
+    /// What is kept from one step to the next: normals and factors at the positions, and the forces last evaluated.
     type Kept: Clone + Debug;
 
     /// The bodies in these places at this time, with all evaluated there that is kept.
@@ -39,7 +39,8 @@ pub trait System<T: Real, const D: usize>: Clone {
     }
 
     /// Kicks for a time `kick`, then moves for a time `h`, to where the constraints hold. Normals are then those of the
-    /// new positions, forces still the old ones. Neither allocates nor panics.
+    /// new positions, forces still the old ones. Momenta must be along the constraints. With `kick` 0 forces are not
+    /// looked at. `witness` is told λ as an impulse over h/2. Neither allocates nor panics.
     ///
     /// # Errors
     /// Says which body cannot be moved and why; the bodies are then left half way.
@@ -54,13 +55,15 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
 
-    /// Kicks for a time `kick` and makes the momenta those of motion along the constraints.
+    /// Kicks for a time `kick` and makes the momenta those of motion along the constraints. `witness` is told μ as an
+    /// impulse over h/2.
     ///
     /// # Errors
     /// As [`drift`](Self::drift).
     fn settle<W: Witness<T>>(
         &self,
         kick: f64,
+        h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,
     ) -> Result<(), Failure>;
@@ -84,6 +87,10 @@ pub trait System<T: Real, const D: usize>: Clone {
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
     fn velocity(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, body: usize) -> [T; D];
+    /// aᵀM b, for changes of position of a body; 0 for one that is pinned.
+    fn mass_product(&self, body: usize, a: &[T; D], b: &[T; D]) -> T;
+    /// Writes q̈ = M⁻¹(f + Gᵀλ) of each body, from the present state alone.
+    fn accelerations(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, accelerations: &mut [[T; D]]);
     /// pᵀM⁻¹p/2, summed over the bodies.
     fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
     /// U.

@@ -4,6 +4,7 @@
 pub mod lanes;
 pub mod linked;
 
+use rattle::composition::{ALL, Coefficients};
 use rattle::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -118,4 +119,13 @@ pub fn order(errors: &[f64]) -> f64 {
 /// The bits of a state, low parts included.
 pub fn bits<const D: usize>(state: &State<D>) -> String {
     format!("{state:?}")
+}
+
+/// The coefficients with this name of their constant.
+pub fn constant(name: &str) -> Coefficients {
+    let key = |coefficients: &Coefficients| {
+        let plain = coefficients.name.replace(", order ", " order ").replace(['–', ' '], "_");
+        plain.to_uppercase()
+    };
+    *ALL.iter().find(|coefficients| key(coefficients) == name).unwrap_or_else(|| panic!("no constant {name}"))
 }

@@ -92,7 +92,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             self.check_rank(c, bodies, sine, row)?;
         }
         self.evaluate_forces(bodies);
-        self.settle(h * table.weights[S - 1], bodies, witness)
+        let last = h * table.weights[S - 1];
+        self.settle(last, 2.0 * last, bodies, witness)
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.

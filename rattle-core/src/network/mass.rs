@@ -72,6 +72,19 @@ impl<const D: usize> Root<D> {
         }
     }
 
+    /// aᵀM b; 0 where pinned.
+    pub(crate) fn product(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
+        match self {
+            Self::Unit => dot(a, b),
+            Self::Pinned => 0.0,
+            Self::Diagonal { inverse, .. } => (0..D).map(|i| a[i] * b[i] / inverse[i]).sum(),
+            Self::Cholesky(l) => {
+                let half = |u: &[f64; D], j: usize| (j..D).map(|i| l[i][j] * u[i]).sum::<f64>(); // (Lᵀu)ⱼ
+                (0..D).map(|j| half(a, j) * half(b, j)).sum()
+            }
+        }
+    }
+
     /// L⁻¹ u.
     #[inline]
     pub(crate) fn halve(&self, u: &[f64; D]) -> [f64; D] {

@@ -30,6 +30,7 @@ use crate::error::{Error, NetworkMistake};
 use crate::linked::Linked;
 use crate::scene::{Hold, Tie};
 use crate::state::State;
+use crate::stepper::Stepper;
 use std::sync::Arc;
 
 /// Constraints between bodies, and their masses; made by [`Scene`](crate::scene::Scene)'s methods.
@@ -178,11 +179,15 @@ impl<const D: usize> Hold<D> for Network<D> {
         effects: &E,
         count: N,
         start: &State<D>,
-        h: f64,
+        method: &impl Stepper,
     ) -> Result<Self::System<E, N>, Error> {
         let mut shape = self.shape(count.number())?;
-        start::check(&mut shape, self.algebra, start, h)?;
+        start::check(&mut shape, self.algebra, start, method)?;
         Ok(Linked::new(shape, effects.field(), count))
+    }
+
+    fn pinned(&self, body: usize) -> bool {
+        self.pins.iter().any(|&(pinned, _)| pinned == body)
     }
 
     fn particles(self, number: usize) -> Self {

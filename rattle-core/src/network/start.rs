@@ -8,6 +8,7 @@ use crate::linked::LOST;
 use crate::solver::START_TOLERANCE;
 use crate::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
 use crate::state::State;
+use crate::stepper::Stepper;
 use crate::vector::{add_scaled, dot, largest, scaled, sum};
 
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
@@ -53,20 +54,21 @@ impl<const D: usize> Start<D> {
     }
 }
 
-/// Whether the motion may start: finite, on the constraints, momenta along them, nothing singular. Components whose
+/// Whether the motion may start: finite, on the constraints, momenta along them unless staggered, nothing singular. Components whose
 /// equations depend on each other get the linear algebra that bears it, if they may.
 pub(crate) fn check<const D: usize>(
     shape: &mut Shape<D>,
     algebra: LinearAlgebra,
     state: &State<D>,
-    h: f64,
+    method: &impl Stepper,
 ) -> Result<(), Error> {
     check_bodies(shape, &state.bodies)?;
     let mut start = Start::of(shape, state);
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
         for row in 0..shape.components[c].rows.equations() {
-            check_row(shape, c, row, &mut start, state.time, h).map_err(|cause| at(shape, c, row, cause))?;
+            check_row(shape, c, row, &mut start, state.time, method)
+                .map_err(|cause| at(shape, c, row, cause))?;
         }
         check_normals(shape, c, algebra, &start)?;
     }
@@ -101,7 +103,7 @@ fn check_row<const D: usize>(
     row: usize,
     start: &mut Start<D>,
     time: f64,
-    h: f64,
+    method: &impl Stepper,
 ) -> Result<(), StartFailure> {
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
@@ -138,14 +140,14 @@ fn check_row<const D: usize>(
         return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
     }
     let distance = value.abs() / length;
-    let size = size.max(h.abs() * speed).min(singular);
+    let size = size.max(method.step_size().abs() * speed).min(singular);
     let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
     let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
     if distance > tolerance {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    if rate.abs() > START_TOLERANCE * scale {
+    if method.momentum_delay() == 0.0 && rate.abs() > START_TOLERANCE * scale {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
     }

@@ -139,7 +139,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                 let part = h * (table.nodes[stage] - table.nodes[stage - 1]);
                 self.drift(0.5 * part, part, &mut ahead, &mut ())?;
                 self.evaluate_forces(&mut ahead);
-                self.settle(0.5 * part, &mut ahead, &mut ())?;
+                self.settle(0.5 * part, part, &mut ahead, &mut ())?;
             }
             for body in 0..self.count.number() {
                 let at = body * S + stage;

@@ -1,0 +1,645 @@
+//! Every method under the same laws: order, reversal, symplecticity, constraints and energy, from one table.
+
+mod common;
+use common::*;
+use rattle::bodies::{Bodies, Count, Many};
+use rattle::composition::*;
+use rattle::effect::Effects;
+use rattle::prelude::*;
+use rattle::real::Real;
+use rattle::scene::Hold;
+use rattle::stepper::{Failure, Witness};
+use rattle::system::System;
+
+/// A method of the table, whichever it is.
+#[derive(Debug, Clone, Copy)]
+enum Method {
+    Rattle(Rattle),
+    Euler(SymplecticEuler),
+    Shake(Shake),
+    Geodesic(Geodesic),
+    PositionVerlet(PositionVerlet),
+    Composed(Composition),
+    ComposedGeodesic(Composition<Geodesic>),
+    ComposedVerlet(Composition<PositionVerlet>),
+}
+
+macro_rules! delegate {
+    ($self:ident, $method:ident => $call:expr) => {
+        match $self {
+            Self::Rattle($method) => $call,
+            Self::Euler($method) => $call,
+            Self::Shake($method) => $call,
+            Self::Geodesic($method) => $call,
+            Self::PositionVerlet($method) => $call,
+            Self::Composed($method) => $call,
+            Self::ComposedGeodesic($method) => $call,
+            Self::ComposedVerlet($method) => $call,
+        }
+    };
+}
+
+impl Stepper for Method {
+    fn step_size(&self) -> f64 {
+        delegate!(self, method => method.step_size())
+    }
+    fn order(&self) -> u32 {
+        delegate!(self, method => method.order())
+    }
+    fn name(&self) -> &'static str {
+        delegate!(self, method => method.name())
+    }
+    fn with_step(&self, h: f64) -> Self {
+        match self {
+            Self::Rattle(method) => Self::Rattle(method.with_step(h)),
+            Self::Euler(method) => Self::Euler(method.with_step(h)),
+            Self::Shake(method) => Self::Shake(method.with_step(h)),
+            Self::Geodesic(method) => Self::Geodesic(method.with_step(h)),
+            Self::PositionVerlet(method) => Self::PositionVerlet(method.with_step(h)),
+            Self::Composed(method) => Self::Composed(method.with_step(h)),
+            Self::ComposedGeodesic(method) => Self::ComposedGeodesic(method.with_step(h)),
+            Self::ComposedVerlet(method) => Self::ComposedVerlet(method.with_step(h)),
+        }
+    }
+    fn is_symmetric(&self) -> bool {
+        delegate!(self, method => method.is_symmetric())
+    }
+    fn momentum_delay(&self) -> f64 {
+        delegate!(self, method => method.momentum_delay())
+    }
+    fn check(&self, equations: usize) -> Result<(), rattle::Error> {
+        delegate!(self, method => method.check(equations))
+    }
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        delegate!(self, method => method.step(system, bodies, witness))
+    }
+}
+
+constraint! {
+    /// Two points at a distance.
+    struct Rod { length }
+    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
+}
+
+/// Numbers of steps between which errors show the order, and only it.
+type Window = [u32; 2];
+
+/// Where errors fall below rounding before they show any order.
+const NONE: Window = [0; 2];
+
+/// A row of the table: a method, and windows for the lemniscate, the spherical and the double pendulum.
+struct Row {
+    name: &'static str,
+    order: u32,
+    method: Method,
+    windows: [Window; 3],
+}
+
+/// The table. Methods with the largest |γ| need the shortest steps.
+fn rows() -> Vec<Row> {
+    let row = |name, order, method, windows| Row { name, order, method, windows };
+    let composed = |coefficients: Coefficients, windows| {
+        let method = Method::Composed(Composition::new(coefficients, 1.0));
+        row(coefficients.name, coefficients.order, method, windows)
+    };
+    let (geodesic, verlet) = (Geodesic::new(1.0, 4), PositionVerlet::new(1.0));
+    let geodesic_6 = Method::ComposedGeodesic(Composition::of(geodesic, KAHAN_LI_1997_ORDER_6));
+    let verlet_4 = Method::ComposedVerlet(Composition::of(verlet, SUZUKI_1990_ORDER_4));
+    vec![
+        row(
+            "symplectic Euler",
+            1,
+            Method::Euler(SymplecticEuler::new(1.0)),
+            [[16_000, 64_000], [100, 400], [100, 400]],
+        ),
+        row("RATTLE", 2, Method::Rattle(Rattle::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
+        row("SHAKE", 2, Method::Shake(Shake::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
+        row("geodesic RATTLE", 2, Method::Geodesic(geodesic), [[100, 800], [32, 256], [32, 256]]),
+        row("position Verlet", 2, Method::PositionVerlet(verlet), [[100, 800], [32, 256], [32, 256]]),
+        composed(YOSHIDA_1990_ORDER_4, [[181, 1024], [32, 256], [32, 256]]),
+        composed(SUZUKI_1990_ORDER_4, [[91, 512], [16, 128], [23, 128]]),
+        composed(MCLACHLAN_1995_ORDER_4, [[91, 512], [16, 128], [16, 128]]),
+        composed(KAHAN_LI_1997_ORDER_4, [[91, 512], [16, 128], [16, 128]]),
+        composed(YOSHIDA_1990_ORDER_6, [[128, 512], [16, 64], [23, 128]]),
+        composed(KAHAN_LI_1997_ORDER_6, [[91, 362], [11, 64], [23, 90]]),
+        composed(MCLACHLAN_1995_ORDER_6, [[91, 362], [11, 64], [11, 90]]),
+        composed(SUZUKI_UMENO_1993_ORDER_8, [[91, 181], [8, 23], [11, 45]]),
+        composed(KAHAN_LI_1997_ORDER_8, [[91, 181], [6, 20], [12, 40]]),
+        composed(MCLACHLAN_1995_ORDER_8, [[91, 181], [6, 20], [12, 40]]),
+        composed(KAHAN_LI_1997_ORDER_10, [[91, 160], [8, 16], [16, 32]]),
+        composed(SOFRONIOU_SPALETTA_2005_ORDER_10, [NONE, [3, 8], [9, 16]]),
+        row("geodesic RATTLE, Kahan–Li 1997, order 6", 6, geodesic_6, [[128, 300], [8, 64], [16, 90]]),
+        row("position Verlet, Suzuki 1990, order 4", 4, verlet_4, [[64, 512], [8, 90], [16, 128]]),
+    ]
+}
+
+/// The motion from `start`, whose momenta are of the same time, in `n` steps.
+fn run<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: Method,
+    n: u32,
+) -> State<D> {
+    let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
+    simulation.run(n.into()).unwrap();
+    assert_eq!(simulation.steps(), u64::from(n));
+    simulation.state()
+}
+
+/// Where a method says that the bodies are after `n` steps, and where they are; momenta too unless staggered.
+fn error<const D: usize>(method: Method, found: &State<D>, q: &[f64], p: &[f64]) -> f64 {
+    let off = |found: Vec<f64>, exact: &[f64]| {
+        let moving = &found[found.len() - exact.len()..]; // pinned bodies come first
+        moving.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    };
+    let positions = off(found.positions().flat_map(<[f64; D]>::from).collect(), q);
+    let momenta = off(found.momenta().flat_map(<[f64; D]>::from).collect(), p);
+    if method.momentum_delay() == 0.0 { positions.max(momenta) } else { positions }
+}
+
+fn lemniscate_at_1(method: Method, n: u32) -> f64 {
+    let rows = table("lemniscate_gravity");
+    let row = rows
+        .iter()
+        .find(|row| row.text("ic") == "f64" && row.number("theta_deg") == 45.0 && row.number("t") == 1.0);
+    let row = row.unwrap();
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let method = method.with_step(1.0 / f64::from(n));
+    let found = run(&scene, &billiard_45(), method, n);
+    error(method, &found, &row.numbers(["x", "y", "z"]), &row.numbers(["vx", "vy", "vz"]))
+}
+
+/// The spherical pendulum at angle π/3 from the bottom, with the horizontal speed 3/2.
+fn swinging() -> State<3> {
+    let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
+    State::at([sin, 0.0, -cos]).moving([0.0, 1.5, 0.0])
+}
+
+fn spherical_at_1(method: Method, n: u32) -> f64 {
+    let rows = table("spherical_pendulum");
+    let row = rows.iter().find(|row| row.text("case") == "a" && row.number("t") == 1.0).unwrap();
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let method = method.with_step(1.0 / f64::from(n));
+    let found = run(&scene, &swinging(), method, n);
+    error(method, &found, &row.numbers(["x", "y", "z"]), &row.numbers(["vx", "vy", "vz"]))
+}
+
+/// Two rods, the first one pinned at its end, from rest: over the corner.
+fn double_pendulum() -> (Scene<rattle::network::Network<2>, impl Effects<2> + Clone, Many, 2>, State<2>) {
+    let (scene, start) = rods();
+    (scene.with(PlanarGravity { g: 1.0 }), start)
+}
+
+fn rods() -> (Scene<rattle::network::Network<2>, (), Many, 2>, State<2>) {
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0, 0.0]);
+    (scene, State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
+}
+
+fn double_at_2(method: Method, n: u32) -> f64 {
+    let rows = table("double_pendulum");
+    let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 2.0).unwrap();
+    let (scene, start) = double_pendulum();
+    let method = method.with_step(2.0 / f64::from(n));
+    let found = run(&scene, &start, method, n);
+    error(method, &found, &row.numbers(["x1", "y1", "x2", "y2"]), &row.numbers(["vx1", "vy1", "vx2", "vy2"]))
+}
+
+/// Slope of log error over log step, by least squares.
+fn slope(steps: &[u32], errors: &[f64]) -> f64 {
+    let points = || steps.iter().zip(errors).map(|(&n, error)| (-f64::from(n).ln(), error.ln()));
+    let count = steps.len() as f64;
+    let (x, y) = points().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / count, sy + y / count));
+    let (above, below) =
+        points().fold((0.0, 0.0), |(a, b), (u, v)| (a + (u - x) * (v - y), b + (u - x) * (u - x)));
+    above / below
+}
+
+#[test]
+fn errors_fall_with_the_order_of_the_method() {
+    type ErrorAt = fn(Method, u32) -> f64;
+    let problems: [(&str, ErrorAt); 3] = [
+        ("lemniscate", lemniscate_at_1),
+        ("spherical pendulum", spherical_at_1),
+        ("double pendulum", double_at_2),
+    ];
+    let mut wrong = Vec::new();
+    for Row { name, order, method, windows } in rows() {
+        assert_eq!(method.order(), order, "{name}");
+        for ((problem, at), [first, last]) in problems.into_iter().zip(windows) {
+            if [first, last] == NONE {
+                continue;
+            }
+            let ratio = f64::from(last) / f64::from(first);
+            let steps: Vec<u32> =
+                (0..=4).map(|k| (f64::from(first) * ratio.powf(f64::from(k) / 4.0)).round() as u32).collect();
+            let errors: Vec<f64> = steps.iter().map(|&n| at(method, n)).collect();
+            let found = slope(&steps, &errors);
+            println!("{name:40} {problem:18} {found:6.3}  {:.1e} … {:.1e}", errors[0], errors[4]);
+            if (found - f64::from(order)).abs() > 0.15 {
+                wrong.push(format!("{name}, {problem}: order {found:.3}, {steps:?} {errors:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn order_ten_reaches_rounding_in_96_steps() {
+    let method = Method::Composed(Composition::new(SOFRONIOU_SPALETTA_2005_ORDER_10, 1.0));
+    let errors = [40, 96].map(|n| lemniscate_at_1(method, n));
+    assert!(errors[0] > 1e-11 && errors[1] <= 1e-14, "{errors:?}");
+}
+
+potential! {
+    /// Gravity, and a force that changes from place to place: methods that take it at a wrong one show.
+    struct Uneven { g }
+    |x, y, z| g * z + x^2 * y + x * z / 2 + y^2 / 3
+}
+
+potential! {
+    /// The same in the plane.
+    struct UnevenPlane { g }
+    |x, y| g * y + x^2 * y / 2 + x * y / 3
+}
+
+/// On the way over the lemniscate, after so many steps of 0.01; nothing is symmetric there.
+fn on_the_way(steps: u64) -> State<3> {
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+    simulation.run(steps).unwrap();
+    simulation.state()
+}
+
+/// The double pendulum in an uneven field.
+fn uneven_pendulum() -> (Scene<rattle::network::Network<2>, impl Effects<2> + Clone, Many, 2>, State<2>) {
+    let (scene, start) = rods();
+    (scene.with(UnevenPlane { g: 1.0 }), start)
+}
+
+/// It when both rods swing.
+fn both_swinging() -> State<2> {
+    let (scene, start) = uneven_pendulum();
+    let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
+    simulation.run(130).unwrap();
+    simulation.state()
+}
+
+fn largest_difference<const D: usize>(a: &State<D>, b: &State<D>) -> (f64, f64) {
+    let largest =
+        |a: Vec<_>, b: Vec<_>| a.into_iter().zip(b).map(|(a, b)| distance::<D>(a, b)).fold(0.0, f64::max);
+    let q = largest(a.positions().collect(), b.positions().collect());
+    (q, largest(a.momenta().collect(), b.momenta().collect()))
+}
+
+/// How far a step forth and one back lead from the start.
+fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: Method,
+) -> (f64, f64) {
+    let mut forth = scene.simulate(start.clone(), method).unwrap();
+    forth.step().unwrap();
+    assert!(largest_difference(&forth.state(), start).0 > 1e-3, "nothing moved");
+    let mut back = scene.simulate(forth.state(), method.with_step(-method.step_size())).unwrap();
+    back.step().unwrap();
+    largest_difference(&back.state(), start)
+}
+
+#[test]
+fn symmetric_methods_go_back_and_others_do_not() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, _) = uneven_pendulum();
+    let mut symmetric = 0;
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        for (dq, dp) in [
+            there_and_back(&surface, &on_the_way(77), method),
+            there_and_back(&linked, &both_swinging(), method),
+        ] {
+            println!("{name:40} {dq:.1e} {dp:.1e}");
+            if method.is_symmetric() {
+                // A rounding or two of q and p, which low parts keep from adding up.
+                assert!(dq <= 4e-16 && dp <= 2e-15, "{name}: {dq:e}, {dp:e}");
+                symmetric += 1;
+            } else {
+                assert!(dq.max(dp) > 1e-5, "{name}: {dq:e}, {dp:e}");
+            }
+        }
+    }
+    assert_eq!(symmetric, 2 * 17);
+}
+
+/// SHAKE goes back once position and momentum have changed places in time.
+#[test]
+fn shake_goes_back_with_the_momentum_on_the_other_side() {
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let method = Shake::new(0.01);
+    let mut forth = scene.simulate(scene.staggered(&on_the_way(77), &method), method).unwrap();
+    let states: Vec<_> = (0..3)
+        .map(|_| {
+            forth.step().unwrap();
+            forth.state()
+        })
+        .collect();
+    let start = State::of(states[1].positions()).with_momenta(states[2].momenta());
+    let mut back = scene.simulate(start, method.with_step(-0.01)).unwrap();
+    back.step().unwrap();
+    let (q, p) = (states[0].positions().next().unwrap(), states[1].momenta().next().unwrap());
+    let (dq, dp) = (distance(back.position(), q), distance(back.momentum(), p));
+    assert!(dq <= 1e-15 && dp <= 1e-13, "{dq:e}, {dp:e}");
+}
+
+/// ε of the differences.
+const SHORT: f64 = 1e-4;
+
+/// The largest change of ω = dq ∧ dp under a map of the tangent bundle of the constraints: over every two of four
+/// directions, by central differences of fourth order. Its rounding is some 2e-12.
+fn symplectic_defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    state: &State<D>,
+    step: impl Fn(State<D>) -> State<D>,
+) -> f64 {
+    let n = state.len();
+    let coordinates = |state: &State<D>| -> Vec<f64> {
+        let (q, p) = (state.positions(), state.momenta());
+        q.flat_map(<[f64; D]>::from).chain(p.flat_map(<[f64; D]>::from)).collect()
+    };
+    let here = coordinates(state);
+    let near = |direction: usize, by: f64| {
+        // Directions without a pattern; bodies that cannot move stay.
+        let moved = |i: usize, x: f64| {
+            let wave = (1.0 + direction as f64 + 2.7 * i as f64).sin();
+            let pinned = n > 1 && i % (n * D) < D;
+            if pinned { x } else { x + by * wave }
+        };
+        let moved: Vec<f64> = here.iter().enumerate().map(|(i, &x)| moved(i, x)).collect();
+        let bodies =
+            |numbers: &[f64]| -> Vec<[f64; D]> { numbers.chunks(D).map(|x| x.try_into().unwrap()).collect() };
+        let (q, p) = moved.split_at(n * D);
+        scene.project(&State::of(bodies(q)).with_momenta(bodies(p))).unwrap()
+    };
+    let derivative = |map: &dyn Fn(State<D>) -> State<D>, direction: usize| -> Vec<f64> {
+        let at = |k: f64| coordinates(&map(near(direction, k * SHORT)));
+        let (p1, m1, p2, m2) = (at(1.0), at(-1.0), at(2.0), at(-2.0));
+        (0..p1.len()).map(|i| (8.0 * (p1[i] - m1[i]) - (p2[i] - m2[i])) / (12.0 * SHORT)).collect()
+    };
+    let omega = |a: &[f64], b: &[f64]| -> f64 {
+        let m = n * D;
+        (0..m).map(|i| a[i] * b[m + i] - a[m + i] * b[i]).sum()
+    };
+    let before: Vec<_> = (0..4).map(|d| derivative(&|state| state, d)).collect();
+    let after: Vec<_> = (0..4).map(|d| derivative(&step, d)).collect();
+    let mut worst = 0.0_f64;
+    for a in 0..4 {
+        for b in 0..a {
+            assert!(omega(&before[a], &before[b]).abs() > 1e-3, "directions that see something");
+            worst = worst.max((omega(&after[a], &after[b]) - omega(&before[a], &before[b])).abs());
+        }
+    }
+    worst
+}
+
+#[test]
+fn every_method_is_symplectic() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, _) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.02);
+        let on_surface =
+            symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, method, 1));
+        let on_links = symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, method, 1));
+        println!("{name:40} {on_surface:.1e} {on_links:.1e}");
+        assert!(on_surface <= 2e-11 && on_links <= 2e-11, "{name}: {on_surface:e}, {on_links:e}");
+    }
+    // The law sees a part in 10⁹ of the momentum that goes astray.
+    let slowed = |state: State<3>| {
+        let momenta: Vec<_> = state.momenta().map(|p| p * (1.0 - 1e-9)).collect();
+        state.with_momenta(momenta)
+    };
+    assert!(symplectic_defect(&surface, &on_the_way(40), slowed) > 2e-10);
+}
+
+#[test]
+fn every_method_stays_on_the_constraint() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
+        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let mut worst = [0.0_f64; 4];
+        for _ in 0..2000 {
+            particle.step().unwrap();
+            rods.step().unwrap();
+            let found = [
+                particle.constraint_residual(),
+                particle.cotangent_residual(),
+                rods.constraint_residual(),
+                rods.cotangent_residual(),
+            ];
+            worst = std::array::from_fn(|i| worst[i].max(found[i]));
+        }
+        println!("{name:40} {worst:?}");
+        let [g, gp, rod, rod_p] = worst;
+        assert!(g <= 1e-15 && rod <= 4e-15, "{name}: {worst:?}");
+        if method.momentum_delay() == 0.0 {
+            assert!(gp <= 2e-15 && rod_p <= 2e-14, "{name}: {worst:?}");
+        } else {
+            assert!(gp > 1e-3 && rod_p > 1e-3, "{name}: momenta half a step away are not tangent: {worst:?}");
+        }
+    }
+}
+
+/// Energy errors of a run in four quarters: the mean of each, and the largest of each.
+fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: Method,
+    time: f64,
+) -> [(f64, f64); 4] {
+    let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
+    // A method that sees energy at another time is compared with itself.
+    simulation.step().unwrap();
+    let first = if method.momentum_delay() == 0.0 { 0.0 } else { simulation.energy_error() };
+    let quarter = (0.25 * time / method.step_size()) as u64;
+    let mut found = [(0.0, 0.0_f64); 4];
+    for (mean, largest) in &mut found {
+        let see = |now: &Simulation<_, _, D>| {
+            let error = now.energy_error() - first;
+            *mean += error / quarter as f64;
+            *largest = largest.max(error.abs());
+        };
+        simulation.run_with(quarter, see).unwrap();
+    }
+    found
+}
+
+#[test]
+fn energy_does_not_drift() {
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    for Row { name, order, method, windows } in rows() {
+        let method = method.with_step(if order == 1 { 0.01 } else { 1.0 / f64::from(windows[1][0]) });
+        // 500 swings: the means differ by where in a swing a quarter ends.
+        let quarters = energy_errors(&scene, &swinging(), method, 2000.0);
+        let amplitude = quarters.iter().fold(0.0_f64, |largest, quarter| largest.max(quarter.1));
+        let drift = (quarters[3].0 - quarters[0].0).abs();
+        println!("{name:40} h = {:.4}: {amplitude:.1e}, drift {drift:.1e}", method.step_size());
+        assert!(amplitude > 1e-13, "{name}: too small to see a drift in");
+        assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+    }
+}
+
+#[test]
+fn energy_stays_bounded_in_chaos() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        for (problem, quarters) in [
+            ("lemniscate", energy_errors(&surface, &billiard_45(), method, 200.0)),
+            ("double pendulum", energy_errors(&linked, &start, method, 200.0)),
+        ] {
+            let [a, b, c, d] = quarters.map(|quarter| quarter.1);
+            let (first, last) = (a.max(b), c.max(d));
+            println!("{name:40} {problem:16} {first:.1e} {last:.1e}");
+            // Where the surface bends most, errors are largest; how near a path comes is chance.
+            assert!(last <= 8.0 * first + 1e-13, "{name}, {problem}: {first:e}, then {last:e}");
+        }
+    }
+}
+
+potential! {
+    /// A spring that stiffens.
+    struct Spring { k }
+    |x| k * (x^2 / 2 + x^4 / 4)
+}
+
+/// Without constraints the methods are those of the textbooks, written out here.
+#[test]
+fn free_bodies_move_as_in_textbooks() {
+    let (h, force) = (0.1, |x: f64| -(x + x * x * x));
+    let kick_drift_kick = |x: f64, p: f64| {
+        let p = p + 0.5 * h * force(x);
+        let x = x + h * p;
+        (x, p + 0.5 * h * force(x))
+    };
+    let drift_kick_drift = |x: f64, p: f64| {
+        let x = x + 0.5 * h * p;
+        let p = p + h * force(x);
+        (x + 0.5 * h * p, p)
+    };
+    let kick_drift = |x: f64, p: f64| {
+        let p = p + h * force(x);
+        (x + h * p, p)
+    };
+    type Textbook<'a> = &'a dyn Fn(f64, f64) -> (f64, f64);
+    let rows: [(Method, Textbook); 5] = [
+        (Method::Rattle(Rattle::new(h)), &kick_drift_kick),
+        (Method::Geodesic(Geodesic::new(h, 3)), &kick_drift_kick),
+        (Method::PositionVerlet(PositionVerlet::new(h)), &drift_kick_drift),
+        (Method::Euler(SymplecticEuler::new(h)), &kick_drift),
+        (Method::Shake(Shake::new(h)), &kick_drift),
+    ];
+    for (method, textbook) in rows {
+        let start = State::at([0.8]).moving([0.5]);
+        let mut simulation = Scene::point().with(Spring { k: 1.0 }).simulate(start, method).unwrap();
+        let (mut x, mut p) = (0.8, 0.5);
+        for step in 1..=50 {
+            simulation.step().unwrap();
+            (x, p) = textbook(x, p);
+            let (dx, dp) = (simulation.position().x - x, simulation.momentum().x - p);
+            assert!(dx.abs() <= 3e-14 && dp.abs() <= 3e-14, "{method:?}, step {step}: {dx:e}, {dp:e}");
+        }
+    }
+}
+
+#[test]
+fn shake_is_rattle_seen_half_a_step_earlier() {
+    let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let h = 0.01;
+    let mut rattle = scene.simulate(on_the_way(77), Rattle::new(h)).unwrap();
+    let mut shake = scene.simulate(scene.staggered(&on_the_way(77), &Shake::new(h)), Shake::new(h)).unwrap();
+    for _ in 0..100 {
+        let before = rattle.position();
+        rattle.step().unwrap();
+        shake.step().unwrap();
+        assert!(
+            distance(rattle.position(), shake.position()) <= 1e-15,
+            "{:e}",
+            distance(rattle.position(), shake.position())
+        );
+        let velocity = (shake.position() - before) / h;
+        assert!(distance(shake.momentum(), velocity) <= 1e-13);
+        assert_eq!(shake.momentum_time(), shake.time() - 0.5 * h);
+    }
+    assert_ne!(rattle.momentum(), shake.momentum());
+}
+
+/// A step is a function of the state alone: of nothing that was kept from the step before.
+#[test]
+fn a_saved_state_goes_on_bit_for_bit() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method), method);
+        goes_on(name, &linked, &linked.staggered(&start, &method), method);
+    }
+}
+
+fn goes_on<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    name: &str,
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: Method,
+) {
+    let mut whole = scene.simulate(start.clone(), method).unwrap();
+    whole.run(25).unwrap();
+    let mut rest = scene.simulate(whole.state(), method).unwrap();
+    assert_eq!(rest.multipliers(), whole.multipliers(), "{name}: multipliers are those of the state");
+    whole.run(25).unwrap();
+    rest.run(25).unwrap();
+    assert_ne!(bits(&rest.state()), bits(start));
+    assert_eq!(bits(&rest.state()), bits(&whole.state()), "{name}");
+}
+
+#[test]
+fn no_step_allocates() {
+    let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
+    let (linked, start) = uneven_pendulum();
+    for Row { name, method, .. } in rows() {
+        let method = method.with_step(0.01);
+        let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
+        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let allocated = allocation_counter::measure(|| {
+            particle.run(50).unwrap();
+            rods.run(50).unwrap();
+        });
+        assert_eq!((particle.steps(), rods.steps(), allocated.count_total), (50, 50, 0), "{name}");
+    }
+}
+
+/// Round the unit sphere at unit speed h·κ·|v| is h: at most 1 for each inner step.
+#[test]
+fn inner_steps_have_the_limit() {
+    let takes = |method: Method| {
+        let scene = Scene::on(Sphere { radius: 1.0 });
+        let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+        scene.simulate(start, method).unwrap().run(100).is_ok()
+    };
+    let limits: [(fn(f64) -> Method, f64); 5] = [
+        (|h| Method::Rattle(Rattle::new(h)), 1.0),
+        (|h| Method::Euler(SymplecticEuler::new(h)), 1.0),
+        (|h| Method::PositionVerlet(PositionVerlet::new(h)), 2.0),
+        (|h| Method::Geodesic(Geodesic::new(h, 4)), 4.0),
+        (|h| Method::Composed(Composition::new(SUZUKI_1990_ORDER_4, h)), 1.0 / 0.657_963_087_177_503),
+    ];
+    for (method, limit) in limits {
+        assert!(takes(method(0.9 * limit)) && !takes(method(1.02 * limit)), "{:?}", method(limit));
+    }
+}
