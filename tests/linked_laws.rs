@@ -54,11 +54,18 @@ constraint! {
     |x, y, z| { let g = x^2 + y^2 + z^2 - 1; [g, g + epsilon * (2 * x - y + 2 * z)] }
 }
 
-/// The circle has the closed discrete solution of angle asin(h|v|) a step. Along it nothing is lost, across it ε_machine/ε.
+potential! {
+    /// A force across the circle, which both normals together must bear.
+    struct Across { force }
+    |x, y, z| force * (2 * x - y + 2 * z)
+}
+
+/// The circle has the closed discrete solution of angle asin(h|v|) a step. The direction of the force that
+/// holds the particle on it is known to ε_machine/ε only.
 #[test]
 fn motion_between_normals_at_a_small_angle() {
     let (epsilon, h, n) = (2.0_f64.powi(-27), 0.1, 200);
-    let scene = Scene::on(Lens { epsilon });
+    let scene = Scene::on(Lens { epsilon }).with(Across { force: 0.7 });
     let u = vector![1.0, 2.0, 0.0] / 5.0_f64.sqrt();
     let v = vector![-4.0, 2.0, 5.0] / 45.0_f64.sqrt();
     let mut simulation = scene.simulate(State::at(u).moving(v), Rattle::new(h)).unwrap();
@@ -67,7 +74,10 @@ fn motion_between_normals_at_a_small_angle() {
     let along = (q.dot(&u) - angle.cos()).abs().max((q.dot(&v) - angle.sin()).abs());
     let across = q.dot(&vector![2.0, -1.0, 2.0]).abs() / 3.0;
     println!("lens: along {along:.1e}, across {across:.1e}, g {:.1e}", simulation.constraint_residual());
-    assert!(along <= 1e-13 && across <= 8.0 * f64::EPSILON / epsilon, "{along:e}, {across:e}");
+    assert!(
+        along <= 8.0 * f64::EPSILON / epsilon && across <= 8.0 * f64::EPSILON / epsilon,
+        "{along:e}, {across:e}"
+    );
     assert!(simulation.constraint_residual() <= 4.0 * f64::EPSILON);
 }
 
@@ -100,7 +110,7 @@ fn start(
     bodies: usize,
     rng: &mut StdRng,
 ) -> State<3> {
-    loop {
+    for _ in 0..1000 {
         let mut q = vec![[0.0; 3]; bodies];
         for &[a, b] in rods {
             let step: [f64; 3] = random(rng);
@@ -118,6 +128,7 @@ fn start(
             return start;
         }
     }
+    panic!("no start in a thousand draws")
 }
 
 /// Two ways to the same numbers: rounding, times the condition of the links and the chaos of half a unit of time.
@@ -409,13 +420,13 @@ fn mass_ratio(ratio: f64, h: f64, t: f64) -> Result<(f64, f64, f64), Error> {
     Ok((energy / (1.0 + ratio), off, counts.corrections as f64 / counts.solves as f64))
 }
 
-/// A light tip is benign. The reference study found 3.8e-7 … 9.5e-6 and |g| ≤ 7e-16 from another start.
+/// A light tip is benign. The reference study found 3.8e-7 … 9.5e-6, |g| ≤ 7e-16 and 2.3 corrections.
 #[test]
 fn light_tips() {
     for exponent in [0, 3, 6, 9, 12] {
         let (energy, off, corrections) = mass_ratio(10.0_f64.powi(-exponent), 1e-3, 20.0).unwrap();
         println!("m₂/m₁ = 1e-{exponent}: {energy:.1e}, |g| {off:.1e}, {corrections:.2} corrections");
-        assert!(energy <= 1e-4 && off <= 2e-15 && corrections <= 2.5, "1e-{exponent}: {energy:e} {off:e}");
+        assert!(energy <= 1.1e-5 && off <= 2e-15 && corrections <= 2.5, "1e-{exponent}: {energy:e} {off:e}");
     }
 }
 
