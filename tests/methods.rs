@@ -22,6 +22,9 @@ enum Method {
     Composed(Composition),
     ComposedGeodesic(Composition<Geodesic>),
     ComposedVerlet(Composition<PositionVerlet>),
+    Lobatto3(Lobatto<3>),
+    Lobatto5(Lobatto<5>),
+    Lobatto6(Lobatto<6>),
 }
 
 macro_rules! delegate {
@@ -35,6 +38,9 @@ macro_rules! delegate {
             Self::Composed($method) => $call,
             Self::ComposedGeodesic($method) => $call,
             Self::ComposedVerlet($method) => $call,
+            Self::Lobatto3($method) => $call,
+            Self::Lobatto5($method) => $call,
+            Self::Lobatto6($method) => $call,
         }
     };
 }
@@ -59,6 +65,9 @@ impl Stepper for Method {
             Self::Composed(method) => Self::Composed(method.with_step(h)),
             Self::ComposedGeodesic(method) => Self::ComposedGeodesic(method.with_step(h)),
             Self::ComposedVerlet(method) => Self::ComposedVerlet(method.with_step(h)),
+            Self::Lobatto3(method) => Self::Lobatto3(method.with_step(h)),
+            Self::Lobatto5(method) => Self::Lobatto5(method.with_step(h)),
+            Self::Lobatto6(method) => Self::Lobatto6(method.with_step(h)),
         }
     }
     fn is_symmetric(&self) -> bool {
@@ -66,6 +75,9 @@ impl Stepper for Method {
     }
     fn momentum_delay(&self) -> f64 {
         delegate!(self, method => method.momentum_delay())
+    }
+    fn stages(&self) -> usize {
+        delegate!(self, method => method.stages())
     }
     fn check(&self, equations: usize) -> Result<(), rattle::Error> {
         delegate!(self, method => method.check(equations))
@@ -135,6 +147,9 @@ fn rows() -> Vec<Row> {
         composed(SOFRONIOU_SPALETTA_2005_ORDER_10, [NONE, [3, 8], [9, 16]]),
         row("geodesic RATTLE, Kahan–Li 1997, order 6", 6, geodesic_6, [[128, 300], [8, 64], [16, 90]]),
         row("position Verlet, Suzuki 1990, order 4", 4, verlet_4, [[64, 512], [8, 90], [16, 128]]),
+        row("Lobatto, 3 stages", 4, Method::Lobatto3(Lobatto::new(1.0)), [[64, 256], [8, 64], [16, 128]]),
+        row("Lobatto, 5 stages", 8, Method::Lobatto5(Lobatto::new(1.0)), [[64, 128], [3, 10], [12, 28]]),
+        row("Lobatto, 6 stages", 10, Method::Lobatto6(Lobatto::new(1.0)), [NONE, [2, 5], [10, 18]]),
     ]
 }
 
@@ -331,7 +346,7 @@ fn symmetric_methods_go_back_and_others_do_not() {
             }
         }
     }
-    assert_eq!(symmetric, 2 * 17);
+    assert_eq!(symmetric, 2 * 20);
 }
 
 /// SHAKE goes back once position and momentum have changed places in time.
@@ -632,7 +647,8 @@ fn inner_steps_have_the_limit() {
         let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
         scene.simulate(start, method).unwrap().run(100).is_ok()
     };
-    let limits: [(fn(f64) -> Method, f64); 5] = [
+    type OfStep = fn(f64) -> Method;
+    let limits: [(OfStep, f64); 5] = [
         (|h| Method::Rattle(Rattle::new(h)), 1.0),
         (|h| Method::Euler(SymplecticEuler::new(h)), 1.0),
         (|h| Method::PositionVerlet(PositionVerlet::new(h)), 2.0),

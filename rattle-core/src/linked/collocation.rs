@@ -233,7 +233,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             let worst = if worst == 0.0 { 0.0 } else { worst / (f64::EPSILON * size) };
             let contraction = worst / last;
             let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
-            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 16.0;
+            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 256.0;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0 * long;
             if worst <= 0.25 || small || stalled {
                 return Ok(());
