@@ -1,4 +1,4 @@
-//! What accuracy costs in time: error against time for RATTLE and a composition of order 4.
+//! What accuracy costs in time: error against time for RATTLE, compositions of it and Lobatto methods.
 //!
 //! ```text
 //! cargo run --release --example accuracy
@@ -9,6 +9,7 @@
 
 use rattle::Counted;
 use rattle::bodies::One;
+use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::plot::Chart;
 use rattle::prelude::*;
 use rattle::system::System;
@@ -39,42 +40,68 @@ const RUNS: usize = 15;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let exact = reference()?;
-    let methods: [(&str, Vec<Point>); 2] = [
-        ("RATTLE, order 2", measure(Rattle::new, exact)?),
-        ("Suzuki, order 4", measure(|h| Composition::new(SUZUKI_1990_ORDER_4, h), exact)?),
+    let kahan_li = |h| Composition::new(KAHAN_LI_1997_ORDER_8, h);
+    let methods: [(&str, Vec<Point>); 6] = [
+        ("RATTLE, order 2", measure(Rattle::new, 0.02, exact)?),
+        ("Suzuki, order 4", measure(|h| Composition::new(SUZUKI_1990_ORDER_4, h), 0.02, exact)?),
+        ("Kahan–Li, order 8", measure(kahan_li, 0.04, exact)?),
+        ("Lobatto, order 4", measure(Lobatto::<3>::new, 0.05, exact)?),
+        ("Lobatto, order 8", measure(Lobatto::<5>::new, 0.05, exact)?),
+        ("Lobatto, order 16", measure(Lobatto::<9>::new, 0.1, exact)?),
     ];
     println!(
         "billiard at θ = 45° until t = {T}; time is the median of {RUNS} runs, evaluations are per run\n"
     );
     for (name, points) in &methods {
         println!(
-            "{name:16} {:>9} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9}",
+            "{name:18} {:>9} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9}",
             "h", "error", "order", "ms", "g", "∇g", "∇U"
         );
         let mut last: Option<&Point> = None;
         for point in points {
-            let order =
-                last.map_or(String::new(), |last| format!("{:.2}", (last.error / point.error).log2()));
+            let order = last.map_or(String::new(), |last| {
+                format!("{:.2}", (last.error / point.error).ln() / (last.h / point.h).ln())
+            });
             println!(
-                "{:16} {:9} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
+                "{:18} {:9.5} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
                 "", point.h, point.error, point.milliseconds, point.values, point.gradients, point.forces
             );
             last = Some(point);
         }
     }
-    let cost = |points: &[Point]| points.iter().map(|p| (p.milliseconds, p.error)).collect::<Vec<_>>();
-    let [(rattle, slow), (suzuki, fast)] = &methods;
-    Chart::new("What accuracy costs: billiard at θ = 45° until t = 5")
+
+    println!("\nmilliseconds to an error of      1e-4     1e-6     1e-8    1e-10    1e-12");
+    for (name, points) in &methods {
+        let times = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
+            .map(|error| time_to(points, error).map_or("       –".into(), |time| format!("{time:8.3}")));
+        println!("{name:28} {}", times.join(" "));
+    }
+    let at = |method: usize| time_to(&methods[method].1, 1e-8);
+    if let (Some(composition), Some(lobatto)) = (at(2), at(4)) {
+        println!(
+            "\nratio composition_over_lobatto {:.2}    # time to 1e-8, Kahan–Li over Lobatto of order 8",
+            composition / lobatto
+        );
+    }
+
+    let mut chart = Chart::new("What accuracy costs: billiard at θ = 45° until t = 5")
         .x("time / ms, one core")
         .y("largest error of a coordinate")
-        .log_log()
-        .marked(*rattle, cost(slow))
-        .slope(-2.0, "time⁻²")
-        .marked(*suzuki, cost(fast))
-        .slope(-4.0, "time⁻⁴")
-        .save("out/accuracy/accuracy.svg")?;
+        .log_log();
+    for (name, points) in &methods {
+        chart = chart.marked(*name, points.iter().map(|p| (p.milliseconds, p.error)));
+    }
+    chart.save("out/accuracy/accuracy.svg")?;
     println!("\nWritten to out/accuracy/accuracy.svg");
     Ok(())
+}
+
+/// The time to this error, between the points that have more and less, both on logarithmic scales.
+fn time_to(points: &[Point], error: f64) -> Option<f64> {
+    points.windows(2).find(|pair| pair[0].error >= error && pair[1].error < error).map(|pair| {
+        let part = (pair[0].error / error).ln() / (pair[0].error / pair[1].error).ln();
+        pair[0].milliseconds * (pair[1].milliseconds / pair[0].milliseconds).powf(part)
+    })
 }
 
 /// One step size: what it costs and what it gives.
@@ -87,11 +114,16 @@ struct Point {
     forces: u64,
 }
 
-fn measure<S: Stepper>(method: impl Fn(f64) -> S, exact: [f64; 3]) -> Result<Vec<Point>, rattle::Error> {
-    let mut points = Vec::new();
-    for halvings in 0..6 {
-        let h = 0.02 / f64::from(1 << halvings);
-        let steps = (T / h).round() as u64;
+/// From the longest step to an eighth of it or to the rounding floor; RATTLE to a thirty-second.
+fn measure<S: Stepper>(
+    method: impl Fn(f64) -> S,
+    longest: f64,
+    exact: [f64; 3],
+) -> Result<Vec<Point>, rattle::Error> {
+    let mut points: Vec<Point> = Vec::new();
+    for shorter in 0..if method(longest).order() < 8 { 11 } else { 9 } {
+        let steps = (T / longest * 2_f64.powf(0.5 * f64::from(shorter))).round();
+        let (h, steps) = (T / steps, steps as u64);
 
         let (surface, gravity) = (Counted::new(SURFACE), Counted::new(GRAVITY));
         let (on_surface, on_gravity) = (surface.counts(), gravity.counts());

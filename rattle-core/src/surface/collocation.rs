@@ -36,6 +36,10 @@ pub(crate) struct Stages<T, F, const D: usize> {
     /// f + ∇g λ.
     total: Vec<[T; D]>,
     lambda: Vec<T>,
+    /// Qᵢ − q.
+    increment: Vec<[T; D]>,
+    /// The factored matrix, S × S.
+    factor: Vec<T>,
 }
 
 impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
@@ -47,6 +51,8 @@ impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
             normal: vec![[zero; D]; n],
             total: vec![[zero; D]; n],
             lambda: vec![zero; n],
+            increment: vec![[zero; D]; n],
+            factor: vec![zero; stages * n],
         }
     }
 }
@@ -167,17 +173,23 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
         let zero = T::from_f64(0.0);
         let positions: [[T; S]; S] = table.positions.map(|row| row.map(|a| T::from_f64(h * h * a)));
         let drift: [T; S] = table.nodes.map(|c| T::from_f64(h * c));
+        for body in 0..n {
+            let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+            let total: &[[T; D]; S] = part(&stages.total, body);
+            for stage in 1..S {
+                stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], &v, total);
+            }
+        }
         let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
         for iteration in 0..MAX_ITERATIONS {
             for body in 0..n {
                 let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
-                let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-                let total: &[[T; D]; S] = part(&stages.total, body);
                 for stage in 1..S {
-                    let increment = increment(&positions[stage], drift[stage], &v, total);
-                    stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
+                    stages.q[stage * n + body] = sum(q, &sum(q_low, &stages.increment[body * S + stage]));
                 }
             }
+            // Normals hardly move any more after two iterations: their matrix is kept, unless that contracts badly.
+            let renew = iteration < 2 || last_contraction > 0.1;
             for stage in 1..S {
                 self.field.evaluate(&stages.q[stage * n..][..n], &mut stages.force[stage * n..][..n]);
             }
@@ -186,6 +198,8 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                 let normal: &mut [[T; D]; S] = part_mut(&mut stages.normal, body);
                 let total: &mut [[T; D]; S] = part_mut(&mut stages.total, body);
                 let lambda: &mut [T; S] = part_mut(&mut stages.lambda, body);
+                let increment: &mut [[T; D]; S] = part_mut(&mut stages.increment, body);
+                let factor = &mut stages.factor[body * S * S..][..S * S];
                 let mut change = [[zero; D]; S];
                 let mut right = [zero; S];
                 for stage in 1..S {
@@ -199,15 +213,21 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                     upright &= zero.lt(dot(&gradient, &normal[stage - 1])).all();
                 }
                 let mut shift = [[zero; D]; S];
-                let mut matrix = [[zero; S]; S];
                 for i in 1..S {
                     for j in 0..S - 1 {
                         shift[i] = add_scaled(&shift[i], positions[i][j], &change[j]);
-                        matrix[i][j] = positions[i][j] * dot(&normal[i], &normal[j]);
                     }
                     right[i] = right[i] - dot(&normal[i], &shift[i]);
                 }
-                let correction = eliminate(matrix, right);
+                if renew {
+                    for i in 1..S {
+                        for j in 0..S - 1 {
+                            factor[i * S + j] = positions[i][j] * dot(&normal[i], &normal[j]);
+                        }
+                    }
+                    eliminate::<T, S>(factor);
+                }
+                let correction = substitute::<T, S>(factor, right);
                 for j in 0..S - 1 {
                     lambda[j] = lambda[j] + correction[j];
                     let push = normal[j].map(|n| correction[j] * n);
@@ -215,6 +235,9 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                     for i in 1..S {
                         shift[i] = add_scaled(&shift[i], positions[i][j], &push);
                     }
+                }
+                for i in 1..S {
+                    increment[i] = sum(&increment[i], &shift[i]);
                 }
                 let moved = shift[1..].iter().map(largest).fold(zero, |a, b| select_larger(a, b));
                 let floor = largest(&bodies.q.as_ref()[body]) * T::from_f64(f64::EPSILON);
@@ -316,28 +339,38 @@ fn increment<T: Real, const D: usize, const S: usize>(
     from_fn(|d| drift * velocity[d] + push[d])
 }
 
-/// Solves for x₀ … x_{S−2} from rows 1 … S − 1, by elimination without exchanges: leading minors of the tables are positive,
-/// and normals of successive stages do not turn over.
+/// Factors rows 1 … S − 1 and columns 0 … S − 2 in place, pivots inverted, without exchanges: leading minors of the tables
+/// are positive, and normals of successive stages do not turn over.
 #[inline(always)]
-fn eliminate<T: Real, const S: usize>(mut matrix: [[T; S]; S], mut right: [T; S]) -> [T; S] {
+fn eliminate<T: Real, const S: usize>(a: &mut [T]) {
+    for k in 0..S - 1 {
+        let inverse = T::from_f64(1.0) / a[(k + 1) * S + k];
+        a[(k + 1) * S + k] = inverse;
+        for i in k + 1..S - 1 {
+            let factor = a[(i + 1) * S + k] * inverse;
+            a[(i + 1) * S + k] = factor;
+            for j in k + 1..S - 1 {
+                a[(i + 1) * S + j] = a[(i + 1) * S + j] - factor * a[(k + 1) * S + j];
+            }
+        }
+    }
+}
+
+/// Solves with the factors of [`eliminate`], for x₀ … x_{S−2} from right sides 1 … S − 1.
+#[inline(always)]
+fn substitute<T: Real, const S: usize>(a: &[T], mut right: [T; S]) -> [T; S] {
     let mut x = [T::from_f64(0.0); S];
     for k in 0..S - 1 {
-        let inverse = T::from_f64(1.0) / matrix[k + 1][k];
         for i in k + 1..S - 1 {
-            let factor = matrix[i + 1][k] * inverse;
-            for j in k + 1..S - 1 {
-                matrix[i + 1][j] = matrix[i + 1][j] - factor * matrix[k + 1][j];
-            }
-            right[i + 1] = right[i + 1] - factor * right[k + 1];
+            right[i + 1] = right[i + 1] - a[(i + 1) * S + k] * right[k + 1];
         }
-        matrix[k + 1][k] = inverse;
     }
     for i in (0..S - 1).rev() {
         let mut rest = right[i + 1];
         for j in i + 1..S - 1 {
-            rest = rest - matrix[i + 1][j] * x[j];
+            rest = rest - a[(i + 1) * S + j] * x[j];
         }
-        x[i] = rest * matrix[i + 1][i];
+        x[i] = rest * a[(i + 1) * S + i];
     }
     x
 }
