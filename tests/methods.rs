@@ -632,7 +632,8 @@ fn inner_steps_have_the_limit() {
         let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
         scene.simulate(start, method).unwrap().run(100).is_ok()
     };
-    let limits: [(fn(f64) -> Method, f64); 5] = [
+    type Make = fn(f64) -> Method;
+    let limits: [(Make, f64); 5] = [
         (|h| Method::Rattle(Rattle::new(h)), 1.0),
         (|h| Method::Euler(SymplecticEuler::new(h)), 1.0),
         (|h| Method::PositionVerlet(PositionVerlet::new(h)), 2.0),
