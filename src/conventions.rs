@@ -1,10 +1,10 @@
 //! Signs, scales and units, in one place.
 //!
 //! ```text
-//! q̈ = −∇U(q) + ∇g(q) λ,   g(q) = 0                     H′ = |p|²/2 + U(q) − λ g(q)
+//! M q̈ = −∇U(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   G = ∂g/∂q             H′ = pᵀM⁻¹p/2 + U(q) − λ·g(q, t)
 //! ```
 //!
-//! * **Masses** are 1: momenta are velocities.
+//! * **Masses** are 1 unless a scene names them: momenta p = M v are then velocities.
 //! * **Forces** are −∇U. Between two bodies, Fᵢ = −(U′(r)/r)(qᵢ − qⱼ): repulsive where U falls with r.
 //! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and
 //!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a
@@ -14,6 +14,11 @@
 //!   shares. `simulation.multipliers()` is λ of the present state, whatever the method.
 //! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
 //!   and f = −∇U; see [`curvature`](crate::curvature).
+//!   They are in the unit of U over that of g; Gᵀλ is a force, see
+//!   [`constraint_forces`](crate::Simulation::constraint_forces). Where equations depend on each other, multipliers are those
+//!   of least norm, every equation scaled to a gradient of length 1 (in the metric of M⁻¹).
+//! * **Moving constraints** g(q, t) ask for G v = −∂g/∂t and do the work W = −∫ λ·∂g/∂t dt; H − W is what stays.
+//! * **Rigid bodies**: Q takes coordinates of the body to those of space; angular momentum is that of the body's frame.
 //! * **Residuals** are |g(q)| in the unit of g, and |∇g·p|. Errors give distances, |g|/|∇g|.
 //! * **Units** are the user's; nothing depends on how large they are, or on how g is scaled, as long as the squares
 //!   |∇g|², |p|² and |q|² stay within the range of `f64`, 1e±300: with g multiplied by a power of two a simulation is

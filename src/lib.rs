@@ -49,8 +49,8 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, kernel, linked, network, real, recorder, scene,
-    shadow, simulation, stepper, surface, system,
+    bodies, composition, counted, curvature, effect, error, kernel, linked, lobatto, network, real, recorder,
+    scene, shadow, simulation, stepper, surface, system,
 };
 
 pub use rattle_core::composition::Composition;
@@ -58,6 +58,7 @@ pub use rattle_core::counted::Counted;
 pub use rattle_core::error::Error;
 pub use rattle_core::geodesic::Geodesic;
 pub use rattle_core::leapfrog::Leapfrog;
+pub use rattle_core::lobatto::Lobatto;
 pub use rattle_core::network::{LinearAlgebra, Mass};
 pub use rattle_core::position_verlet::PositionVerlet;
 pub use rattle_core::rattle::Rattle;
@@ -77,7 +78,7 @@ pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Geodesic, Leapfrog, PositionVerlet, Rattle, Shake, SymplecticEuler};
+    pub use crate::{Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};
     pub use crate::{LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }

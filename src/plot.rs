@@ -64,6 +64,7 @@ enum Style {
     Line,
     Thin,
     Marked,
+    Points,
     Slope(f64),
 }
 
@@ -158,6 +159,18 @@ impl Chart {
     /// ```
     pub fn marked(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.single(label.into(), points, Style::Marked)
+    }
+
+    /// Points that no line joins: values of one thing over another, or measurements on top of a curve.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let chart = Chart::new("Section").points("returns", [(1.0, 3.0), (2.0, 1.0), (1.2, 2.0)]);
+    /// assert!(chart.to_svg()?.matches("<circle").count() >= 3);
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn points(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.single(label.into(), points, Style::Points)
     }
 
     /// Many curves of one kind in the order of a parameter: thin lines, colours along viridis, and a legend that
@@ -330,8 +343,9 @@ impl Chart {
     }
 }
 
-/// The window on the data. `shift` moves logarithmic data by whole decades, because the chart crate takes every
-/// logarithm of max(x, 1e-10) and we plot errors down to 1e-16; the tick labels shift back.
+/// The window on the data. `shift` moves data by whole decades, because the chart crate takes every logarithm of
+/// max(x, 1e-10), and every range shorter than about 1e-12 for empty, and we plot errors down to 1e-16; the tick labels
+/// shift back.
 struct Frame {
     x: (f64, f64),
     y: (f64, f64),
@@ -361,6 +375,12 @@ impl Frame {
                 height: HEIGHT,
             };
         }
+        let mut shift = (decades_up(x), decades_up(y));
+        if chart.equal {
+            shift = (shift.0.min(shift.1), shift.0.min(shift.1));
+        }
+        let moved = |(low, high): (f64, f64), shift| (scaled(low, shift), scaled(high, shift));
+        let (x, y) = (moved(x, shift.0), moved(y, shift.1));
         let (x, y) = (padded(x, if chart.equal { 0.05 } else { 0.0 }), padded(y, 0.06));
         let height = if chart.equal {
             // Title, ticks and labels take about 110 of the height and 90 of the width.
@@ -368,7 +388,7 @@ impl Frame {
         } else {
             HEIGHT
         };
-        Self { x, y, shift: (0, 0), stride: (1, 1), height }
+        Self { x, y, shift, stride: (1, 1), height }
     }
 
     fn plots(&self, curve: &Curve) -> Vec<Plot> {
@@ -377,14 +397,18 @@ impl Frame {
         let (width, style) = match curve.style {
             Style::Line => (1.6, LineStyle::Solid),
             Style::Thin => (1.0, LineStyle::Solid),
-            Style::Marked => (1.6, LineStyle::Solid),
+            Style::Marked | Style::Points => (1.6, LineStyle::Solid),
             Style::Slope(_) => (1.2, LineStyle::Dashed),
         };
         let line = LinePlot::new().with_color(&*curve.colour).with_stroke_width(width).with_line_style(style);
-        let mut plots = vec![Plot::Line(line.with_data(points.iter().copied()))];
-        if curve.style == Style::Marked {
+        let mut plots = Vec::new();
+        if curve.style != Style::Points {
+            plots.push(Plot::Line(line.with_data(points.iter().copied())));
+        }
+        if matches!(curve.style, Style::Marked | Style::Points) {
+            let size = if curve.style == Style::Points { 3.0 } else { 4.0 };
             plots.push(Plot::Scatter(
-                ScatterPlot::new().with_data(points).with_color(&*curve.colour).with_size(4.0),
+                ScatterPlot::new().with_data(points).with_color(&*curve.colour).with_size(size),
             ));
         }
         plots
@@ -395,6 +419,12 @@ impl Frame {
 const LOG_LABELS: f64 = 16.0;
 /// Room at the ends of a logarithmic axis.
 const LOG_MARGIN: f64 = 1.35;
+
+/// By how many decades tiny numbers are to be raised on a linear axis; none from 10⁻⁶ on.
+fn decades_up((low, high): (f64, f64)) -> i32 {
+    let size = low.abs().max(high.abs());
+    if size > 0.0 && size < 1e-6 { -(size.log10().floor() as i32) } else { 0 }
+}
 
 fn padded((low, high): (f64, f64), part: f64) -> (f64, f64) {
     let span = high - low;
@@ -422,7 +452,7 @@ fn entry(curve: &Curve) -> LegendEntry {
     LegendEntry {
         label: curve.label.clone(),
         color: curve.colour.clone(),
-        shape: LegendShape::Line,
+        shape: if curve.style == Style::Points { LegendShape::Circle } else { LegendShape::Line },
         dasharray: dashed,
     }
 }

@@ -85,6 +85,21 @@ fn logarithmic_axes_reach_rounding() {
     assert!(svg.contains("10⁻¹⁵") && svg.contains("10⁻¹¹"));
 }
 
+/// It also takes short ranges for empty: errors near rounding must fill a linear axis as well.
+#[test]
+fn linear_axes_reach_rounding() {
+    let heights = |size: f64| -> Vec<f64> {
+        let svg = Chart::new("Tiny").line("", [(0.0, -size), (1.0, 0.0), (2.0, size)]).to_svg().unwrap();
+        let line = svg.split("<path d=\"M ").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+        line.split(" L ").map(|p| p.split_whitespace().nth(1).unwrap().parse().unwrap()).collect()
+    };
+    for size in [1e-300, 1e-16, 1e-12, 1e-7, 1e-6, 1.0] {
+        let heights = heights(size);
+        assert!(heights[0] - heights[2] > 300.0, "{size:e}: {heights:?}");
+        assert!((heights[0] - 2.0 * heights[1] + heights[2]).abs() < 0.1, "{size:e}: {heights:?}");
+    }
+}
+
 #[test]
 fn errors_name_the_chart_the_curve_and_the_point() {
     let line =

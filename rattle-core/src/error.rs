@@ -446,6 +446,37 @@ pub enum StepFailure {
         /// What would pass.
         passing: Passing,
     },
+    /// The stages of a collocation method were not solved to the rounding floor.
+    #[error(
+        "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
+         {left:.1e} roundings; try a smaller step"
+    )]
+    StagesNotSolved {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
+    },
+    /// Normals of successive stages are turned over: the step jumps over a bend.
+    #[error(
+        "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
+    )]
+    StagesTurnOver {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+    },
+    /// The system has no collocation.
+    #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
+    NoCollocation {
+        /// The kind of system.
+        system: &'static str,
+    },
     /// A rigid body turns so far within the step that no rotation fits.
     #[error(
         "the body turns too far within the step: h·|Ω| = {turn:.3} must stay below about 2; {passing} (h = {h:.3e})"

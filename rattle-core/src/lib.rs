@@ -11,6 +11,7 @@ pub mod geodesic;
 pub mod kernel;
 pub mod leapfrog;
 pub mod linked;
+pub mod lobatto;
 pub mod network;
 pub mod position_verlet;
 pub mod rattle;

@@ -15,17 +15,21 @@
 //! It also ends where a fresh derivative, equal to the one before, does not make residuals smaller: then they are the
 //! rounding of g itself.
 //!
-//! **Which root.** As on surfaces: if the guess was off by a small part of the path, pivots stayed positive and
-//! the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
+//! **Which root.** As on surfaces: if the guess was off by a small part of the path (or the normals do not change), pivots
+//! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
 //! followed from h = 0 in parts of the step that are halved until that holds.
+
+mod collocation;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
-use crate::network::{Report, Rows, Shape, Solver};
+use crate::lobatto::Table;
+use crate::network::{Report, Root, Rows, Shape, Solver};
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
+use collocation::Stages;
 use std::sync::Arc;
 
 /// A first correction longer than this part of the path asks for following, as on surfaces; while it is followed, …
@@ -45,8 +49,16 @@ const SMALLEST_PART: f64 = 1.0 / 4096.0;
 const MAX_PARTS: usize = 200;
 /// Halvings of a failed step that are tried, to say which would pass.
 const HALVINGS: i32 = 24;
+/// Steps in which normals change by less are short enough to be accurate: where one fails, the reason is another.
+const SHORT: f64 = 0.2;
 /// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
 pub(crate) const LOST: f64 = 1e-7;
+/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it: where
+/// a mechanism branches, places are known to √ε.
+const BRANCHING: f64 = 1e-6;
+const MUCH_SHORTER: f64 = 1e-3;
+/// A multiplier that acts along less than this part of ∇g is what stopped a step.
+const LITTLE_SHARE: f64 = 0.25;
 
 /// A network of constraints on bodies in a field of force.
 #[derive(Debug, Clone)]
@@ -67,6 +79,8 @@ pub struct Kept<F, const D: usize> {
     /// Corrections and evaluations of g, since the start.
     counts: Counts,
     room: Room<D>,
+    /// Room for a method with inner stages.
+    stages: Option<Box<Stages<F, D>>>,
 }
 
 /// What the position equations have cost since the start of a simulation.
@@ -120,6 +134,8 @@ struct Flight<'a, const D: usize> {
     component: usize,
     q: &'a [[f64; D]],
     q_low: &'a [[f64; D]],
+    /// The gradients there.
+    blocks: &'a [[f64; D]],
     time: f64,
     h: f64,
 }
@@ -184,6 +200,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
             counts: Counts::default(),
             room,
+            stages: None,
         };
         let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
@@ -198,6 +215,15 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
+    fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
+                bodies.kept.normals(&self.shape, c, time, bodies.q.as_ref());
+            }
+        }
+    }
+
     fn drift<W: Witness<f64>>(
         &self,
         kick: f64,
@@ -208,7 +234,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         let shape = &*self.shape;
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
-        let Kept { force, blocks, rates, solvers, counts, room } = &mut bodies.kept;
+        let Kept { force, blocks, rates, solvers, counts, room, .. } = &mut bodies.kept;
         for (body, root) in shape.roots.iter().enumerate() {
             let v = root.velocity(&p[body]);
             let v_low = root.velocity(&p_low[body]);
@@ -222,12 +248,12 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let (first, m) = (component.first, rows.equations());
             let blocks = &blocks[first.1..first.1 + rows.blocks()];
-            let flight = Flight { shape, component: c, q, q_low, time: bodies.time, h };
+            let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
             counts.solves += 1;
-            let turn = flight.guess(solver, blocks, room);
+            let turn = flight.guess(solver, room);
             let solved = flight.solve(solver, turn, room, counts);
             if !solved.converged {
-                return Err(flight.failure(solver, blocks, turn, room, solved));
+                return Err(flight.failure(solver, turn, room, solved));
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }
@@ -302,7 +328,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                 if settled {
                     break;
                 }
-                solver.solve(needed, x);
+                solver.respond(rows, blocks, &shape.roots, needed, x);
                 solver.push(rows, &shape.roots, 1.0, x, change);
                 total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
             }
@@ -321,6 +347,21 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             }
         }
         Ok(())
+    }
+
+    fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
+        let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
+        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.collocate(table, h, bodies, witness)
     }
 
     fn equations(&self) -> usize {
@@ -388,7 +429,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             }
             let mut solver = bodies.kept.solvers[c].clone();
             let mut x = vec![0.0; out.len()];
-            solver.solve(&bends, &mut x);
+            solver.respond(rows, blocks, &self.shape.roots, &mut bends, &mut x);
             solver.multipliers(&x, out);
         });
     }
@@ -468,12 +509,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[cold]
     fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
-        let position = q[body].to_vec();
-        let cause = match self.field.culprit(q, body) {
-            Some((effect, force)) => StepFailure::ForceNotFinite { effect, force: force.to_vec(), position },
-            None => StepFailure::MomentumNotFinite { position },
-        };
-        Failure { body, cause }
+        // Links hand a force that is none on to other bodies.
+        let culprits = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
+        let mut culprits = culprits.filter_map(|body| Some((body, self.field.culprit(q, body)?)));
+        if let Some((body, (effect, force))) = culprits.next() {
+            let (force, position) = (force.to_vec(), q[body].to_vec());
+            return Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } };
+        }
+        Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
     }
 
     pub(crate) fn counts(&self, bodies: &BodiesOf<F, N, D>) -> Counts {
@@ -505,8 +548,8 @@ impl<const D: usize> Flight<'_, D> {
     }
 
     /// Writes the x with g̈ = 0 into `room.guess`. Returns the largest relative change of a normal in the step.
-    fn guess(&self, solver: &mut Solver<D>, blocks: &[[f64; D]], room: &mut Room<D>) -> f64 {
-        let rows = self.rows();
+    fn guess(&self, solver: &mut Solver<D>, room: &mut Room<D>) -> f64 {
+        let (rows, blocks) = (self.rows(), self.blocks);
         let m = rows.equations();
         let (bends, turns) = (&mut room.g[..m], &mut room.dx[..m]);
         self.shape.bends(self.component, self.time, self.q, &room.velocity, bends, turns);
@@ -519,7 +562,7 @@ impl<const D: usize> Flight<'_, D> {
             }
             *bend = -0.5 * self.h * self.h * *bend - along(rows, i, blocks, &room.push);
         }
-        solver.solve(bends, &mut room.guess[..m]);
+        solver.respond(rows, blocks, &self.shape.roots, bends, &mut room.guess[..m]);
         largest_turn
     }
 
@@ -528,12 +571,33 @@ impl<const D: usize> Flight<'_, D> {
         let m = self.rows().equations();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
-        let path = self.path(room);
-        if turn <= LARGE_TURN && landing.trusted(path, FAR_GUESS) {
+        let mut path = self.path(room);
+        if self.rows().moving {
+            // A constraint that begins to move takes bodies along that had no way of their own.
+            room.dx[..m].copy_from_slice(&room.guess[..m]);
+            path += self.length_of_correction(solver, room) + landing.first;
+        }
+        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
             return landing;
         }
         counts.followed += 1;
         self.follow(solver, path, room, counts)
+    }
+
+    /// Whether the root found for the part `s` of the step is taken for the one that the motion leads to: the guess was off
+    /// by no more than `far`, or the normals there are those of the start (as at rest, where `far` is 0).
+    fn trusts(&self, landing: &Landing, far: f64, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
+        landing.converged && landing.upright && (landing.first <= far || self.straight(solver, s, room))
+    }
+
+    #[cold]
+    fn straight(&self, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
+        let (m, blocks) = (self.rows().equations(), self.rows().blocks());
+        self.place(solver, s, room);
+        let (g, there) = (&mut room.g[..m], &mut room.blocks[..blocks]);
+        let time = self.time + s * self.h;
+        self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
+        self.change(room, self.blocks) <= STRAIGHT
     }
 
     /// The longest way of a body without the constraints.
@@ -550,7 +614,7 @@ impl<const D: usize> Flight<'_, D> {
             let (drift, push) = (&room.drift[body], &room.push[body]);
             room.lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i]);
         }
-        solver.displace(rows, &self.shape.roots, &room.y, &mut room.lift);
+        solver.displace(rows, &self.shape.roots, &room.y[..rows.equations()], &mut room.lift);
         for &body in &rows.bodies {
             room.trial[body] = sum(&self.q[body], &sum(&self.q_low[body], &room.lift[body]));
         }
@@ -610,7 +674,7 @@ impl<const D: usize> Flight<'_, D> {
                 let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..blocks]);
                 self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
                 counts.gradients += 1;
-                if self.change(room) <= STRAIGHT {
+                if self.change(room, &room.before) <= STRAIGHT {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
@@ -642,7 +706,7 @@ impl<const D: usize> Flight<'_, D> {
                 room.y[i] = room.guess[i] * end * end + room.excess[i] + room.slope[i] * length;
             }
             landing = self.land(solver, end, room, counts, |_| ());
-            if landing.trusted(length * path, FAR_EXTRAPOLATION) {
+            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, solver, end, room) {
                 for i in 0..m {
                     let excess = room.y[i] - room.guess[i] * end * end;
                     room.slope[i] = (excess - room.excess[i]) / length;
@@ -663,7 +727,7 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: false, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on.
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer.
     fn measure_rounding(&self, room: &mut Room<D>) {
         let rows = self.rows();
         for row in 0..rows.equations() {
@@ -674,6 +738,7 @@ impl<const D: usize> Flight<'_, D> {
                 size = f64::max(size, largest(&room.drift[body]));
             }
             room.lengths[row] = square.sqrt();
+            size = f64::max(size, room.g[row].abs() / room.lengths[row]);
             room.scale[row] = 1.0 / (f64::EPSILON * size * room.lengths[row]);
         }
     }
@@ -682,16 +747,16 @@ impl<const D: usize> Flight<'_, D> {
     fn length_of_correction(&self, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
         let rows = self.rows();
         rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
-        solver.displace(rows, &self.shape.roots, &room.dx, &mut room.lift);
+        solver.displace(rows, &self.shape.roots, &room.dx[..rows.equations()], &mut room.lift);
         rows.bodies.iter().map(|&body| largest(&room.lift[body])).fold(0.0, f64::max)
     }
 
-    /// The largest relative change of a gradient from `room.before`.
-    fn change(&self, room: &Room<D>) -> f64 {
+    /// The largest relative change of a gradient from `before`.
+    fn change(&self, room: &Room<D>, before: &[[f64; D]]) -> f64 {
         let rows = self.rows();
         let change = |row: usize| {
             let apart = rows.blocks_of(row).map(|(block, _)| {
-                let difference = add_scaled(&room.blocks[block], -1.0, &room.before[block]);
+                let difference = add_scaled(&room.blocks[block], -1.0, &before[block]);
                 dot(&difference, &difference)
             });
             apart.sum::<f64>().sqrt() / room.lengths[row]
@@ -702,24 +767,18 @@ impl<const D: usize> Flight<'_, D> {
     /// Why the step failed, and what would pass.
     #[cold]
     #[inline(never)]
-    fn failure(
-        &self,
-        solver: &mut Solver<D>,
-        blocks: &[[f64; D]],
-        turn: f64,
-        room: &mut Room<D>,
-        landing: Landing,
-    ) -> Failure {
-        let (rows, m) = (self.rows(), self.rows().equations());
+    fn failure(&self, solver: &mut Solver<D>, turn: f64, room: &mut Room<D>, landing: Landing) -> Failure {
+        let (rows, m, blocks) = (self.rows(), self.rows().equations(), self.blocks);
         let mut residuals = Vec::new();
         room.y[..m].copy_from_slice(&room.guess[..m]);
-        self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
+        let direct =
+            self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
         let row = room.worst(m);
         let equation = self.shape.equation_at(self.component, row);
         let body = equation.bodies[0];
         let because = |cause| Failure { body, cause };
         let share = acting_share(self.shape, self.component, row, blocks);
-        if rows.acting && share < 0.1 {
+        if rows.acting && share < LITTLE_SHARE {
             return because(StepFailure::CannotAct { equation, share });
         }
         let square: f64 = rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
@@ -743,6 +802,17 @@ impl<const D: usize> Flight<'_, D> {
                 break;
             }
         }
+        let much_shorter = passing.is_none_or(|h: f64| h.abs() <= MUCH_SHORTER * self.h.abs());
+        let independent = solver.rank(rows) == m;
+        let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
+        // A solution is near, but within a few such steps normals may fall together: it may lie on another branch.
+        let ahead = direct.converged && turn < SHORT && sine < 4.0 * turn;
+        let here = much_shorter && sine < BRANCHING;
+        if independent && !rows.acting && (ahead || here) {
+            let equation = self.shape.equation_at(self.component, weakest);
+            let body = equation.bodies[0];
+            return Failure { body, cause: StepFailure::RankLost { equation, sine } };
+        }
         let residuals = residuals.into_iter().collect();
         because(if landing.contradictory {
             StepFailure::Contradictory { equation, residuals }
@@ -758,12 +828,6 @@ impl<const D: usize> Flight<'_, D> {
                 passing: Passing(passing),
             }
         })
-    }
-}
-
-impl Landing {
-    fn trusted(&self, path: f64, far: f64) -> bool {
-        self.converged && self.upright && self.first <= far * path
     }
 }
 

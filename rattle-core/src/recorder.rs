@@ -68,11 +68,11 @@ pub struct Trajectory {
     positions: Vec<f64>,
     momenta: Vec<f64>,
     multipliers: Option<Multipliers>,
-    /// λ and μ of the step under way, one of each per body; in a method of stages those of the last stage.
+    /// λ and μ of the step under way, one of each per equation; in a method of stages those of the last stage.
     under_way: Multipliers,
 }
 
-/// λ and μ of a run, one of each per body and row, on the scale of q̈ = −∇U + ∇g λ.
+/// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
     /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN where the trajectory was only
@@ -131,7 +131,7 @@ impl Trajectory {
         &self.momenta
     }
 
-    /// The multipliers, shape [rows, bodies] each, if they were asked for.
+    /// The multipliers, shape [rows, equations] each, if they were asked for; on surfaces a body has one equation.
     #[must_use]
     pub fn multipliers(&self) -> Option<&Multipliers> {
         self.multipliers.as_ref()

@@ -16,6 +16,7 @@
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Effects, Field, Force};
 use crate::error::{Error, NetworkMistake, Passing, StartFailure, StepFailure};
+use crate::lobatto::Table;
 use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
@@ -312,6 +313,19 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             }
         }
         Ok(())
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        _: &Table<S>,
+        _: f64,
+        _: &mut BodiesOf<F, N>,
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        Err(Failure {
+            body: 0,
+            cause: StepFailure::NoCollocation { system: "a rigid body reduced to three unknowns" },
+        })
     }
 
     fn equations(&self) -> usize {

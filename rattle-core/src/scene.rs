@@ -27,7 +27,7 @@ pub struct Scene<C, E, N, const D: usize> {
     count: N,
 }
 
-/// What holds the bodies of a scene: a surface for each, or a [`Network`](crate::network::Network) of constraints.
+/// What holds the bodies of a scene: a surface for each, or a [`Network`] of constraints.
 pub trait Hold<const D: usize> {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
@@ -215,7 +215,12 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         constraint: G,
         members: impl IntoIterator<Item = [usize; A]>,
     ) -> Scene<Network<D>, E, N, D> {
-        const { assert!(K == A * D + 1, "a moving constraint has the variables of its bodies, then the time") };
+        const {
+            assert!(
+                A > 0 && K == A * D + 1,
+                "a moving constraint has the variables of its bodies, then the time"
+            )
+        };
         let members = members.into_iter().collect();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
     }
@@ -334,8 +339,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
         self.check_forces(&start.bodies)?;
-        let bodies = system.bodies(|i| start.bodies[i], start.time);
-        Ok(Simulation::new(system, self.count, bodies, stepper))
+        let mut bodies = system.bodies(|i| start.bodies[i], start.time);
+        system.reserve(&mut bodies, stepper.stages());
+        Ok(Simulation::new(system, self.count, bodies, start.time_low, stepper))
     }
 
     fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {

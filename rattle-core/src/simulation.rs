@@ -8,6 +8,7 @@ use crate::recorder::Recorder;
 use crate::state::State;
 use crate::stepper::{Stepper, Witness};
 use crate::system::System;
+use crate::vector::two_sum;
 use nalgebra::SVector;
 use std::fmt;
 use std::marker::PhantomData;
@@ -23,7 +24,8 @@ pub struct Simulation<Y: System<f64, D>, S, const D: usize> {
     /// Places and momenta before the step under way.
     before: Bodies<Y::Count, f64, (), D>,
     steps: u64,
-    start_time: f64,
+    /// The time of the start, and what rounding took from it.
+    start_time: (f64, f64),
     start_energy: f64,
 }
 
@@ -32,10 +34,11 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         system: Y,
         count: Y::Count,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
+        time_low: f64,
         stepper: S,
     ) -> Self {
         let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
-        let start_time = bodies.time;
+        let start_time = (bodies.time, time_low);
         let mut simulation =
             Self { system, stepper, bodies, before, steps: 0, start_time, start_energy: 0.0 };
         simulation.start_energy = simulation.energy();
@@ -96,7 +99,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         match self.stepper.step(&self.system, &mut self.bodies, witness) {
             Ok(()) => {
                 self.steps += 1;
-                self.bodies.time = self.time();
+                let time = self.time();
+                self.system.set_time(&mut self.bodies, time);
                 Ok(())
             }
             Err(failure) => {
@@ -114,9 +118,19 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The time: that of the start, 0 if none was given, and steps times step size.
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     pub fn time(&self) -> f64 {
-        self.start_time + self.steps as f64 * self.stepper.step_size()
+        self.exact_time().0
+    }
+
+    /// The time and what rounding took from it: the same after any number of stops and starts on the way.
+    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+    fn exact_time(&self) -> (f64, f64) {
+        let (steps, h) = (self.steps as f64, self.stepper.step_size());
+        let passed = steps * h;
+        let ([time], [low]) = two_sum(&[self.start_time.0], &[passed]);
+        let passed_low = steps.mul_add(h, -passed);
+        let ([time], [low]) = two_sum(&[time], &[low + (self.start_time.1 + passed_low)]);
+        (time, low)
     }
 
     /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
@@ -163,7 +177,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     /// The present state, from which a new simulation goes on bit for bit.
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
-        State { bodies, time: self.time(), surplus_momenta: None }
+        let (time, time_low) = self.exact_time();
+        State { bodies, time, time_low, surplus_momenta: None }
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.

@@ -18,8 +18,9 @@ use nalgebra::SVector;
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
     pub(crate) bodies: Vec<Body<f64, D>>,
-    /// The time of the start; matters to moving constraints.
+    /// The time of the start, and what rounding took from it; matters to moving constraints.
     pub(crate) time: f64,
+    pub(crate) time_low: f64,
     /// How many momenta were given, if more than there are bodies.
     pub(crate) surplus_momenta: Option<usize>,
 }
@@ -36,7 +37,8 @@ impl<const D: usize> State<D> {
     pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
         let zero = [0.0; D];
         let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
-        Self { bodies: positions.into_iter().map(at_rest).collect(), time: 0.0, surplus_momenta: None }
+        let bodies = positions.into_iter().map(at_rest).collect();
+        Self { bodies, time: 0.0, time_low: 0.0, surplus_momenta: None }
     }
 
     /// The same, every body with this momentum.
@@ -65,7 +67,7 @@ impl<const D: usize> State<D> {
     /// The same at this time; a start is at time 0 if nothing is said.
     #[must_use]
     pub fn at_time(mut self, time: f64) -> Self {
-        self.time = time;
+        (self.time, self.time_low) = (time, 0.0);
         self
     }
 

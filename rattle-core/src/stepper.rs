@@ -31,6 +31,11 @@ pub trait Stepper: Clone {
         0.0
     }
 
+    /// Inner stages that need room, 0 for methods without.
+    fn stages(&self) -> usize {
+        0
+    }
+
     /// Whether the method makes sense for a system with so many equations, asked once before a run.
     ///
     /// # Errors
@@ -107,6 +112,18 @@ impl FailureAt {
 
     fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
         x.iter().map(|&x| self.number(x)).collect()
+    }
+
+    /// The stages of a collocation method did not converge.
+    #[cold]
+    pub(crate) fn unsolved(&self, h: f64, stages: usize, iterations: usize, left: f64) -> Failure {
+        self.because(StepFailure::StagesNotSolved { h, stages, iterations, left })
+    }
+
+    /// Successive stages are on different sides of the surface.
+    #[cold]
+    pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
+        self.because(StepFailure::StagesTurnOver { h, stages })
     }
 
     fn because(&self, cause: StepFailure) -> Failure {

@@ -2,14 +2,18 @@
 //!
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
+mod collocation;
+
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
+use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::solver::{Departure, FAR_GUESS, multiplier_from_curvature};
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
 use crate::vector::{dot, scaled, sum, two_sum};
+use collocation::Stages;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
@@ -38,6 +42,8 @@ pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
     pub normal: N::Of<Normal<T, D>>,
     /// Forces −∇U last evaluated; of size zero where no effect acts.
     pub force: N::Of<F>,
+    /// Room for a method with inner stages.
+    stages: Option<Box<Stages<T, F, D>>>,
 }
 
 type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
@@ -54,7 +60,7 @@ where
 
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()) };
+        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None };
         let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
         bodies
@@ -103,6 +109,20 @@ where
             }
         }
         Ok(())
+    }
+
+    fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
+        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
+    }
+
+    fn collocate<W: Witness<T>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.collocate(table, h, bodies, witness)
     }
 
     fn equations(&self) -> usize {

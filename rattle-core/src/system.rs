@@ -10,6 +10,7 @@
 //! surface of its own, in lanes if wanted; [`Linked`](crate::linked::Linked) is for everything else.
 
 use crate::bodies::{Bodies, Body, Count};
+use crate::lobatto::Table;
 use crate::real::Real;
 use crate::stepper::{Failure, Witness};
 use std::fmt::Debug;
@@ -30,6 +31,12 @@ pub trait System<T: Real, const D: usize>: Clone {
     -> Bodies<Self::Count, T, Self::Kept, D>;
     /// Evaluates anew what is kept, after positions were put back.
     fn refresh(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
+
+    /// Sets the time at the end of a step, which the sum of its stages may miss by rounding.
+    #[inline(always)]
+    fn set_time(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, time: f64) {
+        bodies.time = time;
+    }
 
     /// Kicks for a time `kick`, then moves for a time `h`, to where the constraints hold. Normals are then those of the
     /// new positions, forces still the old ones. Momenta must be along the constraints. With `kick` 0 forces are not
@@ -56,6 +63,21 @@ pub trait System<T: Real, const D: usize>: Clone {
     fn settle<W: Witness<T>>(
         &self,
         kick: f64,
+        h: f64,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+
+    /// Makes room for a method of so many inner stages, so that its steps need not allocate.
+    fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
+
+    /// Takes one step of the collocation method with this table.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift); and where the system has no collocation.
+    fn collocate<W: Witness<T>, const S: usize>(
+        &self,
+        table: &Table<S>,
         h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,

@@ -2,6 +2,7 @@
 #![allow(dead_code, unused_imports, unreachable_pub, reason = "each test uses its part")]
 
 pub mod lanes;
+pub mod linked;
 
 use rattle::composition::{ALL, Coefficients};
 use rattle::prelude::*;

@@ -12,7 +12,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
-/// L and U on one pattern: column k of L mirrors row k of U.
+/// L and U with ones on their diagonals, on one pattern: column k of L mirrors row k of U.
 #[derive(Debug, Clone)]
 struct Factor {
     lower: Vec<f64>,
@@ -67,7 +67,9 @@ impl<const D: usize> Elimination<D> {
         }
         // As named, if that fills in no more than an order of minimum degree: memory is then read in turn.
         let as_named = Pattern::new(&neighbours, (0..m).collect());
-        let pattern = if as_named.lower.len() > as_named.entries {
+        let pattern = if let Some(order) = from_both_ends(&neighbours) {
+            Pattern::new(&neighbours, order)
+        } else if as_named.lower.len() > as_named.entries {
             let reordered = Pattern::new(&neighbours, minimum_degree(&neighbours));
             if reordered.lower.len() < as_named.lower.len() { reordered } else { as_named }
         } else {
@@ -159,19 +161,19 @@ impl<const D: usize> Elimination<D> {
             let entry = line[k];
             for at in self.lower_start[k]..self.lower_start[k + 1] {
                 let j = self.lower[at];
-                let part = line[j] * factor.inverse[j];
-                line[j] = 0.0;
-                factor.lower[at] = part;
+                let left = std::mem::take(&mut line[j]);
+                factor.lower[at] = left * factor.inverse[j];
                 let upper = self.upper_start[j]..self.upper_start[j + 1];
                 for (&column, u) in self.upper[upper.clone()].iter().zip(&factor.upper[upper]) {
-                    line[column] -= part * u;
+                    line[column] -= left * u;
                 }
             }
             let pivot = line[k];
             line[k] = 0.0;
-            factor.inverse[k] = 1.0 / pivot;
+            let inverse = 1.0 / pivot;
+            factor.inverse[k] = inverse;
             for at in self.upper_start[k]..self.upper_start[k + 1] {
-                factor.upper[at] = std::mem::take(&mut line[self.upper[at]]);
+                factor.upper[at] = std::mem::take(&mut line[self.upper[at]]) * inverse;
             }
             let ratio = pivot / entry;
             let ratio = if at_start { ratio } else { ratio * entry.signum() };
@@ -186,16 +188,20 @@ impl<const D: usize> Elimination<D> {
         let m = self.order.len();
         for k in 0..m {
             let lower = self.lower_start[k]..self.lower_start[k + 1];
-            let known: f64 =
-                self.lower[lower.clone()].iter().zip(&factor.lower[lower]).map(|(&j, l)| l * y[j]).sum();
-            y[k] = right[self.order[k]] - known;
+            let mut rest = right[self.order[k]];
+            for (&j, l) in self.lower[lower.clone()].iter().zip(&factor.lower[lower]) {
+                rest -= l * y[j];
+            }
+            y[k] = rest;
         }
         for k in (0..m).rev() {
             let upper = self.upper_start[k]..self.upper_start[k + 1];
-            let known: f64 =
-                self.upper[upper.clone()].iter().zip(&factor.upper[upper]).map(|(&j, u)| u * y[j]).sum();
-            y[k] = (y[k] - known) * factor.inverse[k];
-            x[self.order[k]] = y[k];
+            let mut rest = y[k] * factor.inverse[k];
+            for (&j, u) in self.upper[upper.clone()].iter().zip(&factor.upper[upper]) {
+                rest -= u * y[j];
+            }
+            y[k] = rest;
+            x[self.order[k]] = rest;
         }
     }
 
@@ -280,6 +286,24 @@ impl Factor {
     fn none() -> Self {
         Self { lower: Vec::new(), upper: Vec::new(), inverse: Vec::new() }
     }
+}
+
+/// The order of a chain from both its ends at once: the processor then works on two recurrences that do not wait for
+/// each other. None if the rows are no chain.
+fn from_both_ends(neighbours: &[Vec<usize>]) -> Option<Vec<usize>> {
+    let m = neighbours.len();
+    let end = neighbours.iter().position(|list| list.len() <= 1)?;
+    if neighbours.iter().any(|list| list.len() > 2) {
+        return None;
+    }
+    let mut chain = vec![end];
+    let mut before = end;
+    while let Some(&next) = neighbours[chain[chain.len() - 1]].iter().find(|&&row| row != before) {
+        before = chain[chain.len() - 1];
+        chain.push(next);
+    }
+    (chain.len() == m)
+        .then(|| (0..m).map(|k| chain[if k % 2 == 0 { k / 2 } else { m - 1 - k / 2 }]).collect())
 }
 
 /// An order of elimination with little fill.

@@ -142,6 +142,9 @@ impl<const D: usize> Root<D> {
 
 /// L with M = L Lᵀ; None where M is not symmetric positive definite.
 fn cholesky<const D: usize>(m: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
+    if !m.iter().flatten().all(|x| x.is_finite()) {
+        return None;
+    }
     let largest = m.iter().flatten().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let mut l = [[0.0; D]; D];
     for i in 0..D {
@@ -151,7 +154,7 @@ fn cholesky<const D: usize>(m: &[[f64; D]; D]) -> Option<[[f64; D]; D]> {
             }
             let rest = m[i][j] - dot(&l[i], &l[j]);
             if i == j {
-                if !(rest > 0.0 && rest.is_finite()) {
+                if !(rest > 0.0 && (1.0 / rest).is_finite()) {
                     return None;
                 }
                 l[i][i] = rest.sqrt();

@@ -64,10 +64,30 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// x such that the equations change at these rates, by the last normals.
     pub(crate) fn solve(&mut self, rates: &[f64], x: &mut [f64]) {
         match self {
             Self::Orthogonal(basis) => basis.solve(rates, x),
             Self::Elimination(elimination) => elimination.solve(rates, x),
+        }
+    }
+
+    /// The same where multipliers act on chosen coordinates only: the matrix is then not symmetric, as between two places.
+    /// `rates` are used up.
+    pub(crate) fn respond(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+        rates: &mut [f64],
+        x: &mut [f64],
+    ) {
+        if rows.acting {
+            self.chord(rows, blocks, roots);
+            rates.iter_mut().for_each(|rate| *rate = -*rate);
+            self.correct(rates, x);
+        } else {
+            self.solve(rates, x);
         }
     }
 
@@ -120,7 +140,8 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} bodies, {} equations", self.bodies, self.equations)?;
+        let bodies = if self.bodies == 1 { "body" } else { "bodies" };
+        write!(f, "{} {bodies}, {} equations", self.bodies, self.equations)?;
         if self.rank < self.equations {
             write!(f, " of which {} independent", self.rank)?;
         }

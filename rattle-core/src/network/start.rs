@@ -88,7 +88,8 @@ fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Re
     for &(body, at) in &shape.pins {
         let Body { q, p, .. } = bodies[body];
         let off = largest(&add_scaled(&q, -1.0, &at));
-        if !(off <= START_TOLERANCE * size.max(largest(&at)) && p == [0.0; D]) {
+        let finite = at.iter().all(|x| x.is_finite());
+        if !(finite && off <= START_TOLERANCE * size.max(largest(&at)) && p == [0.0; D]) {
             let cause = StartFailure::Pinned { at: at.to_vec(), position: q.to_vec(), momentum: p.to_vec() };
             return Err(Error::Start { body, cause });
         }
@@ -244,11 +245,16 @@ fn place<const D: usize>(
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let rows = &component.rows;
-        let (sine, _) = component.solver.normals(rows, &start.blocks, roots);
-        let narrow = matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan());
-        if narrow && algebra == LinearAlgebra::Automatic && m <= BASIS_AT_MOST {
-            component.solver = Solver::orthogonal(rows);
-            component.solver.normals(rows, &start.blocks, roots);
+        let blocks = &start.blocks[..rows.blocks()];
+        let (sine, row) = component.solver.normals(rows, blocks, roots);
+        if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
+            if algebra == LinearAlgebra::Automatic && m <= BASIS_AT_MOST {
+                component.solver = Solver::orthogonal(rows);
+                component.solver.normals(rows, blocks, roots);
+            } else if sine <= LOST {
+                let equation = shape.equation_at(c, row);
+                return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+            }
         }
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
         component.solver.solve(&off, &mut x);

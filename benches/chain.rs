@@ -1,0 +1,79 @@
+//! A step of a chain costs as many operations as it has links: from 100 to 100 000.
+//!
+//! ```text
+//! cargo bench --bench chain
+//! ```
+//!
+//! A chain of total length and mass 1 falls from the horizontal; its step is a fifth of the time that a wave needs for a link,
+//! so that chains of all lengths are equally accurate. Times are medians of several runs; the slope is that of
+//! log(time per step) over log(links), fitted. Allocations are counted over the timed steps.
+
+use rattle::prelude::*;
+use std::time::Instant;
+
+constraint! {
+    /// Two points at a distance, in the plane.
+    struct Rod { length }
+    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
+}
+
+potential! {
+    /// Weight of a point.
+    struct Weight { mg }
+    |x, y| mg * y
+}
+
+const LINKS: [u32; 4] = [100, 1_000, 10_000, 100_000];
+/// Steps that one timing covers, as many as fit before the chain has fallen far.
+const STEPS: [u32; 4] = [150, 150, 150, 20];
+const RUNS: usize = 5;
+
+fn main() -> Result<(), rattle::Error> {
+    println!("  links   µs per step   ns per link   corrections per step   allocations   largest |g|/|∇g|ℓ");
+    let mut points = Vec::new();
+    for (links, steps) in LINKS.into_iter().zip(STEPS) {
+        let length = 1.0 / f64::from(links);
+        let n = links as usize;
+        let scene = Scene::points(n + 1)
+            .link(Rod { length }, (0..n).map(|i| [i, i + 1]))
+            .pin(0, [0.0, 0.0])
+            .mass(length)
+            .with(Weight { mg: length });
+        let straight = State::of((0..=links).map(|i| [f64::from(i) * length, 0.0]));
+        let mut start = scene.simulate(scene.project(&straight)?, Rattle::new(0.2 * length))?;
+        start.run(20)?; // leaves the straight line
+        let mut simulation = start.clone();
+        let mut times = Vec::new();
+        let mut allocations = 0;
+        for _ in 0..RUNS {
+            simulation = start.clone();
+            let mut outcome = Ok(());
+            let clock = Instant::now();
+            allocations += allocation_counter::measure(|| outcome = simulation.run(steps.into())).count_total;
+            times.push(clock.elapsed().as_secs_f64() / f64::from(steps));
+            outcome?;
+        }
+        times.sort_by(f64::total_cmp);
+        let (time, before, after) = (times[RUNS / 2], start.counts(), simulation.counts());
+        let corrections =
+            (after.corrections - before.corrections) as f64 / (after.solves - before.solves) as f64;
+        println!(
+            "{links:7} {:13.2} {:13.1} {corrections:22.3} {allocations:13} {:20.1e}",
+            1e6 * time,
+            1e9 * time / f64::from(links),
+            simulation.constraint_residual() / (2.0 * length * length),
+        );
+        points.push((f64::from(links).ln(), time.ln()));
+    }
+    println!("\nratio slope {:.3}", slope(&points));
+    Ok(())
+}
+
+/// The slope of the straight line through the points, by least squares.
+fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let (xy, xx) = (mean(|p| p.0 * p.1) - x * y, mean(|p| p.0 * p.0) - x * x);
+    xy / xx
+}

@@ -1,0 +1,337 @@
+//! Collocation of linked bodies: the stages of [`lobatto`](crate::lobatto) solved together.
+//!
+//! An iteration evaluates g, its gradients and the forces once at every stage and forms the new sums. The linearised
+//! constraints are solved with the normals of the start in place of those of the stages, so that one factor, that of
+//! the last step's end, serves all stages:
+//!
+//! ```text
+//! δλⱼ = −Σᵢ (h² a)⁻¹ⱼᵢ (G₀M⁻¹G₀ᵀ)⁻¹ rᵢ
+//! ```
+//!
+//! That contracts by the part of a right angle that normals turn within the step: well while steps are accurate.
+
+use super::{BodiesOf, Linked, Rows, along};
+use crate::bodies::Count;
+use crate::effect::{Field, Force};
+use crate::error::StepFailure;
+use crate::lobatto::Table;
+use crate::stepper::{Failure, Witness};
+use crate::system::System;
+use crate::vector::{add_scaled, largest, sum, two_sum};
+
+/// Iterations after which a step is given up.
+const MAX_ITERATIONS: usize = 100;
+
+/// Room for the stages: stage by stage; within a stage by body, or by row and block of all components.
+#[derive(Debug, Clone)]
+pub(super) struct Stages<F, const D: usize> {
+    q: Vec<[f64; D]>,
+    force: Vec<F>,
+    /// f + Gᵀλ, and its change in the last evaluation.
+    total: Vec<[f64; D]>,
+    change: Vec<[f64; D]>,
+    blocks: Vec<[f64; D]>,
+    rates: Vec<f64>,
+    lambda: Vec<f64>,
+    /// Residuals, then the answers of the start's normals to them.
+    right: Vec<f64>,
+    /// Of one body, or one component.
+    shift: Vec<[f64; D]>,
+    x: Vec<f64>,
+    multipliers: Vec<f64>,
+}
+
+impl<F: Force<f64, D>, const D: usize> Stages<F, D> {
+    pub(super) fn new(stages: usize, bodies: usize, equations: usize, blocks: usize) -> Self {
+        let zero = [0.0; D];
+        Self {
+            q: vec![zero; stages * bodies],
+            force: vec![F::zero(); stages * bodies],
+            total: vec![zero; stages * bodies],
+            change: vec![zero; stages * bodies],
+            blocks: vec![zero; stages * blocks],
+            rates: vec![0.0; stages * equations],
+            lambda: vec![0.0; stages * equations],
+            right: vec![0.0; stages * equations],
+            shift: vec![zero; bodies],
+            x: vec![0.0; equations],
+            multipliers: vec![0.0; equations],
+        }
+    }
+}
+
+impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// One step of the collocation method with this table.
+    pub(super) fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        if shape.components.iter().any(|component| component.rows.acting) {
+            let system = "a network whose multipliers act on chosen coordinates";
+            return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
+        }
+        let (n, m) = (self.count.number(), shape.equations);
+        let mut stages = match bodies.kept.stages.take() {
+            Some(stages) if stages.q.len() == S * n => stages,
+            _ => Box::new(Stages::new(S, n, m, shape.blocks)),
+        };
+        self.guess::<S>(bodies, &mut stages);
+        let solved = self.iterate(table, h, bodies, &mut stages);
+        if solved.is_ok() {
+            self.arrive(table, h, bodies, &stages, witness);
+        }
+        bodies.kept.stages = Some(stages);
+        solved?;
+        for c in 0..shape.components.len() {
+            let (q, time) = (bodies.q.as_ref(), bodies.time);
+            let (sine, row) = bodies.kept.normals(shape, c, time, q);
+            self.check_rank(c, bodies, sine, row)?;
+        }
+        self.evaluate_forces(bodies);
+        let last = h * table.weights[S - 1];
+        self.settle(last, 2.0 * last, bodies, witness)
+    }
+
+    /// Constant acceleration, that with g̈ = 0 at the start.
+    fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F::Force, D>) {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        let (kept, room) = (&mut bodies.kept, &mut stages.change);
+        for (body, root) in shape.roots.iter().enumerate() {
+            kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+            kept.room.push[body] = root.velocity(&kept.force[body].components());
+            stages.total[body] = kept.force[body].components();
+            room[body] = [0.0; D];
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, (row, block)) = (&component.rows, component.first);
+            let blocks = &kept.blocks[block..block + rows.blocks()];
+            let (bends, turns) = (&mut kept.room.g[..rows.equations()], &mut kept.room.dx);
+            shape.bends(c, bodies.time, bodies.q.as_ref(), &kept.room.velocity, bends, turns);
+            for (i, bend) in bends.iter_mut().enumerate() {
+                *bend = -*bend - along(rows, i, blocks, &kept.room.push);
+            }
+            let x = &mut stages.x[..rows.equations()];
+            kept.solvers[c].respond(rows, blocks, &shape.roots, bends, x);
+            kept.solvers[c].multipliers(x, &mut stages.lambda[row..row + rows.equations()]);
+            pull(rows, blocks, &stages.lambda[row..], &mut stages.total[..n]);
+        }
+        for stage in 1..S {
+            stages.total.copy_within(..n, stage * n);
+            stages.lambda.copy_within(..m, stage * m);
+        }
+        stages.blocks[..shape.blocks].copy_from_slice(&kept.blocks);
+        stages.rates[..m].copy_from_slice(&kept.rates);
+        stages.force[..n].copy_from_slice(&kept.force);
+    }
+
+    /// Qᵢ − q of a body: drift and the sum over the stages.
+    fn increment<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<F, N, D>,
+        stages: &Stages<F::Force, D>,
+        stage: usize,
+        body: usize,
+    ) -> [f64; D] {
+        let n = self.count.number();
+        let mut impulse = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+        impulse = impulse.map(|p| h * table.nodes[stage] * p);
+        for j in 0..S - 1 {
+            let factor = h * h * table.positions[stage][j];
+            impulse = add_scaled(&impulse, factor, &stages.total[j * n + body]);
+        }
+        self.shape.roots[body].velocity(&impulse)
+    }
+
+    /// Iterates until the stages hold to rounding.
+    fn iterate<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        stages: &mut Stages<F::Force, D>,
+    ) -> Result<(), Failure> {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        let inverse = inverse(table);
+        let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
+        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
+        for iteration in 0..MAX_ITERATIONS {
+            for stage in 1..S {
+                for body in 0..n {
+                    let increment = self.increment(table, h, bodies, stages, stage, body);
+                    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+                    stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
+                }
+                let q = &stages.q[stage * n..][..n];
+                let force = &mut stages.force[stage * n..][..n];
+                self.field.evaluate(q, force);
+                shape.pins.iter().for_each(|&(body, _)| force[body] = F::Force::zero());
+                let total = &mut stages.change[stage * n..][..n];
+                total.iter_mut().zip(force).for_each(|(total, force)| *total = force.components());
+                for (c, component) in shape.components.iter().enumerate() {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let (row, block) = (stage * m + row, stage * shape.blocks + block);
+                    let blocks = &mut stages.blocks[block..block + rows.blocks()];
+                    let g = &mut stages.right[row..row + rows.equations()];
+                    let rates = &mut stages.rates[row..row + rows.equations()];
+                    shape.gradients(c, bodies.time + h * table.nodes[stage], q, g, blocks, rates);
+                    pull(rows, blocks, &stages.lambda[row..], total);
+                }
+                for (total, change) in stages.total[stage * n..][..n].iter_mut().zip(total) {
+                    (*total, *change) = (*change, add_scaled(change, -1.0, total));
+                }
+            }
+            stages.change[..n].fill([0.0; D]);
+
+            // rᵢ = g(Qᵢ) + G(Qᵢ) h² Σⱼ aᵢⱼ M⁻¹(change of stage j), and what the start's normals answer.
+            let mut worst = 0.0_f64;
+            for stage in 1..S {
+                self.shift(table, h, stages, stage);
+                for (c, component) in shape.components.iter().enumerate() {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let blocks = &stages.blocks[stage * shape.blocks + block..][..rows.blocks()];
+                    let right = &mut stages.right[stage * m + row..][..rows.equations()];
+                    for (i, right) in right.iter_mut().enumerate() {
+                        *right += along(rows, i, blocks, &stages.shift);
+                    }
+                    let x = &mut stages.x[..rows.equations()];
+                    let start = &bodies.kept.blocks[block..block + rows.blocks()];
+                    bodies.kept.solvers[c].respond(rows, start, &shape.roots, right, x);
+                    bodies.kept.solvers[c].multipliers(x, right);
+                }
+            }
+            for j in 0..S - 1 {
+                stages.multipliers.fill(0.0);
+                for i in 1..S {
+                    let factor = -inverse[j][i] / (h * h);
+                    for (sum, answer) in stages.multipliers.iter_mut().zip(&stages.right[i * m..]) {
+                        *sum += factor * answer;
+                    }
+                }
+                let lambda = &mut stages.lambda[j * m..][..m];
+                lambda.iter_mut().zip(&stages.multipliers).for_each(|(lambda, change)| *lambda += change);
+                for component in &shape.components {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let blocks = &stages.blocks[j * shape.blocks + block..][..rows.blocks()];
+                    pull(rows, blocks, &stages.multipliers[row..], &mut stages.total[j * n..][..n]);
+                    pull(rows, blocks, &stages.multipliers[row..], &mut stages.change[j * n..][..n]);
+                }
+            }
+            for stage in 1..S {
+                self.shift(table, h, stages, stage);
+                for shift in &stages.shift {
+                    let moved = largest(shift);
+                    worst = if moved > worst || moved.is_nan() { moved } else { worst };
+                }
+            }
+            let size = stages.q[n..].iter().map(largest).fold(0.0, f64::max);
+            let worst = if worst == 0.0 { 0.0 } else { worst / (f64::EPSILON * size) };
+            let contraction = worst / last;
+            let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
+            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 16.0;
+            let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0 * long;
+            if worst <= 0.25 || small || stalled {
+                return Ok(());
+            }
+            if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
+                let cause =
+                    StepFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst };
+                return Err(Failure { body: 0, cause });
+            }
+            (last, last_contraction) = (worst, contraction);
+        }
+        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: MAX_ITERATIONS, left: last };
+        Err(Failure { body: 0, cause })
+    }
+
+    /// h² Σⱼ aᵢⱼ M⁻¹(change of stage j) of every body.
+    fn shift<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        stages: &mut Stages<F::Force, D>,
+        stage: usize,
+    ) {
+        let n = self.count.number();
+        for (body, root) in self.shape.roots.iter().enumerate() {
+            let mut shift = [0.0; D];
+            for j in 0..S - 1 {
+                let factor = h * h * table.positions[stage][j];
+                shift = add_scaled(&shift, factor, &stages.change[j * n + body]);
+            }
+            stages.shift[body] = root.velocity(&shift);
+        }
+    }
+
+    /// Takes the bodies to the end of the step, their momenta without the last kick.
+    fn arrive<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        stages: &Stages<F::Force, D>,
+        witness: &mut W,
+    ) {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        for body in 0..n {
+            let increment = self.increment(table, h, bodies, stages, S - 1, body);
+            let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+            (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
+        }
+        for body in 0..n {
+            let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            let mut impulse = *p_low;
+            for j in 0..S - 1 {
+                impulse = add_scaled(&impulse, h * table.weights[j], &stages.total[j * n + body]);
+            }
+            (*p, *p_low) = two_sum(p, &impulse);
+        }
+        for component in &shape.components {
+            let (rows, row) = (&component.rows, component.first.0);
+            for i in 0..rows.equations() {
+                witness.position_multiplier(rows.equation(i), stages.lambda[row + i]);
+                for j in 0..S - 1 {
+                    let at = j * m + row + i;
+                    bodies.work -= h * table.weights[j] * stages.lambda[at] * stages.rates[at];
+                }
+            }
+        }
+        bodies.time += h;
+    }
+}
+
+/// Adds Gᵀλ to the force on each body of a component.
+fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force: &mut [[f64; D]]) {
+    for row in 0..rows.equations() {
+        for (block, body) in rows.blocks_of(row) {
+            let body = rows.bodies[body];
+            force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
+        }
+    }
+}
+
+/// Rows j, columns i of the inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, by Gauss and Jordan; minors are positive.
+fn inverse<const S: usize>(table: &Table<S>) -> [[f64; S]; S] {
+    let (mut a, mut inverse) = (table.positions, [[0.0; S]; S]);
+    for k in 0..S - 1 {
+        inverse[k][k + 1] = 1.0;
+    }
+    for k in 0..S - 1 {
+        let pivot = a[k + 1][k];
+        a[k + 1] = a[k + 1].map(|x| x / pivot);
+        inverse[k] = inverse[k].map(|x| x / pivot);
+        for i in (0..S - 1).filter(|&i| i != k) {
+            let factor = a[i + 1][k];
+            for j in 0..S {
+                a[i + 1][j] -= factor * a[k + 1][j];
+                inverse[i][j] -= factor * inverse[k][j];
+            }
+        }
+    }
+    inverse
+}

@@ -1,0 +1,71 @@
+//! Motions of linked bodies that end: the error names the reason, whatever the step.
+
+use rattle::error::{Error, StepFailure};
+use rattle::prelude::*;
+
+constraint! {
+    /// A rod of this length from the origin.
+    struct Rod { length }
+    |x, y| sqrt(x^2 + y^2) - length
+}
+
+potential! {
+    /// Weight; y points up.
+    struct Weight { g }
+    |x, y| g * y
+}
+
+constraint! {
+    /// Two points at a distance.
+    struct Link { length }
+    |b: [f64; 2], c: [f64; 2]| sum(i in 0..2, (b[i] - c[i])^2) - length^2
+}
+
+constraint! {
+    /// Keeps to the x axis.
+    struct Guide {}
+    |_x, y| y
+}
+
+/// A crank of length 1 and a rod of length 1 to a slider, which reaches the crank's axis: there it could stay.
+#[test]
+fn a_mechanism_that_branches_ends_at_the_branch() {
+    let scene = Scene::points(2)
+        .link(Rod { length: 1.0 }, [[0]])
+        .link(Link { length: 1.0 }, [[0, 1]])
+        .link(Guide {}, [[1]]);
+    for angle in [1.0_f64, 0.3] {
+        for h in [0.02, 0.015, 0.01, 0.005, 0.002, 0.001, 0.0001] {
+            let (s, c) = angle.sin_cos();
+            let start = State::of([[c, s], [2.0 * c, 0.0]]).with_momenta([[-s, c], [-2.0 * s, 0.0]]);
+            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            let failure = simulation.run(1_000_000).unwrap_err();
+            let Error::Step { cause: StepFailure::RankLost { sine, .. }, .. } = &failure else {
+                panic!("from {angle} with h = {h}: {failure}");
+            };
+            let crank = simulation.positions().next().unwrap();
+            assert!(crank.x.abs() < 0.1, "from {angle} with h = {h}: {crank:?}");
+            assert!(*sine < 0.1, "from {angle} with h = {h}: {sine}");
+        }
+    }
+}
+
+/// Held by a force along x alone, the mass falls freely in y, and at the bottom nothing can hold it.
+#[test]
+fn a_rod_that_pulls_sideways_ends_at_the_bottom() {
+    let scene =
+        Scene::point().link_acting(Rod { length: 1.0 }, [[0]], [[true, false]]).with(Weight { g: 1.0 });
+    for angle in [1.0_f64, 2.0, 2.8] {
+        let bottom = (2.0 * (1.0 - angle.cos())).sqrt();
+        for h in [0.02, 0.015, 0.01, 0.005, 0.002, 0.001, 0.0001] {
+            let start = State::at([angle.sin(), -angle.cos()]);
+            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            let failure = simulation.run(1_000_000).unwrap_err();
+            let Error::Step { time, cause: StepFailure::CannotAct { share, .. }, .. } = &failure else {
+                panic!("from {angle} with h = {h}: {failure}");
+            };
+            assert!(*time < bottom && *time > bottom - 0.1, "from {angle} with h = {h}: {time} and {bottom}");
+            assert!(*share < 0.3, "from {angle} with h = {h}: {share}");
+        }
+    }
+}

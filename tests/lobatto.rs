@@ -1,0 +1,238 @@
+//! Lobatto IIIA–IIIB on surfaces: coefficients, the discrete map, orders, structure.
+
+mod common;
+use common::*;
+use rattle::lobatto::{Table, Tabulated};
+use rattle::prelude::*;
+
+/// Calls a function for every number of stages.
+macro_rules! for_all_stages {
+    ($check:ident $(, $argument:expr)*) => {
+        $check::<2>($($argument),*);
+        $check::<3>($($argument),*);
+        $check::<4>($($argument),*);
+        $check::<5>($($argument),*);
+        $check::<6>($($argument),*);
+        $check::<7>($($argument),*);
+        $check::<8>($($argument),*);
+        $check::<9>($($argument),*);
+    };
+}
+
+#[test]
+fn coefficients_satisfy_their_conditions() {
+    fn check<const S: usize>()
+    where
+        Table<S>: Tabulated,
+    {
+        let (s, Table { nodes, weights, positions }) = (S, Table::<S>::TABLE);
+        let exact = |power: i32| 1.0 / f64::from(power + 1);
+        // Quadrature is exact for polynomials of degree 2s − 3.
+        for power in 0..=2 * s as i32 - 3 {
+            let sum: f64 = nodes.iter().zip(weights).map(|(c, b)| b * c.powi(power)).sum();
+            assert!((sum - exact(power)).abs() < 4.0 * f64::EPSILON, "s = {s}, power {power}: {sum}");
+        }
+        // Σⱼ aᵢⱼ cⱼᵏ = cᵢᵏ⁺²/((k + 1)(k + 2)) for k ≤ s − 3: positions are exact for accelerations of that degree.
+        assert_eq!(positions[0], [0.0; S]);
+        for (i, row) in positions.iter().enumerate() {
+            assert_eq!(row[s - 1], 0.0);
+            for power in 0..=s as i32 - 3 {
+                let sum: f64 = row.iter().zip(nodes).map(|(a, c)| a * c.powi(power)).sum();
+                let expected = nodes[i].powi(power + 2) / f64::from((power + 1) * (power + 2));
+                assert!((sum - expected).abs() < 4.0 * f64::EPSILON, "s = {s}, row {i}, power {power}");
+            }
+        }
+        // The last row is bⱼ(1 − cⱼ), as symplecticity asks for: the quadrature of ∫ (1 − t) q̈ dt.
+        for (j, a) in positions[s - 1].iter().enumerate() {
+            assert!((a - weights[j] * (1.0 - nodes[j])).abs() < 2.0 * f64::EPSILON, "s = {s}, column {j}");
+        }
+        // Symmetry: read backwards in time, the method is the same.
+        for j in 0..s {
+            assert!((nodes[j] + nodes[s - 1 - j] - 1.0).abs() < 2.0 * f64::EPSILON);
+            assert!((weights[j] - weights[s - 1 - j]).abs() < 2.0 * f64::EPSILON);
+        }
+    }
+    for_all_stages!(check);
+}
+
+#[test]
+fn the_discrete_maps_agree_with_40_digit_arithmetic() {
+    fn check<const S: usize>(row: &Row)
+    where
+        Table<S>: Tabulated,
+    {
+        let (h, n) = (row.number("h"), row.text("n").parse().unwrap());
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(billiard_45(), Lobatto::<S>::new(h)).unwrap();
+        simulation.run(n).unwrap();
+        let error = distance(simulation.position(), row.numbers(["x", "y", "z"]));
+        assert!(error <= 1e-15, "s = {S}, n = {n}: position off by {error:e}");
+        let error = distance(simulation.momentum(), row.numbers(["px", "py", "pz"]));
+        assert!(error <= 4e-15, "s = {S}, n = {n}: momentum off by {error:e}");
+    }
+    let mut compared = 0;
+    for row in table("golden_discrete_lemniscate") {
+        match row.text("method") {
+            "LobattoSPARK2" => check::<2>(&row),
+            "LobattoSPARK3" => check::<3>(&row),
+            "LobattoSPARK4" => check::<4>(&row),
+            "LobattoSPARK5" => check::<5>(&row),
+            _ => continue,
+        }
+        compared += 1;
+    }
+    assert_eq!(compared, 8);
+}
+
+#[test]
+fn orders_2_to_16_on_the_spherical_pendulum() {
+    fn check<const S: usize>(steps: [u64; 3])
+    where
+        Table<S>: Tabulated,
+    {
+        let rows = table("spherical_pendulum");
+        let row = rows.iter().find(|row| row.text("case") == "a" && row.number("t") == 5.0).unwrap();
+        let exact = row.numbers(["x", "y", "z"]);
+        let alpha = std::f64::consts::FRAC_PI_3;
+        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let start = State::at([alpha.sin(), 0.0, -alpha.cos()]).moving([0.0, 1.5, 0.0]);
+        let start = scene.project(&start).unwrap();
+        let points = steps.map(|n| {
+            let mut simulation = scene.simulate(start.clone(), Lobatto::<S>::new(5.0 / n as f64)).unwrap();
+            simulation.run(n).unwrap();
+            let error = distance(simulation.position(), exact);
+            assert!((1e-14..0.1).contains(&error), "s = {S}, {n} steps: {error:e}");
+            ((1.0 / n as f64).ln(), error.ln())
+        });
+        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let slope = (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x);
+        // Long steps are not yet in the limit: an eighth of the order.
+        let order = f64::from(Lobatto::<S>::new(1.0).order());
+        assert!((slope - order).abs() < order / 8.0, "s = {S}: slope {slope}, order {order}");
+    }
+    // Steps with errors between 1e-2 and 1e-13.
+    check::<2>([40, 60, 80]);
+    check::<3>([16, 24, 32]);
+    check::<4>([12, 18, 24]);
+    check::<5>([9, 13, 18]);
+    check::<6>([8, 12, 16]);
+    check::<7>([6, 8, 10]);
+    check::<8>([5, 6, 7]);
+    check::<9>([4, 5, 6]);
+}
+
+#[test]
+fn forth_and_back_and_on_the_surface() {
+    fn check<const S: usize>(h: f64)
+    where
+        Table<S>: Tabulated,
+    {
+        let h = if S == 2 { 0.5 * h } else { h }; // two stages are RATTLE, with its limit
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let start = billiard_45();
+        let mut forth = scene.simulate(start.clone(), Lobatto::<S>::new(h)).unwrap();
+        forth.run(20).unwrap();
+        assert!(forth.constraint_residual() < 1e-15 && forth.cotangent_residual() < 1e-15);
+        let mut back = scene.simulate(forth.state(), Lobatto::<S>::new(-h)).unwrap();
+        back.run(20).unwrap();
+        let error = distance(back.position(), start.positions().next().unwrap());
+        assert!(error < 2e-14, "s = {S}, h = {h}: {error:e}"); // measured up to 5e-15
+    }
+    for_all_stages!(check, 0.02);
+    for_all_stages!(check, 0.05);
+}
+
+#[test]
+fn steps_three_times_as_long_as_those_of_rattle() {
+    // RATTLE ends at h = 0.031 on this motion (h·κ·|v| = 1).
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut simulation = scene.simulate(billiard_45(), Lobatto::<5>::new(0.1)).unwrap();
+    let mut worst = 0.0_f64;
+    simulation.run_with(2000, |now| worst = worst.max(now.energy_error().abs())).unwrap();
+    assert!(worst < 0.1, "{worst}"); // of 0.83; measured 0.07
+    assert!(simulation.constraint_residual() < 1e-15);
+}
+
+constraint! {
+    /// Two points at a distance, in the plane.
+    struct Rod { length }
+    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
+}
+
+#[test]
+fn orders_2_to_16_of_linked_bodies() {
+    fn check<const S: usize>(steps: [u64; 3])
+    where
+        Table<S>: Tabulated,
+    {
+        let rows = table("double_pendulum");
+        let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 1.0).unwrap();
+        let exact = row.numbers(["x1", "y1", "x2", "y2"]);
+        let scene = Scene::points(3)
+            .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+            .pin(0, [0.0, 0.0])
+            .with(PlanarGravity { g: 1.0 });
+        let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+        let points = steps.map(|n| {
+            let mut simulation = scene.simulate(start.clone(), Lobatto::<S>::new(1.0 / n as f64)).unwrap();
+            simulation.run(n).unwrap();
+            let q: Vec<_> = simulation.positions().collect();
+            let error = distance([q[1].x, q[1].y, q[2].x, q[2].y], exact);
+            assert!(simulation.constraint_residual() < 1e-15 && error < 0.1);
+            ((1.0 / n as f64).ln(), error.ln())
+        });
+        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
+        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+        let slope = (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x);
+        let order = f64::from(Lobatto::<S>::new(1.0).order());
+        assert!((slope - order).abs() < order / 8.0, "s = {S}: slope {slope}, order {order}");
+    }
+    check::<2>([40, 60, 80]);
+    check::<3>([4, 6, 8]);
+    check::<4>([3, 4, 5]);
+    check::<5>([2, 3, 4]);
+    check::<6>([2, 3, 4]);
+    check::<7>([2, 3, 4]);
+    // Beyond, a single step of length 1 leaves 2e-10 and 4e-12.
+    single::<8>(1e-9);
+    single::<9>(1e-11);
+}
+
+fn single<const S: usize>(bound: f64)
+where
+    Table<S>: Tabulated,
+{
+    let rows = table("double_pendulum");
+    let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 1.0).unwrap();
+    let scene = Scene::points(3)
+        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    let mut simulation = scene.simulate(start, Lobatto::<S>::new(1.0)).unwrap();
+    simulation.step().unwrap();
+    let q: Vec<_> = simulation.positions().collect();
+    let error = distance([q[1].x, q[1].y, q[2].x, q[2].y], row.numbers(["x1", "y1", "x2", "y2"]));
+    assert!(error < bound, "s = {S}: {error:e}");
+}
+
+constraint! {
+    /// A sphere whose radius swings with time.
+    struct Breathing { amplitude }
+    |x, y, z, t| x^2 + y^2 + z^2 - (1 + amplitude * sin(t))^2
+}
+
+#[test]
+fn the_work_of_a_moving_constraint_is_known_to_the_method_s_order() {
+    let scene = Scene::point().link_moving(Breathing { amplitude: 0.3 }, [[0]]).with(Gravity { g: 1.0 });
+    let start = scene.project(&State::at([0.8, 0.0, 0.6]).moving([0.0, 1.0, 0.0])).unwrap();
+    let missing = [8_u64, 16].map(|n| {
+        let mut simulation = scene.simulate(start.clone(), Lobatto::<3>::new(2.0 / n as f64)).unwrap();
+        simulation.run(n).unwrap();
+        assert!(simulation.work().abs() > 0.1);
+        simulation.energy_error().abs()
+    });
+    let ratio = missing[0] / missing[1];
+    assert!((13.0..20.0).contains(&ratio), "order 4 has 16: {ratio}, {missing:?}");
+}
