@@ -22,6 +22,10 @@ enum Method {
     Composed(Composition),
     ComposedGeodesic(Composition<Geodesic>),
     ComposedVerlet(Composition<PositionVerlet>),
+    Lobatto3(Lobatto<3>),
+    Lobatto4(Lobatto<4>),
+    Lobatto5(Lobatto<5>),
+    Lobatto6(Lobatto<6>),
 }
 
 macro_rules! delegate {
@@ -35,6 +39,10 @@ macro_rules! delegate {
             Self::Composed($method) => $call,
             Self::ComposedGeodesic($method) => $call,
             Self::ComposedVerlet($method) => $call,
+            Self::Lobatto3($method) => $call,
+            Self::Lobatto4($method) => $call,
+            Self::Lobatto5($method) => $call,
+            Self::Lobatto6($method) => $call,
         }
     };
 }
@@ -59,10 +67,17 @@ impl Stepper for Method {
             Self::Composed(method) => Self::Composed(method.with_step(h)),
             Self::ComposedGeodesic(method) => Self::ComposedGeodesic(method.with_step(h)),
             Self::ComposedVerlet(method) => Self::ComposedVerlet(method.with_step(h)),
+            Self::Lobatto3(method) => Self::Lobatto3(method.with_step(h)),
+            Self::Lobatto4(method) => Self::Lobatto4(method.with_step(h)),
+            Self::Lobatto5(method) => Self::Lobatto5(method.with_step(h)),
+            Self::Lobatto6(method) => Self::Lobatto6(method.with_step(h)),
         }
     }
     fn is_symmetric(&self) -> bool {
         delegate!(self, method => method.is_symmetric())
+    }
+    fn stages(&self) -> usize {
+        delegate!(self, method => method.stages())
     }
     fn momentum_delay(&self) -> f64 {
         delegate!(self, method => method.momentum_delay())
@@ -135,6 +150,10 @@ fn rows() -> Vec<Row> {
         composed(SOFRONIOU_SPALETTA_2005_ORDER_10, [NONE, [3, 8], [9, 16]]),
         row("geodesic RATTLE, Kahan–Li 1997, order 6", 6, geodesic_6, [[128, 300], [8, 64], [16, 90]]),
         row("position Verlet, Suzuki 1990, order 4", 4, verlet_4, [[64, 512], [8, 90], [16, 128]]),
+        row("Lobatto, 3 stages", 4, Method::Lobatto3(Lobatto::new(1.0)), [[64, 400], [8, 64], [16, 90]]),
+        row("Lobatto, 4 stages", 6, Method::Lobatto4(Lobatto::new(1.0)), [[64, 181], [6, 32], [12, 48]]),
+        row("Lobatto, 5 stages", 8, Method::Lobatto5(Lobatto::new(1.0)), [[90, 139], [4, 12], [14, 32]]),
+        row("Lobatto, 6 stages", 10, Method::Lobatto6(Lobatto::new(1.0)), [NONE, [3, 6], [6, 14]]),
     ]
 }
 
@@ -331,7 +350,7 @@ fn symmetric_methods_go_back_and_others_do_not() {
             }
         }
     }
-    assert_eq!(symmetric, 2 * 17);
+    assert_eq!(symmetric, 2 * 21);
 }
 
 /// SHAKE goes back once position and momentum have changed places in time.
@@ -490,7 +509,10 @@ fn energy_does_not_drift() {
         let drift = (quarters[3].0 - quarters[0].0).abs();
         println!("{name:40} h = {:.4}: {amplitude:.1e}, drift {drift:.1e}", method.step_size());
         assert!(amplitude > 1e-13, "{name}: too small to see a drift in");
-        assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+        // Coefficients that are rounded are symplectic to rounding only: collocation drifts by some 1e-16 in a unit
+        // of time, one way; where steps are RATTLE's, each is symplectic whatever γ (Hairer, McLachlan, Razakarivony 2008).
+        let rounding = if name.starts_with("Lobatto") { 2e-12 } else { 6e-14 };
+        assert!(drift <= 1e-3 * amplitude + rounding, "{name}: {drift:e} of {amplitude:e}");
     }
 }
 
