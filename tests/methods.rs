@@ -509,8 +509,8 @@ fn energy_does_not_drift() {
         let drift = (quarters[3].0 - quarters[0].0).abs();
         println!("{name:40} h = {:.4}: {amplitude:.1e}, drift {drift:.1e}", method.step_size());
         assert!(amplitude > 1e-13, "{name}: too small to see a drift in");
-        // Coefficients that are rounded are symplectic to rounding only: collocation drifts by some 1e-16 in a unit
-        // of time, one way; where steps are RATTLE's, each is symplectic whatever γ (Hairer, McLachlan, Razakarivony 2008).
+        // The iterations of collocation end at a part of the rounding that has one sign, which adds up to some 1e-16 in a
+        // unit of time; the position equation of RATTLE is solved to below that.
         let rounding = if name.starts_with("Lobatto") { 2e-12 } else { 6e-14 };
         assert!(drift <= 1e-3 * amplitude + rounding, "{name}: {drift:e} of {amplitude:e}");
     }
