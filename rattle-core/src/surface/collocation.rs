@@ -9,7 +9,7 @@
 //!
 //! **First guess.** Constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from
 //! node to node. **Stopping.** Displacements of an iteration shrink by a factor that the last two tell; the solve ends
-//! once the next would be below 1/256 of the rounding of the positions (with 1/16 energy drifts by 6e-17 a step). **Which root.** Normals of successive stages must
+//! once the next would be below 1/256 of the rounding of the positions (with 1/16 energy drifts by 1e-16 a step, with 1/256 by 1e-18). **Which root.** Normals of successive stages must
 //! not be turned over.
 
 use super::{BodiesOf, Kept, Normal, OnSurface};
