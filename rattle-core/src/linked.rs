@@ -215,6 +215,10 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
+    fn moves_with_time(&self) -> bool {
+        self.shape.components.iter().any(|component| component.rows.moving)
+    }
+
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
         if bodies.time != time {
             bodies.time = time;

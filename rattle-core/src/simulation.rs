@@ -99,8 +99,10 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         match self.stepper.step(&self.system, &mut self.bodies, witness) {
             Ok(()) => {
                 self.steps += 1;
-                let time = self.time();
-                self.system.set_time(&mut self.bodies, time);
+                if self.system.moves_with_time() {
+                    let time = self.time();
+                    self.system.set_time(&mut self.bodies, time);
+                }
                 Ok(())
             }
             Err(failure) => {

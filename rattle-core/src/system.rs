@@ -32,6 +32,12 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// Evaluates anew what is kept, after positions were put back.
     fn refresh(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
 
+    /// Whether anything looks at the time.
+    #[inline(always)]
+    fn moves_with_time(&self) -> bool {
+        false
+    }
+
     /// Sets the time at the end of a step, which the sum of its stages may miss by rounding.
     #[inline(always)]
     fn set_time(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, time: f64) {
