@@ -4,13 +4,14 @@
 //! M q̈ = −∇U(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   G = ∂g/∂q             H′ = pᵀM⁻¹p/2 + U(q) − λ·g(q, t)
 //! ```
 //!
-//! * **Masses** are 1 unless a scene names them: momenta p = M v are then velocities.
+//! * **Masses** are 1 unless a scene names them; a [`State`](crate::State) holds momenta p = M v, not velocities. Potentials
+//!   do not know masses: the weight of a body with mass m is a potential with parameter m·g.
 //! * **Forces** are −∇U. Between two bodies, Fᵢ = −(U′(r)/r)(qᵢ − qⱼ): repulsive where U falls with r.
 //! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and
 //!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a
 //!   factor h/2 in its half of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h)
 //!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
-//!   Every method tells impulses over h/2, h that of the inner step: those of stages, or of the free motion alone, are
+//!   Methods made of such steps tell impulses over h/2, h that of the inner step: those of stages, or of the free motion alone, are
 //!   shares. `simulation.multipliers()` is λ of the present state, whatever the method.
 //! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
 //!   and f = −∇U; see [`curvature`](crate::curvature).

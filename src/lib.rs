@@ -76,6 +76,7 @@ pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constrain
 /// What most programs use.
 pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
+    pub use crate::effect::Over;
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
     pub use crate::{Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};

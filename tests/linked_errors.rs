@@ -92,7 +92,7 @@ fn links_and_pins_that_make_no_sense() {
         check(acting.map(drop), missing("Rod", 0, body), &["Rod 0"]);
         let effect = free().with(PlanarGravity { g: 1.0 }.over([[0], [body]])).simulate(start(), method);
         let error = effect.map(drop).unwrap_err();
-        says(&error, &["Over", "PlanarGravity", " 1 names body", &body.to_string()]);
+        says(&error, &["PlanarGravity", " 1 names body", &body.to_string()]);
     }
     let twice = free().link(rod, [[0, 1], [2, 2]]).simulate(start(), method);
     let mistake = NetworkMistake::Repeated { what: "Rod", member: 1, body: 2 };
@@ -192,11 +192,6 @@ fn constraints_that_are_no_constraints() {
     let mut simulation = half.simulate(start, Rattle::new(0.05)).unwrap();
     let error = fails(&mut simulation, 1000);
     assert!(simulation.position_of(0)[0] < 0.2, "{error}");
-
-    // Both ends pinned: nothing can move that the rod could act on.
-    let held = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, 0.0]).pin(1, [1.0, 0.0]);
-    let error = held.simulate(State::of([[0.0, 0.0], [1.0, 0.0]]), method).map(drop).unwrap_err();
-    says(&error, &["Rod 0 (bodies 0, 1)"]);
 }
 
 trait PositionOf<const D: usize> {
@@ -396,4 +391,36 @@ fn forces_that_are_not_finite() {
     let strong = scene.with(PlanarGravity { g: 1e200 });
     let mut simulation = strong.simulate(double_pendulum(), Rattle::new(0.05)).unwrap();
     println!("{}", fails(&mut simulation, 1));
+}
+
+/// Pinning a whole edge of a net leaves links between pins: they hold, or the error says that.
+#[test]
+fn links_between_pins() {
+    let scene = |length| {
+        Scene::points(3)
+            .link(Rod { length }, [[0, 1]])
+            .link(Rod { length: 1.0 }, [[1, 2]])
+            .pin(0, [0.0, 0.0])
+            .pin(1, [3.0, 0.0])
+    };
+    let start = State::of([[0.0, 0.0], [3.0, 0.0], [4.0, 0.0]]);
+    let mut simulation =
+        scene(3.0).with(PlanarGravity { g: 1.0 }).simulate(start.clone(), Rattle::new(0.01)).unwrap();
+    simulation.run(100).unwrap();
+    assert!(simulation.constraint_residual() < 1e-14 && simulation.multipliers().len() == 2);
+    assert_eq!(simulation.multipliers()[0], 0.0);
+    for error in
+        [scene(1.0).project(&start).unwrap_err(), scene(1.0).simulate(start, Rattle::new(0.01)).unwrap_err()]
+    {
+        says(&error, &["Rod 0 (bodies 0, 1)", "joins pinned bodies alone", "off by"]);
+    }
+}
+
+/// Links that cannot hold together are named.
+#[test]
+fn links_that_cannot_hold_together() {
+    let triangle = Scene::points(3)
+        .link_each([1.0, 1.0, 3.0].map(|length| Rod { length }).into_iter().zip([[0, 1], [1, 2], [0, 2]]));
+    let error = triangle.project(&State::of([[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]])).unwrap_err();
+    says(&error, &["Rod", "hold"]);
 }

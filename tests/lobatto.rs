@@ -236,3 +236,124 @@ fn the_work_of_a_moving_constraint_is_known_to_the_method_s_order() {
     let ratio = missing[0] / missing[1];
     assert!((13.0..20.0).contains(&ratio), "order 4 has 16: {ratio}, {missing:?}");
 }
+
+constraint! {
+    /// A saddle through the origin.
+    struct Saddle {}
+    |x, y, z| z - x^2 + y^2
+}
+
+#[test]
+fn a_start_at_the_origin() {
+    let scene = Scene::on(Saddle {}).with(Gravity { g: 1.0 });
+    for momentum in [[1.0, 0.0, 0.0], [0.0; 3]] {
+        let start = State::at([0.0; 3]).moving(momentum);
+        let mut simulation = scene.simulate(start.clone(), Lobatto::<5>::new(0.01)).unwrap();
+        let mut fine = scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 0.001)).unwrap();
+        simulation.run(100).unwrap();
+        fine.run(1000).unwrap();
+        assert!(distance(simulation.position(), fine.position()) < 1e-11);
+        assert!(simulation.constraint_residual() < 1e-15);
+    }
+}
+
+constraint! {
+    /// A place on a line that moves.
+    struct Drive { speed }
+    |x, _y, t| x - speed * t
+}
+
+constraint! {
+    /// The same at first, later faster.
+    struct Faster { speed, more }
+    |x, _y, t| x - speed * t - more * t^3
+}
+
+constraint! {
+    /// The unit circle.
+    struct Circle {}
+    |x, y| x^2 + y^2 - 1
+}
+
+constraint! {
+    /// An ellipse that touches it.
+    struct Ellipse {}
+    |x, y| x^2 + 4 * y^2 - 1
+}
+
+#[test]
+fn dependent_equations_that_part_are_refused() {
+    use rattle::error::StepFailure;
+    for more in [1.0, 1e-3] {
+        let scene = Scene::point()
+            .link_moving(Drive { speed: 0.1 }, [[0]])
+            .link_moving(Faster { speed: 0.1, more }, [[0]])
+            .with(PlanarGravity { g: 1.0 });
+        let start = State::at([0.0, 0.0]).moving([0.1, 0.0]);
+        let error = scene.simulate(start, Lobatto::<5>::new(0.01)).unwrap().step().unwrap_err();
+        assert!(
+            matches!(&error, rattle::Error::Step { cause: StepFailure::Contradictory { .. }, .. }),
+            "{error}"
+        );
+    }
+    let scene = Scene::point().link(Circle {}, [[0]]).link(Ellipse {}, [[0]]);
+    let start = State::at([1.0, 0.0]).moving([0.0, 1.0]);
+    assert!(scene.simulate(start, Lobatto::<4>::new(0.01)).unwrap().step().is_err());
+}
+
+#[test]
+fn a_chain_keeps_its_links_and_does_not_hear_of_bodies_far_away() {
+    for (n, h) in [(3_u32, 0.1), (10, 0.02), (40, 0.005)] {
+        let length = 1.0 / f64::from(n);
+        let chain = |more: usize| {
+            Scene::points(n as usize + 1 + more)
+                .link(Rod { length }, (0..n as usize).map(|i| [i, i + 1]))
+                .pin(0, [0.0, 0.0])
+                .with(PlanarGravity { g: 1.0 })
+        };
+        let straight =
+            |far: Option<[f64; 2]>| State::of((0..=n).map(|i| [f64::from(i) * length, 0.0]).chain(far));
+        let start = chain(0).project(&straight(None)).unwrap();
+        let mut alone = chain(0).simulate(start, Lobatto::<5>::new(h)).unwrap();
+        let start = chain(1).project(&straight(Some([1e6, 0.0]))).unwrap();
+        let mut with_another = chain(1).simulate(start, Lobatto::<5>::new(h)).unwrap();
+        let mut worst = 0.0_f64;
+        for _ in 0..40 {
+            alone.step().unwrap();
+            with_another.step().unwrap();
+            worst = worst.max(alone.constraint_residual() / (2.0 * length * length));
+        }
+        // A rounding of the coordinates is ε/ℓ of a link; measured 2e-15 … 2e-14.
+        assert!(worst < 4.0 * f64::EPSILON * f64::from(n).max(4.0), "{n} links: {worst:e}");
+        let apart =
+            alone.positions().zip(with_another.positions()).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
+        assert!(apart < 1e-14, "{n} links: {apart:e}");
+    }
+}
+
+#[test]
+fn what_has_no_collocation_is_refused_at_once() {
+    let body = Rigid::new([1.0; 3]);
+    let start = Rigid::start(&rattle::nalgebra::Matrix3::identity(), &rattle::nalgebra::Vector3::x());
+    let error = Scene::rigid(body).simulate(start, Lobatto::<3>::new(0.1)).unwrap_err();
+    assert!(matches!(error, rattle::Error::NoCollocation { .. }), "{error}");
+}
+
+potential! {
+    /// Not a number beyond x = 0.95.
+    struct Edge {}
+    |x, _y, _z| sqrt(0.95 - x)
+}
+
+#[test]
+fn errors_name_the_particle() {
+    let scene = Scene::on(Sphere { radius: 1.0 }).particles(3);
+    let still = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+    let fast = State::of(still).with_momenta([[0.0; 3], [0.0; 3], [1000.0, 0.0, 0.0]]);
+    let error = scene.simulate(fast, Lobatto::<5>::new(0.1)).unwrap().step().unwrap_err();
+    assert!(matches!(error, rattle::Error::Step { body: 2, .. }), "{error}");
+    let scene = scene.with(Edge {});
+    let over = State::of(still).with_momenta([[0.0; 3], [0.0; 3], [3.0, 0.0, 0.0]]);
+    let error = scene.simulate(over, Lobatto::<5>::new(0.1)).unwrap().run(100).unwrap_err();
+    assert!(error.to_string().contains("particle 2") && error.to_string().contains("Edge"), "{error}");
+}

@@ -91,6 +91,9 @@ impl<B: Stepper> Stepper for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
+    fn stages(&self) -> usize {
+        self.base.stages()
+    }
     fn check(&self, equations: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;
         let sum: f64 = gammas.iter().sum();

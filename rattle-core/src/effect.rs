@@ -134,11 +134,11 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
     type Field<T: Real> = Superposed<<P as Effect<D, Kind>>::Acting<T>, E::Field<T>>;
 
     fn field<T: Real>(&self) -> Self::Field<T> {
-        Superposed { effect: self.effect.acting(), name: type_name::<P>(), others: self.others.field() }
+        Superposed { effect: self.effect.acting(), name: short_name::<P>(), others: self.others.field() }
     }
 
     fn stray(&self, bodies: usize) -> Option<(&'static str, usize, usize)> {
-        let own = self.effect.stray(bodies).map(|(member, body)| (type_name::<P>(), member, body));
+        let own = self.effect.stray(bodies).map(|(member, body)| (short_name::<P>(), member, body));
         self.others.stray(bodies).or(own)
     }
 }
@@ -178,11 +178,19 @@ impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for S
     }
 }
 
+/// The name of a type without paths; of a potential over bodies, that of the potential.
+pub(crate) fn short_name<P>() -> &'static str {
+    let name = type_name::<P>();
+    let name = name.split_once("effect::Over<").map_or(name, |(_, potential)| potential);
+    let name = name.split(',').next().unwrap_or(name);
+    name.split('<').next().and_then(|path| path.rsplit("::").next()).unwrap_or(name)
+}
+
 /// What a scene takes in `with`. The kind ([`OnEach`] or [`BetweenPairs`]) is found by inference:
 /// every [`Potential`] acts on each body, every [`PairPotential`] between every two.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
-    note = "an effect is made by `potential!` with {D} variables, or by `pair_potential!`"
+    note = "an effect is made by `potential!` with {D} variables, by `pair_potential!`, or from a potential of several bodies by `.over(members)`"
 )]
 pub trait Effect<const D: usize, Kind> {
     /// The effect over the scalar `T`.

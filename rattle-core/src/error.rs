@@ -34,6 +34,19 @@ pub enum Error {
         method: &'static str,
     },
 
+    /// A method with inner stages was given a system that has no collocation.
+    #[error("{method} cannot move {system} yet; use `Rattle` or a composition of it")]
+    NoCollocation {
+        /// The method.
+        method: &'static str,
+        /// The kind of system.
+        system: &'static str,
+    },
+
+    /// The time of the start is NaN or infinite.
+    #[error("the time of the start must be finite, found {0}")]
+    Time(f64),
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {
@@ -310,6 +323,41 @@ pub enum StartFailure {
         /// |g|/|∇g| that remains.
         distance: f64,
     },
+    /// No place where linked bodies satisfy their equations was found near the start.
+    #[error(
+        "no place found where {equation} and the links with it hold: distances {distances} after {} Newton steps; start \
+         nearer, or see whether the links can hold together at all",
+        distances.len()
+    )]
+    NoPlace {
+        /// The equation that was furthest off at last.
+        equation: Box<EquationAt>,
+        /// The largest |g|/|∇g| before every Newton step.
+        distances: History,
+    },
+    /// No momenta satisfy all velocity conditions: links move apart.
+    #[error(
+        "no momenta fit: {equation} would change at the rate {rate:.3e} where the others are kept; the links move apart"
+    )]
+    RatesContradict {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// G v + ∂g/∂t that remains.
+        rate: f64,
+    },
+    /// A link between pinned bodies does not hold, or moves.
+    #[error(
+        "{equation} joins pinned bodies alone, and {}; change the pins or the link",
+        if *.moving { "moves".to_owned() } else { format!("is off by {distance:.3e}") }
+    )]
+    BetweenPins {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g|.
+        distance: f64,
+        /// Whether it changes with time.
+        moving: bool,
+    },
     /// The multiplier of an equation acts only on coordinates that do not change it here.
     #[error("the multiplier of {equation} acts on coordinates along which g does not change here")]
     CannotAct {
@@ -331,7 +379,9 @@ pub enum StartFailure {
     #[error("momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`")]
     NoAngularMomentum,
     /// A pinned body is elsewhere, or moves.
-    #[error("the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}")]
+    #[error(
+        "the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}; `scene.project(state)` puts it there"
+    )]
     Pinned {
         /// Where it is pinned.
         at: Vec<f64>,

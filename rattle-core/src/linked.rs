@@ -215,6 +215,11 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
+    fn refuses_stages(&self) -> Option<&'static str> {
+        let acting = self.shape.components.iter().any(|component| component.rows.acting);
+        acting.then_some("a network whose multipliers act on chosen coordinates")
+    }
+
     fn moves_with_time(&self) -> bool {
         self.shape.components.iter().any(|component| component.rows.moving)
     }

@@ -28,12 +28,16 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Newton steps after which the rotation of a step is given up; five suffice where there is one.
 const MAX_ROTATION_STEPS: usize = 30;
+/// What messages call such a system.
+const REDUCED: &str = "a rigid body reduced to three unknowns";
 /// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
 const CROOKED: f64 = 1e-14;
 /// Halvings of a failed step that are tried, to say which would pass.
 const HALVINGS: i32 = 40;
 
-/// Rigid bodies with these moments of inertia, turning about their centres of mass.
+/// Rigid bodies with these moments of inertia, turning about their centres of mass: one, or with
+/// [`particles`](crate::scene::Scene::particles) several alike, with effects on each or [over](crate::effect::Over) several.
+/// Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
 ///
 /// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's frame,
 /// in the first of nine places.
@@ -198,6 +202,10 @@ impl Hold<9> for Rigid {
         Ok(Turning { body: *self, field: effects.field(), count })
     }
 
+    fn pull(&self, q: &[f64; 9], force: &[f64; 9]) -> [f64; 9] {
+        spread(&turning_part(&Self::attitude(q), &Self::attitude(force)))
+    }
+
     fn particles(self, _: usize) -> Self {
         self
     }
@@ -215,6 +223,7 @@ impl Hold<9> for Rigid {
             let determinant = attitude.determinant();
             if determinant < 0.0 || svd.singular_values.min() <= 1e-3 * svd.singular_values.max() {
                 let deviation = (svd.singular_values - Vector3::repeat(1.0)).amax();
+                let determinant = Self::attitude(&body.q).determinant();
                 return Err(nowhere(StartFailure::NoAttitude { determinant, deviation }));
             }
             body.q = Self::coordinates(&attitude);
@@ -322,10 +331,11 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         _: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {
-        Err(Failure {
-            body: 0,
-            cause: StepFailure::NoCollocation { system: "a rigid body reduced to three unknowns" },
-        })
+        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
+    }
+
+    fn refuses_stages(&self) -> Option<&'static str> {
+        Some(REDUCED)
     }
 
     fn equations(&self) -> usize {

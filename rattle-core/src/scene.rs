@@ -13,7 +13,7 @@ use crate::state::State;
 use crate::stepper::{Stepper, check_step_size};
 use crate::surface::OnSurface;
 use crate::system::System;
-use crate::vector::{dot, two_sum};
+use crate::vector::{add_scaled, dot, two_sum};
 use nalgebra::SVector;
 use std::marker::PhantomData;
 
@@ -47,6 +47,11 @@ pub trait Hold<const D: usize> {
     /// Whether this body cannot move at all.
     fn pinned(&self, _body: usize) -> bool {
         false
+    }
+
+    /// ṗ of a body at q under a force, before constraints.
+    fn pull(&self, _q: &[f64; D], force: &[f64; D]) -> [f64; D] {
+        *force
     }
 
     /// The same for so many particles, each under its own copy.
@@ -255,11 +260,14 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
     /// The same scene, every body with this mass: a number, one for each coordinate, or a symmetric positive definite
     /// matrix. Momenta are then p = M v.
+    ///
+    /// Potentials do not know masses: weight in proportion to mass is `Gravity { g: 9.81 * mass }`, or
+    /// [`Over::each`](crate::effect::Over::each) where masses differ.
     pub fn mass(self, mass: impl Into<Mass<D>>) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { masses: Masses::Each(mass.into()), ..network })
     }
 
-    /// The same scene with the masses of the bodies in turn.
+    /// The same scene with the masses of the bodies in turn. Weights, see [`mass`](Self::mass).
     pub fn masses<X: Into<Mass<D>>>(self, masses: impl IntoIterator<Item = X>) -> Scene<Network<D>, E, N, D> {
         let masses = masses.into_iter().map(Into::into).collect();
         self.network(|network| Network { masses: Masses::Listed(masses), ..network })
@@ -308,7 +316,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let forces = self.forces(&state.bodies);
         let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
         for (_, (body, force)) in state.bodies.iter_mut().zip(forces).enumerate().filter(moving) {
-            let change = force.add_to(body.p_low, method.momentum_delay());
+            let pull = self.constraint.pull(&body.q, &force.components());
+            let change = add_scaled(&body.p_low, method.momentum_delay(), &pull);
             (body.p, body.p_low) = two_sum(&body.p, &change);
         }
         state
@@ -326,6 +335,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         stepper: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
         check_step_size(stepper.step_size())?;
+        if !start.time.is_finite() {
+            return Err(Error::Time(start.time));
+        }
         if let Some(momenta) = start.surplus_momenta {
             return Err(Error::MomentumCount { bodies: start.len(), momenta });
         }
@@ -338,10 +350,13 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
+        if let (true, Some(system)) = (stepper.stages() > 0, system.refuses_stages()) {
+            return Err(Error::NoCollocation { method: stepper.name(), system });
+        }
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         system.reserve(&mut bodies, stepper.stages());
-        Ok(Simulation::new(system, self.count, bodies, start.time_low, stepper))
+        Ok(Simulation::new(system, self.count, bodies, (start.time, start.time_low), stepper))
     }
 
     fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {

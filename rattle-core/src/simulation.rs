@@ -34,11 +34,10 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         system: Y,
         count: Y::Count,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
-        time_low: f64,
+        start_time: (f64, f64),
         stepper: S,
     ) -> Self {
         let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
-        let start_time = (bodies.time, time_low);
         let mut simulation =
             Self { system, stepper, bodies, before, steps: 0, start_time, start_energy: 0.0 };
         simulation.start_energy = simulation.energy();
@@ -176,7 +175,9 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         (0..self.len()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
-    /// The present state, from which a new simulation goes on bit for bit.
+    /// The present state, from which a new simulation goes on bit for bit; steps, work and energy errors are then counted
+    /// from there. (Linked bodies whose equations have come to depend on each other may choose another
+    /// [linear algebra](crate::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
@@ -224,7 +225,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
     }
 
-    /// Multipliers λ of the equations in turn, from the present state alone, such that g̈ = 0; of the order of the
+    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such that g̈ = 0; of the order of the
     /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
     pub fn multipliers(&self) -> Vec<f64> {
         self.of_equations(|out| self.system.multipliers(&self.bodies, out))
@@ -239,7 +240,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
 
 impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F, N, D>, S, D> {
     /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
-    /// the pull of its links.
+    /// the pull of its links, without the potentials that act on it.
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         self.system.constraint_forces(&self.bodies).into_iter().map(Into::into).collect()
     }

@@ -5,7 +5,7 @@ use nalgebra::SVector;
 
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
-/// Masses are 1, so momenta are velocities. Taken from a simulation, a state also holds what rounding
+/// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
 /// took from positions and momenta: a simulation started from it goes on bit for bit.
 ///
 /// ```

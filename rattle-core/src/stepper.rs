@@ -66,10 +66,10 @@ pub trait Witness<T> {
     /// Whether multipliers are formed at all.
     const LISTENS: bool = true;
 
-    /// λ of the position equation with this number: on surfaces, that of the body. A method of several stages tells
-    /// that of each, the last one last.
+    /// λ of the position equation with this number: on surfaces, that of the body. A composition tells that of each
+    /// of its steps, the last one last; a collocation method λ(t) at the start of the step, to its order.
     fn position_multiplier(&mut self, equation: usize, lambda: T);
-    /// μ of the momentum equation.
+    /// μ of the momentum equation; of a collocation method λ(t) at the end of the step.
     fn momentum_multiplier(&mut self, equation: usize, mu: T);
 }
 

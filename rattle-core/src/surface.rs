@@ -58,10 +58,10 @@ where
     type Count = N;
     type Kept = Kept<N, T, F::Force, D>;
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
+    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None };
-        let mut bodies = Bodies::new(self.count, kept, place, time);
+        let mut bodies = Bodies::new(self.count, kept, place, 0.0);
         self.refresh(&mut bodies);
         bodies
     }

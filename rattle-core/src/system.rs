@@ -77,6 +77,11 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// Makes room for a method of so many inner stages, so that its steps need not allocate.
     fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
 
+    /// What keeps the system from being moved by methods with inner stages, if anything does.
+    fn refuses_stages(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Takes one step of the collocation method with this table.
     ///
     /// # Errors

@@ -17,7 +17,7 @@ use crate::error::StepFailure;
 use crate::lobatto::Table;
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
-use crate::vector::{add_scaled, largest, sum, two_sum};
+use crate::vector::{add_scaled, dot, largest, sum, two_sum};
 
 /// Iterations after which a step is given up.
 const MAX_ITERATIONS: usize = 100;
@@ -70,8 +70,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        if shape.components.iter().any(|component| component.rows.acting) {
-            let system = "a network whose multipliers act on chosen coordinates";
+        if let Some(system) = self.refuses_stages() {
             return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
         }
         let (n, m) = (self.count.number(), shape.equations);
@@ -89,11 +88,49 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for c in 0..shape.components.len() {
             let (q, time) = (bodies.q.as_ref(), bodies.time);
             let (sine, row) = bodies.kept.normals(shape, c, time, q);
+            self.check_residuals(c, h, S, bodies)?;
             self.check_rank(c, bodies, sine, row)?;
         }
         self.evaluate_forces(bodies);
         let last = h * table.weights[S - 1];
         self.settle(last, 2.0 * last, bodies, witness)
+    }
+
+    /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations ask
+    /// for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
+    fn check_residuals(
+        &self,
+        c: usize,
+        h: f64,
+        stages: usize,
+        bodies: &BodiesOf<F, N, D>,
+    ) -> Result<(), Failure> {
+        let component = &self.shape.components[c];
+        let (rows, (_, block)) = (&component.rows, component.first);
+        let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+        let room = &bodies.kept.room;
+        let allowed = 1024.0 * f64::EPSILON * (rows.equations() as f64).sqrt();
+        for row in 0..rows.equations() {
+            let (mut square, mut size) = (0.0, 0.0_f64);
+            for (block, body) in rows.touched_by(row) {
+                square += dot(&blocks[block], &blocks[block]);
+                size = size.max(largest(&bodies.q.as_ref()[body]));
+                size = size.max(h.abs() * largest(&room.velocity[body]));
+            }
+            let off = room.g[row].abs() / square.sqrt();
+            if off > allowed * size {
+                let equation = self.shape.equation_at(c, row);
+                let body = equation.bodies[0];
+                let cause = if bodies.kept.solvers[c].rank(rows) < rows.equations() {
+                    StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
+                } else {
+                    let left = off / (f64::EPSILON * size);
+                    StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
+                };
+                return Err(Failure { body, cause });
+            }
+        }
+        Ok(())
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.
@@ -224,21 +261,37 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             for stage in 1..S {
                 self.shift(table, h, stages, stage);
-                for shift in &stages.shift {
-                    let moved = largest(shift);
-                    worst = if moved > worst || moved.is_nan() { moved } else { worst };
+                let q = &stages.q[stage * n..][..n];
+                // Roundings of linked bodies reach each other, those of others do not.
+                for component in &shape.components {
+                    let bodies = &component.rows.bodies;
+                    let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
+                    for &body in bodies {
+                        worst = slower(worst, largest(&stages.shift[body]), size);
+                    }
+                }
+                for &body in &shape.loose {
+                    worst = slower(worst, largest(&stages.shift[body]), largest(&q[body]));
                 }
             }
-            let size = stages.q[n..].iter().map(largest).fold(0.0, f64::max);
-            let worst = if worst == 0.0 { 0.0 } else { worst / (f64::EPSILON * size) };
             let contraction = worst / last;
             let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
             let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 256.0;
-            let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0 * long;
+            let stalled = iteration > 3 && contraction >= 0.9 && worst < 64.0 * long;
             if worst <= 0.25 || small || stalled {
                 return Ok(());
             }
             if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
+                for stage in 1..S {
+                    let q = &stages.q[stage * n..][..n];
+                    let reached = q.iter().flatten().all(|q| q.is_finite());
+                    let culprit = (0..n).find_map(|body| Some((body, self.field.culprit(q, body)?)));
+                    if let (true, Some((body, (effect, force)))) = (reached, culprit) {
+                        let (force, position) = (force.to_vec(), q[body].to_vec());
+                        let cause = StepFailure::ForceNotFinite { effect, force, position };
+                        return Err(Failure { body, cause });
+                    }
+                }
                 let cause =
                     StepFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst };
                 return Err(Failure { body: 0, cause });
@@ -303,6 +356,12 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
         bodies.time += h;
     }
+}
+
+/// The larger one of `worst` and `moved` in roundings of `size`; NaN if one is.
+fn slower(worst: f64, moved: f64, size: f64) -> f64 {
+    let ratio = if moved == 0.0 { 0.0 } else { moved / (f64::EPSILON * size) };
+    if ratio > worst || ratio.is_nan() { ratio } else { worst }
 }
 
 /// Adds Gᵀλ to the force on each body of a component.

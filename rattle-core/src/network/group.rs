@@ -1,7 +1,7 @@
 //! A kernel and its topology: one small function, and the bodies that each copy of it ties together.
 
+use crate::effect::short_name;
 use crate::kernel::{Constraint, ConstraintKernel};
-use std::any::type_name;
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -70,8 +70,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
         constraints: Vec<C>,
         members: Vec<[usize; A]>,
     ) -> Self {
-        let name = type_name::<C>();
-        let name = name.split('<').next().and_then(|path| path.rsplit("::").next()).unwrap_or(name);
+        let name = short_name::<C>();
         Self {
             name,
             kernels: constraints.iter().map(|constraint| constraint.kernel::<f64>()).collect(),

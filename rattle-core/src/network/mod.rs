@@ -69,6 +69,10 @@ pub(crate) struct Shape<const D: usize> {
     pub(crate) roots: Vec<Root<D>>,
     pub(crate) pins: Vec<(usize, [f64; D])>,
     pub(crate) components: Vec<Component<D>>,
+    /// Members between pinned bodies alone, as group and member.
+    pub(crate) fixed: Vec<(usize, usize)>,
+    /// Bodies that are in none, and not pinned.
+    pub(crate) loose: Vec<usize>,
     pub(crate) equations: usize,
     pub(crate) blocks: usize,
     /// Rows and blocks of the largest component.
@@ -136,7 +140,8 @@ impl<const D: usize> Network<D> {
             }
         }
         let (mut rows_so_far, mut blocks_so_far, mut widest) = (0, 0, (0, 0));
-        let components = components(&self.groups, &roots)
+        let (components, fixed) = components(&self.groups, &roots);
+        let components: Vec<_> = components
             .into_iter()
             .map(|rows| {
                 let first = (rows_so_far, blocks_so_far);
@@ -153,12 +158,22 @@ impl<const D: usize> Network<D> {
                 Component { rows, solver, first }
             })
             .collect();
+        let mut held = vec![false; bodies];
+        components.iter().flat_map(|component| &component.rows.bodies).for_each(|&body| held[body] = true);
+        self.pins.iter().for_each(|&(body, _)| held[body] = true);
+        let loose = (0..bodies).filter(|&body| !held[body]).collect();
         Ok(Shape {
             groups: self.groups.clone(),
             roots,
             pins: self.pins.clone(),
             components,
-            equations: rows_so_far,
+            loose,
+            fixed,
+            equations: self
+                .groups
+                .iter()
+                .map(|group| group.bodies().0.len() / group.bodies().1 * group.equations())
+                .sum(),
             blocks: blocks_so_far,
             widest,
         })

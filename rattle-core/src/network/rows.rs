@@ -78,7 +78,12 @@ impl Rows {
 }
 
 /// The components of all groups; bodies that are pinned tie nothing together.
-pub(crate) fn components<const D: usize>(groups: &[Arc<dyn Group<D>>], roots: &[Root<D>]) -> Vec<Rows> {
+///
+/// Also members between pinned bodies alone, as group and member: they hold or they do not, and nothing moves them.
+pub(crate) fn components<const D: usize>(
+    groups: &[Arc<dyn Group<D>>],
+    roots: &[Root<D>],
+) -> (Vec<Rows>, Vec<(usize, usize)>) {
     let free = |body: usize| !matches!(roots[body], Root::Pinned);
     let shapes: Vec<_> = groups.iter().map(|group| group.bodies()).collect();
 
@@ -106,11 +111,16 @@ pub(crate) fn components<const D: usize>(groups: &[Arc<dyn Group<D>>], roots: &[
     let mut number = vec![PINNED; roots.len()]; // of the component, by the root of its bodies
     let mut place = vec![PINNED; roots.len()]; // of a body in its component
     let mut components: Vec<Rows> = Vec::new();
+    let mut fixed = Vec::new();
     let mut equation = 0;
     for (group, (touched, arity)) in shapes.iter().enumerate() {
         let rows = groups[group].equations();
         for (member, bodies) in touched.chunks_exact(*arity).enumerate() {
-            let first = bodies.iter().copied().find(|&body| free(body)).unwrap_or(bodies[0]);
+            let Some(first) = bodies.iter().copied().find(|&body| free(body)) else {
+                fixed.push((group, member));
+                equation += rows;
+                continue;
+            };
             let key = root(&mut parent, first);
             if number[key] == PINNED {
                 number[key] = components.len();
@@ -148,5 +158,5 @@ pub(crate) fn components<const D: usize>(groups: &[Arc<dyn Group<D>>], roots: &[
             equation += rows;
         }
     }
-    components
+    (components, fixed)
 }

@@ -3,7 +3,7 @@
 use super::Shape;
 use super::solver::{LinearAlgebra, Solver};
 use crate::bodies::Body;
-use crate::error::{Error, History, StartFailure};
+use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::linked::LOST;
 use crate::solver::START_TOLERANCE;
 use crate::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
@@ -63,6 +63,7 @@ pub(crate) fn check<const D: usize>(
     method: &impl Stepper,
 ) -> Result<(), Error> {
     check_bodies(shape, &state.bodies)?;
+    check_fixed(shape, state)?;
     let mut start = Start::of(shape, state);
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
@@ -194,6 +195,7 @@ pub(crate) fn project<const D: usize>(
         state.bodies[body] = Body { q: at, q_low: [0.0; D], p: [0.0; D], p_low: [0.0; D] };
     }
     check_bodies(shape, &state.bodies)?;
+    check_fixed(shape, &state)?;
     let mut start = Start::of(shape, &state);
     for c in 0..shape.components.len() {
         place(shape, c, algebra, &mut start, state.time)?;
@@ -213,6 +215,20 @@ pub(crate) fn project<const D: usize>(
             }
             component.solver.solve(&needed, &mut x);
             component.solver.push(rows, roots, 1.0, &x, &mut p);
+        }
+        // Rates that no momenta can give: links that move apart.
+        for row in 0..m {
+            let (mut rate, mut square, mut speed) = (start.rates[row], 0.0, 0.0_f64);
+            for (block, body) in rows.blocks_of(row) {
+                let v = roots[rows.bodies[body]].velocity(&p[rows.bodies[body]]);
+                rate += dot(&start.blocks[block], &v);
+                square += dot(&start.blocks[block], &start.blocks[block]);
+                speed = speed.max(largest(&v));
+            }
+            if rate.abs() > START_TOLERANCE * (square.sqrt() * speed + start.rates[row].abs()) {
+                let equation = shape.equation_at(c, row);
+                return Err(at(shape, c, row, StartFailure::RatesContradict { equation, rate }));
+            }
         }
         for &body in &rows.bodies {
             let (q, p) = (start.q[body], p[body]);
@@ -281,12 +297,37 @@ fn place<const D: usize>(
             start.q[body] = sum(&start.q[body], &lift[body]);
         }
     }
-    let remaining = distances.last().copied().unwrap_or(f64::NAN);
-    let rank = shape.components[c].solver.rank(&shape.components[c].rows);
-    let cause = if rank < m {
-        StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance: remaining }
-    } else {
-        StartFailure::NoProjection { distances: distances.into_iter().collect::<History>() }
-    };
-    Err(at(shape, c, worst, cause))
+    let equation = shape.equation_at(c, worst);
+    let distances = distances.into_iter().collect::<History>();
+    Err(at(shape, c, worst, StartFailure::NoPlace { equation, distances }))
+}
+
+/// Whether links between pinned bodies alone hold.
+fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
+    let q: Vec<_> = state.bodies.iter().map(|body| body.q).collect();
+    for &(group, member) in &shape.fixed {
+        let links = &shape.groups[group];
+        let (touched, arity) = links.bodies();
+        let (of, bodies) = (links.equations(), touched[member * arity..][..arity].to_vec());
+        let (mut g, mut rates) = (vec![0.0; of], vec![0.0; of]);
+        let mut blocks = vec![[0.0; D]; of * arity];
+        links.gradients(member..member + 1, state.time, &q, &mut g, &mut blocks, &mut rates);
+        let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
+        for equation in 0..of {
+            let blocks = &blocks[equation * arity..][..arity];
+            let length = blocks.iter().map(|block| dot(block, block)).sum::<f64>().sqrt();
+            let distance = g[equation].abs() / length;
+            if links.moving() || distance.is_nan() || distance > START_TOLERANCE * size {
+                let body = bodies[0];
+                let link = links.name();
+                let equation = Box::new(EquationAt { link, member, equation, of, bodies });
+                let moving = links.moving();
+                return Err(Error::Start {
+                    body,
+                    cause: StartFailure::BetweenPins { equation, distance, moving },
+                });
+            }
+        }
+    }
+    Ok(())
 }

@@ -193,7 +193,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
             for stage in 1..S {
                 self.field.evaluate(&stages.q[stage * n..][..n], &mut stages.force[stage * n..][..n]);
             }
-            let (mut worst, mut at_floor, mut upright) = (0.0_f64, true, true);
+            let (mut worst, mut slowest, mut upright) = (0.0_f64, 0, None);
             for body in 0..n {
                 let normal: &mut [[T; D]; S] = part_mut(&mut stages.normal, body);
                 let total: &mut [[T; D]; S] = part_mut(&mut stages.total, body);
@@ -210,7 +210,9 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                     let sum = stages.force[at].add_to(gradient.map(|n| lambda[stage] * n), T::from_f64(1.0));
                     change[stage] = add_scaled(&sum, T::from_f64(-1.0), &total[stage]);
                     total[stage] = sum;
-                    upright &= zero.lt(dot(&gradient, &normal[stage - 1])).all();
+                    if !zero.lt(dot(&gradient, &normal[stage - 1])).all() {
+                        upright = Some(body);
+                    }
                 }
                 let mut shift = [[zero; D]; S];
                 for i in 1..S {
@@ -239,26 +241,60 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
                 for i in 1..S {
                     increment[i] = sum(&increment[i], &shift[i]);
                 }
-                let moved = shift[1..].iter().map(largest).fold(zero, |a, b| select_larger(a, b));
-                let floor = largest(&bodies.q.as_ref()[body]) * T::from_f64(f64::EPSILON);
-                for lane in (moved / floor).lanes() {
-                    worst = if lane > worst || lane.is_nan() { lane } else { worst };
+                let moved = shift[1..].iter().map(largest).fold(zero, select_larger);
+                let far = increment[1..].iter().map(largest).fold(zero, select_larger);
+                let size = largest(&bodies.q.as_ref()[body]).max(far);
+                let ratio = moved / (size * T::from_f64(f64::EPSILON));
+                for lane in T::select(moved.le(zero), zero, ratio).lanes() {
+                    if lane > worst || lane.is_nan() {
+                        (worst, slowest) = (lane, body);
+                    }
                 }
-                at_floor &= moved.le(floor).all();
             }
             if !worst.is_finite() {
-                return Err(Failure::at(0, false).unsolved(h, S, iteration, worst));
+                return Err(self.not_finite(h, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
             let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
             let small = iteration > 1 && rate < 0.5 && rate * worst <= 1.0 / 256.0;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0;
-            if at_floor || small || stalled {
-                return if upright { Ok(()) } else { Err(Failure::at(0, false).turned_over(h, S)) };
+            if worst <= 1.0 || small || stalled {
+                return upright.map_or(Ok(()), |body| Err(Failure::at(body, false).turned_over(h, S)));
+            }
+            if iteration + 1 == MAX_ITERATIONS {
+                return Err(Failure::at(slowest, false).unsolved(h, S, MAX_ITERATIONS, worst));
             }
             (last, last_contraction) = (worst, contraction);
         }
-        Err(Failure::at(0, false).unsolved(h, S, MAX_ITERATIONS, last))
+        Ok(()) // not reached: the last iteration returns
+    }
+
+    /// A force or the constraint is not a number at a stage, or the stages ran away.
+    #[cold]
+    #[inline(never)]
+    fn not_finite<T, const D: usize>(
+        &self,
+        h: f64,
+        stages: &Stages<T, F::Force, D>,
+        body: usize,
+        count: usize,
+        iterations: usize,
+    ) -> Failure
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+    {
+        let n = self.count.number();
+        for stage in 1..count {
+            let q = &stages.q[stage * n..][..n];
+            let reached = q[body].iter().all(|q| q.lanes().all(f64::is_finite));
+            if reached && self.field.culprit(q, body).is_some() {
+                let normal = self.count.each(Normal::new(stages.normal[body * count]));
+                return Failure::at(body, false).not_finite(&self.field, q, normal.as_ref());
+            }
+        }
+        Failure::at(body, false).unsolved(h, count, iterations, f64::NAN)
     }
 
     /// Takes the bodies to the end of the step.
