@@ -31,7 +31,7 @@ fn main() -> Result<(), rattle::Error> {
             "{:5.1} {:16.2}° {:15.4} {:14.1e}",
             simulation.time(),
             q.x.atan2(-q.y).to_degrees(),
-            -simulation.multiplier() * 2.0 * length, // |∇g λ|, inwards
+            -simulation.constraint_forces()[0].dot(&q) / length, // inwards
             simulation.energy_error(),
         );
         simulation.run(50)?;

@@ -310,3 +310,15 @@ fn coefficients_that_are_no_composition_are_refused() {
     let error = Scene::on(SURFACE).simulate(surplus, Rattle::new(0.01)).unwrap_err();
     assert_eq!(error, Error::MomentumCount { bodies: 1, momenta: 2 });
 }
+
+/// On a surface as in a network of one: normal, and with the weight what turns the velocity.
+#[test]
+fn constraint_forces_of_a_surface() {
+    let scene = Scene::on(Pendulum { length: 2.0 }).with(PlanarGravity { g: 9.0 });
+    let bottom = State::at([0.0, -2.0]).moving([3.0, 0.0]);
+    let simulation = scene.simulate(bottom.clone(), Rattle::new(0.01)).unwrap();
+    // v²/ℓ + g upwards.
+    assert_eq!(simulation.constraint_forces(), [rattle::nalgebra::vector![0.0, 13.5]]);
+    let linked = scene.mass(1.0).simulate(bottom, Rattle::new(0.01)).unwrap();
+    assert!(distance(linked.constraint_forces()[0], [0.0, 13.5]) < 1e-14);
+}

@@ -388,9 +388,28 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
         let mut forces = vec![F::Force::zero(); accelerations.len()];
         self.forces(bodies.q.as_ref(), &mut forces);
-        let pulls = self.constraint_forces(bodies);
+        let mut pulls = vec![[0.0; D]; bodies.q.as_ref().len()];
+        self.constraint_forces(bodies, &mut pulls);
         for (body, a) in accelerations.iter_mut().enumerate() {
             *a = self.shape.roots[body].velocity(&forces[body].add_to(pulls[body], 1.0));
+        }
+    }
+
+    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
+        let mut multipliers = vec![0.0; self.shape.equations];
+        self.multipliers(bodies, &mut multipliers);
+        forces.fill([0.0; D]);
+        for (c, component) in self.shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let mut blocks =
+                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
+            self.shape.mask(c, &mut blocks);
+            for row in 0..rows.equations() {
+                for (block, body) in rows.touched_by(row) {
+                    let multiplier = multipliers[rows.equation(row)];
+                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
+                }
+            }
         }
     }
 
@@ -466,26 +485,6 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 out[component.rows.equation(row)] = number;
             }
         }
-    }
-
-    /// The force of the constraints on each body, Gᵀλ, in the unit of force; on a pinned body what its links pull.
-    pub(crate) fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>) -> Vec<[f64; D]> {
-        let mut multipliers = vec![0.0; self.shape.equations];
-        self.multipliers(bodies, &mut multipliers);
-        let mut forces = vec![[0.0; D]; bodies.q.as_ref().len()];
-        for (c, component) in self.shape.components.iter().enumerate() {
-            let rows = &component.rows;
-            let mut blocks =
-                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
-            self.shape.mask(c, &mut blocks);
-            for row in 0..rows.equations() {
-                for (block, body) in rows.touched_by(row) {
-                    let multiplier = multipliers[rows.equation(row)];
-                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
-                }
-            }
-        }
-        forces
     }
 
     /// Whether the normals at the new positions are as independent as they were at the start.

@@ -367,6 +367,10 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         }
     }
 
+    fn constraint_forces(&self, _: &BodiesOf<F, N>, forces: &mut [[f64; 9]]) {
+        forces.fill([0.0; 9]);
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<F, N>) -> f64 {
         let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
             let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);

@@ -231,6 +231,14 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.of_equations(|out| self.system.multipliers(&self.bodies, out))
     }
 
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
+    /// the pull of its links, without the potentials that act on it.
+    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        let mut forces = vec![[0.0; D]; self.len()];
+        self.system.constraint_forces(&self.bodies, &mut forces);
+        forces.into_iter().map(Into::into).collect()
+    }
+
     fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
         let mut numbers = vec![0.0; self.system.equations()];
         write(&mut numbers);
@@ -239,12 +247,6 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
 }
 
 impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F, N, D>, S, D> {
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
-    /// the pull of its links, without the potentials that act on it.
-    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        self.system.constraint_forces(&self.bodies).into_iter().map(Into::into).collect()
-    }
-
     /// What the position equations have cost since the start.
     pub fn counts(&self) -> Counts {
         self.system.counts(&self.bodies)

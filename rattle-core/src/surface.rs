@@ -149,6 +149,15 @@ where
         }
     }
 
+    fn constraint_forces(&self, bodies: &BodiesOf<N, T, F, D>, forces: &mut [[T; D]]) {
+        let mut multipliers = vec![T::from_f64(0.0); forces.len()];
+        self.multipliers(bodies, &mut multipliers);
+        let normals = bodies.kept.normal.as_ref();
+        for ((force, multiplier), normal) in forces.iter_mut().zip(multipliers).zip(normals) {
+            *force = scaled(multiplier, &normal.gradient);
+        }
+    }
+
     fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
         let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));

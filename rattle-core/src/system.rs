@@ -102,6 +102,8 @@ pub trait System<T: Real, const D: usize>: Clone {
     fn mass_product(&self, body: usize, a: &[T; D], b: &[T; D]) -> T;
     /// Writes q̈ = M⁻¹(f + Gᵀλ) of each body, from the present state alone.
     fn accelerations(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, accelerations: &mut [[T; D]]);
+    /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers); zeros where there are no equations.
+    fn constraint_forces(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, forces: &mut [[T; D]]);
     /// pᵀM⁻¹p/2, summed over the bodies.
     fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
     /// U.
