@@ -13,11 +13,11 @@
 //!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
 //!   Methods made of such steps tell impulses over h/2, h that of the inner step: those of stages, or of the free motion alone, are
 //!   shares. `simulation.multipliers()` is λ of the present state, whatever the method.
-//! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
-//!   and f = −∇U; see [`curvature`](crate::curvature).
 //!   They are in the unit of U over that of g; Gᵀλ is a force, see
 //!   [`constraint_forces`](crate::Simulation::constraint_forces). Where equations depend on each other, multipliers are those
 //!   of least norm, every equation scaled to a gradient of length 1 (in the metric of M⁻¹).
+//! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
+//!   and f = −∇U; see [`curvature`](crate::curvature).
 //! * **Moving constraints** g(q, t) ask for G v = −∂g/∂t and do the work W = −∫ λ·∂g/∂t dt; H − W is what stays.
 //! * **Rigid bodies**: Q takes coordinates of the body to those of space; angular momentum is that of the body's frame.
 //! * **Residuals** are |g(q)| in the unit of g, and |∇g·p|. Errors give distances, |g|/|∇g|.

@@ -84,6 +84,13 @@ fn the_discrete_maps_agree_with_40_digit_arithmetic() {
     assert_eq!(compared, 8);
 }
 
+/// The slope of the straight line through three points, by least squares.
+fn slope(points: [(f64, f64); 3]) -> f64 {
+    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x)
+}
+
 #[test]
 fn orders_2_to_16_on_the_spherical_pendulum() {
     fn check<const S: usize>(steps: [u64; 3])
@@ -104,9 +111,7 @@ fn orders_2_to_16_on_the_spherical_pendulum() {
             assert!((1e-14..0.1).contains(&error), "s = {S}, {n} steps: {error:e}");
             ((1.0 / n as f64).ln(), error.ln())
         });
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let slope = (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x);
+        let slope = slope(points);
         // Long steps are not yet in the limit: an eighth of the order.
         let order = f64::from(Lobatto::<S>::new(1.0).order());
         assert!((slope - order).abs() < order / 8.0, "s = {S}: slope {slope}, order {order}");
@@ -182,9 +187,7 @@ fn orders_2_to_16_of_linked_bodies() {
             assert!(simulation.constraint_residual() < 1e-15 && error < 0.1);
             ((1.0 / n as f64).ln(), error.ln())
         });
-        let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / 3.0;
-        let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-        let slope = (mean(|p| p.0 * p.1) - x * y) / (mean(|p| p.0 * p.0) - x * x);
+        let slope = slope(points);
         let order = f64::from(Lobatto::<S>::new(1.0).order());
         assert!((slope - order).abs() < order / 8.0, "s = {S}: slope {slope}, order {order}");
     }

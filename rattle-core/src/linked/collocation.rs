@@ -206,8 +206,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 }
                 let q = &stages.q[stage * n..][..n];
                 let force = &mut stages.force[stage * n..][..n];
-                self.field.evaluate(q, force);
-                shape.pins.iter().for_each(|&(body, _)| force[body] = F::Force::zero());
+                self.forces(q, force);
                 let total = &mut stages.change[stage * n..][..n];
                 total.iter_mut().zip(force).for_each(|(total, force)| *total = force.components());
                 for (c, component) in shape.components.iter().enumerate() {

@@ -114,14 +114,9 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
         }
         bodies.kept.stages = Some(stages);
         solved?;
-        for (body, p) in bodies.p.as_ref().iter().enumerate() {
-            let finite = dot(p, p).le(T::from_f64(f64::MAX));
-            if !finite.all() {
-                let (q, kept) = (bodies.q.as_ref(), &bodies.kept);
-                return Err(Failure::at(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
-            }
-        }
-        Ok(())
+        self.evaluate_forces(bodies);
+        let last = h * table.weights[S - 1];
+        self.settle(last, 2.0 * last, bodies, witness)
     }
 
     /// Steps of RATTLE from node to node.
@@ -297,7 +292,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
         Failure::at(body, false).unsolved(h, count, iterations, f64::NAN)
     }
 
-    /// Takes the bodies to the end of the step.
+    /// Takes the bodies to the end of the step, their momenta without the last kick.
     #[inline(always)]
     fn arrive<T, W, const D: usize, const S: usize>(
         &self,
@@ -313,7 +308,6 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
         W: Witness<T>,
     {
         let n = self.count.number();
-        let last_weight = T::from_f64(h * table.weights[S - 1]);
         let row = table.positions[S - 1].map(|a| T::from_f64(h * h * a));
         for body in 0..n {
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
@@ -324,7 +318,6 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
             witness.position_multiplier(body, stages.lambda[body * S]);
         }
-        self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             let total: &[[T; D]; S] = part(&stages.total, body);
@@ -332,10 +325,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
             for j in 0..S - 1 {
                 impulse = add_scaled(&impulse, T::from_f64(h * table.weights[j]), &total[j]);
             }
-            let change = bodies.kept.force.as_ref()[body].add_to(sum(p_low, &impulse), last_weight);
-            let (eta, normal_part) = bodies.kept.normal.as_ref()[body].projection(&sum(p, &change));
-            witness.momentum_multiplier(body, eta / last_weight);
-            (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
+            (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
         }
     }
 }
