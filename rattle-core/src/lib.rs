@@ -9,6 +9,7 @@ pub mod effect;
 pub mod error;
 pub mod geodesic;
 pub mod kernel;
+pub mod lanes;
 pub mod leapfrog;
 pub mod linked;
 pub mod lobatto;

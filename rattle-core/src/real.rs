@@ -80,6 +80,12 @@ pub trait Real:
     /// `a` where the mask is true, else `b`; the side not taken has no influence, NaN or not.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
+    /// self · b + c: rounded after each operation, or once at the end by scalars that fuse them.
+    #[inline(always)]
+    fn multiply_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+
     /// |x|.
     fn abs(self) -> Self;
     /// −1, 0 or 1 by sign; 0 at both zeros, NaN for NaN.

@@ -9,7 +9,7 @@ use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
-use crate::solver::{Departure, FAR_GUESS, multiplier_from_curvature};
+use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
 use crate::vector::{dot, scaled, sum, two_sum};
@@ -228,22 +228,7 @@ where
         free: force.add_to(path, pushed),
         guess: half_square * multiplier_from_curvature(bend, force.dot(&normal.gradient, share), normal),
     };
-    let (speed_square, bent_square) = (dot(p, p), step * step * bend * bend * normal.inverse_square);
-    let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
-    if !within_reach.all() {
-        return Err(Failure::at(body, within_reach).too_long(h, &departure, p, bend));
-    }
-    let mut landing = departure.land(constraint, |_| ());
-    let path_square = step * step * speed_square + force.square(pushed);
-    let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
-    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS));
-    if !trusted.all() {
-        let push = scaled(pushed, &force.components());
-        landing = landing.or(trusted, departure.follow(constraint, &path, &push));
-        if !landing.converged.all() {
-            return Err(Failure::at(body, landing.converged).lost(h, constraint, &departure, p, bend));
-        }
-    }
+    let landing = land(constraint, h, body, &departure, p, bend, &path, &force, pushed)?;
 
     let per_step = landing.multiplier / step;
     witness.position_multiplier(body, per_step / T::from_f64(0.5 * h));
@@ -252,6 +237,41 @@ where
     (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
     *normal = Normal::new(landing.gradient);
     Ok(())
+}
+
+/// Where the departing body lands: on the root that its motion, by `path` and under `pushed` times the force, leads to.
+#[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
+#[inline(always)]
+pub(crate) fn land<T: Real, K: ConstraintKernel<T, D, 1>, F: Force<T, D>, const D: usize>(
+    constraint: &K,
+    h: f64,
+    body: usize,
+    departure: &Departure<'_, T, D>,
+    p: &[T; D],
+    bend: T,
+    path: &[T; D],
+    force: &F,
+    pushed: T,
+) -> Result<Landing<T, D>, Failure> {
+    let step = T::from_f64(h);
+    let (speed_square, bent_square) =
+        (dot(p, p), step * step * bend * bend * departure.normal.inverse_square);
+    let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
+    if !within_reach.all() {
+        return Err(Failure::at(body, within_reach).too_long(h, departure, p, bend));
+    }
+    let mut landing = departure.land(constraint, |_| ());
+    let path_square = step * step * speed_square + force.square(pushed);
+    let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
+    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS));
+    if !trusted.all() {
+        let push = scaled(pushed, &force.components());
+        landing = landing.or(trusted, departure.follow(constraint, path, &push));
+        if !landing.converged.all() {
+            return Err(Failure::at(body, landing.converged).lost(h, constraint, departure, p, bend));
+        }
+    }
+    Ok(landing)
 }
 
 /// Second half: kick with the new force, and the momentum multiplier. False where p is not finite.

@@ -8,7 +8,7 @@ use std::array::from_fn;
 pub(crate) fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
     let mut sum = a[0] * b[0];
     for i in 1..D {
-        sum = sum + a[i] * b[i];
+        sum = a[i].multiply_add(b[i], sum);
     }
     sum
 }
@@ -16,7 +16,7 @@ pub(crate) fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
 /// a + c b.
 #[inline(always)]
 pub(crate) fn add_scaled<T: Real, const D: usize>(a: &[T; D], c: T, b: &[T; D]) -> [T; D] {
-    from_fn(|i| a[i] + c * b[i])
+    from_fn(|i| c.multiply_add(b[i], a[i]))
 }
 
 /// c a.

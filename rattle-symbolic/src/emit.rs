@@ -6,6 +6,9 @@
 //!
 //! One `let` per operation and no loop, closure or variable index: compilers vectorise exactly that.
 //! What depends on parameters alone becomes fields of the kernel, computed once.
+//!
+//! A product that is added to something is written as `x.multiply_add(y, z)`, for scalars that round x·y + z once.
+//! Which product that is depends on the sum alone, so that functions with common parts agree bit for bit.
 
 use crate::functions::Function;
 use crate::graph::{Comparison, Graph, Id, Input, Node};
@@ -26,6 +29,20 @@ pub(crate) struct Frame<'a> {
     pub(crate) kernel: &'a Ident,
     /// The names and types of the arguments, all by reference.
     pub(crate) arguments: &'a [(Ident, TokenStream)],
+}
+
+/// ± x·y ± z.
+struct Contraction {
+    factors: [Id; 2],
+    minus_product: bool,
+    addend: Id,
+    minus_addend: bool,
+}
+
+impl Contraction {
+    fn of(factors: [Id; 2], minus_product: bool, addend: Id, minus_addend: bool) -> Self {
+        Self { factors, minus_product, addend, minus_addend }
+    }
 }
 
 pub(crate) struct Emitter<'a> {
@@ -70,10 +87,10 @@ impl<'a> Emitter<'a> {
     /// The statements that compute the roots; in chapters where there is a frame for them.
     pub(crate) fn body(&self, roots: &[Id], spelling: Spelling, frame: Option<&Frame>) -> TokenStream {
         let graph = self.graph;
-        let reachable = graph.reachable(roots);
+        let reachable = self.reachable(roots);
         let mut needed: BTreeSet<Id> = roots.iter().copied().collect();
         for &id in reachable.iter().filter(|&&id| graph.moving(id)) {
-            needed.extend(graph.node(id).children());
+            needed.extend(self.operands(id));
         }
         if let Some(frame) = frame {
             let own = |id: &Id| graph.moving(*id) && !matches!(graph.node(*id), Node::Input(_));
@@ -88,6 +105,44 @@ impl<'a> Emitter<'a> {
             .collect();
         let lines = self.lines(lines, roots, spelling);
         quote!(#held #lines)
+    }
+
+    /// The sum of a product and something else that this node is, if it is one; of two products, the one that is known
+    /// last.
+    fn contraction(&self, id: Id) -> Option<Contraction> {
+        let (a, b, minus) = match *self.graph.node(id) {
+            Node::Add(a, b) => (a, b, false),
+            Node::Sub(a, b) => (a, b, true),
+            _ => return None,
+        };
+        let factors = |id: Id| match *self.graph.node(id) {
+            Node::Mul(x, y) if self.graph.moving(id) => Some([x, y]),
+            Node::Power(x, 4) if self.graph.moving(id) => Some([x, x]),
+            _ => None,
+        };
+        let of_a = || factors(a).map(|factors| Contraction::of(factors, false, b, minus));
+        let of_b = || factors(b).map(|factors| Contraction::of(factors, minus, a, false));
+        if self.graph.depth(a) > self.graph.depth(b) { of_a().or_else(of_b) } else { of_b().or_else(of_a) }
+    }
+
+    /// The nodes that this one is computed from as it is written here.
+    fn operands(&self, id: Id) -> Vec<Id> {
+        match self.contraction(id) {
+            Some(Contraction { factors: [x, y], addend, .. }) => vec![x, y, addend],
+            None => self.graph.node(id).children(),
+        }
+    }
+
+    /// The nodes that the roots need, ascending.
+    fn reachable(&self, roots: &[Id]) -> Vec<Id> {
+        let mut needed: BTreeSet<Id> = roots.iter().copied().collect();
+        let mut found = Vec::new();
+        while let Some(id) = needed.pop_last() {
+            needed.extend(self.operands(id)); // smaller ones
+            found.push(id);
+        }
+        found.reverse();
+        found
     }
 
     /// A root, after its statements.
@@ -158,7 +213,7 @@ impl<'a> Emitter<'a> {
             let lines = block.iter().map(|(_, statement)| statement);
             texts.push(quote!(let [#(#handed),*] = { #(#lines)* [#(#handed),*] };));
             for id in defined {
-                needed.extend(self.graph.node(id).children());
+                needed.extend(self.operands(id));
             }
         }
         texts.into_iter().rev().collect()
@@ -179,7 +234,7 @@ impl<'a> Emitter<'a> {
         let mut plan = Vec::with_capacity(chapters.len());
         for chapter in chapters.iter().rev() {
             let defined: BTreeSet<Id> = chapter.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
-            let operands = defined.iter().flat_map(|&id| self.graph.node(id).children());
+            let operands = defined.iter().flat_map(|&id| self.operands(id));
             let read: BTreeSet<Id> = operands.filter(|id| !defined.contains(id)).collect();
             let after = read_later.clone();
             read_later.retain(|id| !defined.contains(id));
@@ -234,6 +289,14 @@ impl<'a> Emitter<'a> {
 
     fn operation(&self, id: Id, spelling: Spelling) -> TokenStream {
         let t = temporary;
+        if let Some(Contraction { factors: [x, y], minus_product, addend, minus_addend }) =
+            self.contraction(id)
+        {
+            let (x, y, addend) = (t(x), t(y), t(addend));
+            let x = if minus_product { quote!((-#x)) } else { quote!(#x) };
+            let addend = if minus_addend { quote!(-#addend) } else { quote!(#addend) };
+            return quote!(#x.multiply_add(#y, #addend));
+        }
         match *self.graph.node(id) {
             Node::Constant(bits) => {
                 let number = number(f64::from_bits(bits));

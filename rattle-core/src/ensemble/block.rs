@@ -1,0 +1,559 @@
+//! A block of trajectories side by side, and the RATTLE step that moves all of them on.
+//!
+//! ```text
+//! q′ = q + h p + Λ ∇g(q)                          Λ such that g(q′) = 0
+//! p′ = p + Λ/h ∇g(q) − k ∇U(q′) + ∇g(q′) η        η such that ∇g(q′)·p′ = 0
+//! ```
+//!
+//! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a step
+//! and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions are those
+//! of RATTLE; [`Block::momenta`] takes the kick back.
+//!
+//! **The step in four loops**, each short enough that a processor overlaps the latencies of several of its iterations,
+//! and plain enough that a compiler vectorises it: [`guess`] evaluates g and ∇g at Λ extrapolated from the last two steps;
+//! [`improve`] takes a Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), evaluates g₁ there, and goes on to the root of the
+//! parabola through g₀, s and g₁,
+//!
+//! ```text
+//! Λ₂ = Λ₁ − (g₁/s) (1 + 2t + 5t² + …),   t = g₁/g₀         (the coefficients: binomials of Catalan's numbers)
+//! ```
+//!
+//! [`examine`] evaluates g and ∇g at Λ₂; and [`finish`] makes the last small correction −g₂/s and the new momentum.
+//! Without the third term of the series three times as many steps need a further correction.
+//!
+//! **Stopping.** A displacement |g|/|∇g| of at most 128 ε|q|∞ is left to `finish`, which leaves what chord steps leave of
+//! it, less than rounding does. Where it is larger, eight lanes together are corrected again. The normal is then that of a
+//! point less than 128 ε|q|∞ away.
+//!
+//! **Which root.** The slope s at the guess must be within half of |∇g(q)|², so that the surface was not left for another
+//! sheet. Lanes where it is not, or that three corrections do not bring to rest, are solved one by one, as a
+//! [`Simulation`](crate::simulation::Simulation) does.
+//!
+//! Every lane is a function of its own past alone: lanes at rest are not moved when others are corrected.
+
+use crate::effect::{Field, Force};
+use crate::kernel::ConstraintKernel;
+use crate::lanes::Lane;
+use crate::real::Real;
+use crate::solver::Departure;
+use crate::stepper::Failure;
+use crate::surface::{Normal, land};
+use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use std::array::from_fn;
+
+/// Lanes that are examined, and corrected again, together: one register of the widest kind.
+const EIGHT: usize = 8;
+
+/// Left to the last correction: so many ε of the largest coordinate.
+const AT_REST: f64 = 128.0;
+
+/// Corrections of a lane before it is solved by itself.
+const CORRECTIONS: usize = 3;
+
+/// D coordinates of L trajectories.
+type Vectors<S, const L: usize, const D: usize> = [[S; L]; D];
+
+/// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
+    q: Vectors<S, L, D>,
+    /// Momenta, ahead by the first kick of the step to come.
+    p: Vectors<S, L, D>,
+    /// ∇g(q): the one of the two that `even` says.
+    normal: [Vectors<S, L, D>; 2],
+    /// |∇g(q)|².
+    square: [S; L],
+    /// What g² may be at rest.
+    rest: [S; L],
+    /// Λ of the last two steps, the last one first if `even`.
+    multiplier: [[S; L]; 2],
+    q_low: [Vectors<S, L, D>; SUMS],
+    p_low: [Vectors<S, L, D>; SUMS],
+    /// Lanes in use, a multiple of eight (or the only one).
+    pub(crate) used: usize,
+    even: bool,
+    /// The part of the method's step that comes next.
+    part: usize,
+}
+
+/// Numbers of one step, which need no keeping.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Scratch<S, const L: usize, const D: usize> {
+    /// q + h p.
+    free: Vectors<S, L, D>,
+    multiplier: [S; L],
+    /// 1/s.
+    over_slope: [S; L],
+    g: [S; L],
+    rest: [S; L],
+}
+
+impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
+    pub(crate) fn new() -> Self {
+        let zero = [S::default(); L];
+        Self { free: [zero; D], multiplier: zero, over_slope: zero, g: zero, rest: zero }
+    }
+}
+
+/// One RATTLE step of a method: its length, the kick after it, and the weights that extrapolate Λ.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Part {
+    pub(crate) h: f64,
+    pub(crate) kick: f64,
+    pub(crate) weights: [f64; 2],
+}
+
+impl Part {
+    /// The parts of a method that takes RATTLE steps of these lengths in turn, again and again.
+    ///
+    /// Λ/h² is a smooth function of time; of steps of different lengths it is extrapolated linearly from the last two,
+    /// taken a third of the step after its start, unless that lies far away.
+    pub(crate) fn of(lengths: &[f64]) -> Vec<Part> {
+        let n = lengths.len();
+        let at = |i: usize| lengths[i % n];
+        let part = |i: usize| {
+            let (h, before, first) = (at(i), at(i + n - 1), at(i + 2 * n - 2));
+            let (last, earlier) = (before + h / 3.0 - before / 3.0, first + before / 3.0 - first / 3.0);
+            let far = last / earlier;
+            let far = if far.abs() <= 2.0 { far } else { 0.0 };
+            let weights = [(1.0 + far) * (h / before).powi(2), -far * (h / first).powi(2)];
+            Part { h, kick: 0.5 * (h + at(i + 1)), weights }
+        };
+        (0..n).map(part).collect()
+    }
+}
+
+/// A lane that cannot be moved, and why.
+pub(crate) struct Stuck {
+    pub(crate) lane: usize,
+    pub(crate) failure: Failure,
+}
+
+/// What each lane obeys: one constraint and field for all, or one each.
+pub(crate) trait Laws<K, F> {
+    fn constraint(&self, lane: usize) -> &K;
+    fn field(&self, lane: usize) -> &F;
+}
+
+/// The same for all lanes.
+pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
+
+/// Each lane its own.
+pub(crate) struct Each<K, F>(pub(crate) Vec<(K, F)>);
+
+impl<K, F> Laws<K, F> for Each<K, F> {
+    #[inline(always)]
+    fn constraint(&self, lane: usize) -> &K {
+        &self.0[lane].0
+    }
+    #[inline(always)]
+    fn field(&self, lane: usize) -> &F {
+        &self.0[lane].1
+    }
+}
+
+impl<K, F> Laws<K, F> for Same<K, F> {
+    #[inline(always)]
+    fn constraint(&self, _: usize) -> &K {
+        &self.0
+    }
+    #[inline(always)]
+    fn field(&self, _: usize) -> &F {
+        &self.1
+    }
+}
+
+#[inline(always)]
+fn at<S: Copy, const L: usize, const D: usize>(vectors: &Vectors<S, L, D>, lane: usize) -> [S; D] {
+    from_fn(|d| vectors[d][lane])
+}
+
+#[inline(always)]
+fn put<S: Copy, const L: usize, const D: usize>(vectors: &mut Vectors<S, L, D>, lane: usize, x: [S; D]) {
+    for d in 0..D {
+        vectors[d][lane] = x[d];
+    }
+}
+
+/// q′ − q without the constraint, beyond h p: what sums have kept back.
+#[inline(always)]
+fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
+    h: S,
+    q_low: &[Vectors<S, L, D>; SUMS],
+    p_low: &[Vectors<S, L, D>; SUMS],
+    lane: usize,
+) -> [S; D] {
+    from_fn(|d| h.multiply_add(p_low[0][d][lane], q_low[0][d][lane]))
+}
+
+impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, SUMS> {
+    /// A block in which no lane is set.
+    pub(crate) fn new(used: usize) -> Self {
+        let zero = [S::default(); L];
+        let vectors = [zero; D];
+        Self {
+            q: vectors,
+            p: vectors,
+            normal: [vectors; 2],
+            square: zero,
+            rest: zero,
+            multiplier: [zero; 2],
+            q_low: [vectors; SUMS],
+            p_low: [vectors; SUMS],
+            used,
+            even: true,
+            part: 0,
+        }
+    }
+
+    /// Puts a trajectory at q with momentum p, which are along the constraint, into a lane; `parts` are those of the
+    /// method, of which the block's is to come.
+    pub(crate) fn set<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+        &mut self,
+        lane: usize,
+        (constraint, field): (&K, &F),
+        parts: &[Part],
+        q: [[S; D]; 2],
+        p: [[S; D]; 2],
+    ) {
+        let h = S::from_f64(parts[self.part].h);
+        let [gradient] = constraint.jacobian(&q[0]);
+        let normal = Normal::new(gradient);
+        let pushed = force(field, &q[0]).add_to(p[1], S::from_f64(0.5) * h);
+        let (_, back) = normal.projection(&sum(&p[0], &pushed));
+        let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
+        put(&mut self.q, lane, q[0]);
+        put(&mut self.p, lane, ahead);
+        for (low, x) in self.q_low.iter_mut().zip([q[1]]).chain(self.p_low.iter_mut().zip([ahead_low])) {
+            put(low, lane, x);
+        }
+        put(&mut self.normal[usize::from(!self.even)], lane, gradient);
+        self.square[lane] = dot(&gradient, &gradient);
+        self.rest[lane] = at_rest(self.square[lane], &q[0]);
+        let [bend] = constraint.jet(&q[0], &ahead).2;
+        let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
+        // Both such that the extrapolation gives this: its weights add up to the square of a ratio of steps.
+        let [a, b] = parts[self.part].weights;
+        let same = guess / S::from_f64(a + b);
+        (self.multiplier[0][lane], self.multiplier[1][lane]) = (same, same);
+    }
+
+    /// Copies a lane.
+    pub(crate) fn copy(&mut self, from: usize, to: usize) {
+        let vectors = [&mut self.q, &mut self.p].into_iter().chain(&mut self.normal);
+        let vectors = vectors.chain(&mut self.q_low).chain(&mut self.p_low).flatten();
+        for numbers in vectors.chain([&mut self.square, &mut self.rest]).chain(&mut self.multiplier) {
+            numbers[to] = numbers[from];
+        }
+    }
+
+    /// Position of a lane, and what rounding took from it.
+    pub(crate) fn position(&self, lane: usize) -> [[S; D]; 2] {
+        [at(&self.q, lane), self.q_low.first().map_or([S::default(); D], |low| at(low, lane))]
+    }
+
+    /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back.
+    pub(crate) fn momentum<F: Field<S, D>>(&self, lane: usize, field: &F, parts: &[Part]) -> [[S; D]; 2] {
+        let ahead = at(&self.p, lane);
+        let low = self.p_low.first().map_or([S::default(); D], |low| at(low, lane));
+        let normal = Normal::new(at(&self.normal[usize::from(!self.even)], lane));
+        let kick = S::from_f64(-0.5 * parts[self.part].h);
+        let change = force(field, &at(&self.q, lane)).add_to(low, kick);
+        let (_, back) = normal.projection(&sum(&ahead, &change));
+        let (p, low) = two_sum(&ahead, &sum(&change, &back));
+        [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
+    }
+
+    /// Moves all lanes through the next part of a step. Where one cannot be moved the block is left half way.
+    #[inline(always)]
+    pub(crate) fn advance<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+        &mut self,
+        laws: &impl Laws<K, F>,
+        parts: &[Part],
+        scratch: &mut Scratch<S, L, D>,
+    ) -> Result<(), Stuck> {
+        let part = parts[self.part];
+        let [even, odd] = &mut self.normal;
+        let [even_multiplier, odd_multiplier] = &mut self.multiplier;
+        let (q, p, low) = (&mut self.q, &mut self.p, (&mut self.q_low, &mut self.p_low));
+        let (square, rest, used) = (&mut self.square, &mut self.rest, self.used.min(L));
+        // Written out twice, since compilers must see which of the two is read and which is written.
+        if self.even {
+            let multiplier = (even_multiplier, odd_multiplier);
+            advance(laws, &part, used, q, p, low, (even, odd), square, rest, multiplier, scratch)?;
+        } else {
+            let multiplier = (odd_multiplier, even_multiplier);
+            advance(laws, &part, used, q, p, low, (odd, even), square, rest, multiplier, scratch)?;
+        }
+        self.even = !self.even;
+        self.part = if self.part + 1 == parts.len() { 0 } else { self.part + 1 };
+        Ok(())
+    }
+}
+
+/// What g² may be at rest: the square of `AT_REST` ε |q|∞ |∇g|.
+#[inline(always)]
+fn at_rest<S: Lane, const D: usize>(square: S, q: &[S; D]) -> S {
+    let size = S::from_f64(AT_REST * S::EPSILON) * largest(q);
+    square * (size * size)
+}
+
+#[inline(always)]
+fn force<S: Lane, F: Field<S, D>, const D: usize>(field: &F, q: &[S; D]) -> F::Force {
+    let mut force = [F::Force::zero()];
+    field.evaluate(&[*q], &mut force);
+    force[0]
+}
+
+type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
+    (&'a mut [Vectors<S, L, D>; SUMS], &'a mut [Vectors<S, L, D>; SUMS]);
+
+/// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
+#[allow(clippy::too_many_arguments, clippy::type_complexity, reason = "see above")]
+#[inline(always)]
+fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+    laws: &impl Laws<K, F>,
+    part: &Part,
+    used: usize,
+    q: &mut Vectors<S, L, D>,
+    p: &mut Vectors<S, L, D>,
+    (q_low, p_low): Of<'_, S, L, D, SUMS>,
+    (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
+    square: &mut [S; L],
+    rest: &mut [S; L],
+    (last, earlier): (&[S; L], &mut [S; L]),
+    scratch: &mut Scratch<S, L, D>,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Field<S, D>,
+{
+    let Scratch { free, multiplier, over_slope, g, rest: allowed } = scratch;
+    guess(laws, part, used, q, p, q_low, p_low, normal, square, rest, last, earlier, free, multiplier, over_slope, g, allowed);
+    improve(laws, used, normal, free, over_slope, g, multiplier);
+    let width = EIGHT.min(L);
+    let mut astir = 0_u64;
+    for group in 0..used / width {
+        let unrest = examine(laws, group * width..(group + 1) * width, normal, free, multiplier, allowed, g, next);
+        astir |= u64::from(unrest) << group;
+    }
+    while astir != 0 {
+        let group = astir.trailing_zeros() as usize;
+        astir &= astir - 1;
+        let lanes = group * width..(group + 1) * width;
+        let mut unrest = true;
+        for _ in 0..CORRECTIONS {
+            correct(lanes.clone(), g, over_slope, allowed, multiplier);
+            unrest = examine(laws, lanes.clone(), normal, free, multiplier, allowed, g, next);
+            if !unrest {
+                break;
+            }
+        }
+        if unrest {
+            for lane in lanes {
+                if (g[lane] * g[lane]).le(allowed[lane]) {
+                    continue;
+                }
+                let back = if SUMS == 1 { kept_back(S::from_f64(part.h), q_low, p_low, lane) } else { [S::default(); D] };
+                let departure = (at(q, lane), at(p, lane), back, at(normal, lane), square[lane]);
+                let (found, gradient) = alone(laws.constraint(lane), part.h, departure)
+                    .map_err(|failure| Stuck { lane, failure })?;
+                (multiplier[lane], g[lane], over_slope[lane]) = (found, S::default(), S::default());
+                put(next, lane, gradient);
+            }
+        }
+    }
+    finish(laws, part, used, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, earlier);
+    Ok(())
+}
+
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+    laws: &impl Laws<K, F>,
+    part: &Part,
+    used: usize,
+    q: &Vectors<S, L, D>,
+    p: &Vectors<S, L, D>,
+    q_low: &[Vectors<S, L, D>; SUMS],
+    p_low: &[Vectors<S, L, D>; SUMS],
+    normal: &Vectors<S, L, D>,
+    square: &[S; L],
+    rest: &[S; L],
+    last: &[S; L],
+    earlier: &[S; L],
+    free: &mut Vectors<S, L, D>,
+    multiplier: &mut [S; L],
+    over_slope: &mut [S; L],
+    g: &mut [S; L],
+    allowed: &mut [S; L],
+) where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+{
+    let (h, one) = (S::from_f64(part.h), S::from_f64(1.0));
+    let [a, b] = part.weights.map(S::from_f64);
+    for i in 0..used {
+        let mut start = at(q, i);
+        if SUMS == 1 {
+            start = sum(&start, &kept_back(h, q_low, p_low, i));
+        }
+        let (start, n) = (add_scaled(&start, h, &at(p, i)), at(normal, i));
+        let extrapolated = a.multiply_add(last[i], b * earlier[i]);
+        let point = add_scaled(&start, extrapolated, &n);
+        let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
+        let slope = dot(&gradient, &n);
+        let over = one / slope;
+        put(free, i, start);
+        (g[i], over_slope[i]) = (residual, over);
+        multiplier[i] = (-residual).multiply_add(over, extrapolated);
+        let off = (slope - square[i]).abs();
+        allowed[i] = S::select((off + off).le(square[i]), rest[i], S::from_f64(-1.0));
+    }
+}
+
+#[inline(always)]
+fn improve<S, K, F, const L: usize, const D: usize>(
+    laws: &impl Laws<K, F>,
+    used: usize,
+    normal: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    over_slope: &[S; L],
+    g: &[S; L],
+    multiplier: &mut [S; L],
+) where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+{
+    let [zero, one, two, five] = [0.0, 1.0, 2.0, 5.0].map(S::from_f64);
+    let sixteenth = S::from_f64(0.0625);
+    for i in 0..used {
+        let over = one / g[i];
+        let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
+        let [residual] = laws.constraint(i).value(&point);
+        let ratio = residual * over;
+        let ratio = S::select(ratio.abs().le(sixteenth), ratio, zero); // also where g₀ is 0: there is nothing to learn
+        let series = ratio.multiply_add(five.multiply_add(ratio, two), one);
+        multiplier[i] = (-(residual * over_slope[i])).multiply_add(series, multiplier[i]);
+    }
+}
+
+/// Whether a lane is not at rest.
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn examine<S, K, F, const L: usize, const D: usize>(
+    laws: &impl Laws<K, F>,
+    lanes: std::ops::Range<usize>,
+    normal: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    multiplier: &[S; L],
+    allowed: &[S; L],
+    g: &mut [S; L],
+    next: &mut Vectors<S, L, D>,
+) -> bool
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+{
+    let mut unrest = 0_u64;
+    for i in lanes {
+        let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
+        let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
+        g[i] = residual;
+        put(next, i, gradient);
+        unrest |= u64::from(!(residual * residual).le(allowed[i])); // also where it is not a number
+    }
+    unrest != 0
+}
+
+#[inline(always)]
+fn correct<S: Lane, const L: usize>(
+    lanes: std::ops::Range<usize>,
+    g: &[S; L],
+    over_slope: &[S; L],
+    allowed: &[S; L],
+    multiplier: &mut [S; L],
+) {
+    for i in lanes {
+        let rests = (g[i] * g[i]).le(allowed[i]);
+        multiplier[i] = S::select(rests, multiplier[i], (-g[i]).multiply_add(over_slope[i], multiplier[i]));
+    }
+}
+
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+    laws: &impl Laws<K, F>,
+    part: &Part,
+    used: usize,
+    normal: &Vectors<S, L, D>,
+    next: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    multiplier: &[S; L],
+    g: &[S; L],
+    over_slope: &[S; L],
+    q: &mut Vectors<S, L, D>,
+    p: &mut Vectors<S, L, D>,
+    q_low: &mut [Vectors<S, L, D>; SUMS],
+    p_low: &mut [Vectors<S, L, D>; SUMS],
+    square: &mut [S; L],
+    rest: &mut [S; L],
+    earlier: &mut [S; L],
+) where
+    S: Lane,
+    F: Field<S, D>,
+{
+    let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(1.0 / part.h), S::from_f64(part.kick));
+    let one = S::from_f64(1.0);
+    for i in 0..used {
+        let (n, m, old) = (at(normal, i), at(next, i), at(p, i));
+        let found = (-g[i]).multiply_add(over_slope[i], multiplier[i]);
+        let place = if SUMS == 0 {
+            add_scaled(&at(free, i), found, &n)
+        } else {
+            let way = add_scaled(&add_scaled(&kept_back(h, q_low, p_low, i), h, &old), found, &n);
+            let (place, low) = two_sum(&at(q, i), &way);
+            put(&mut q_low[0], i, low);
+            place
+        };
+        let push = force(laws.field(i), &place);
+        let length = dot(&m, &m);
+        let over_length = one / length;
+        let new = if SUMS == 0 {
+            let pushed = push.add_to(add_scaled(&old, found * over_h, &n), kick);
+            add_scaled(&pushed, -(dot(&m, &pushed) * over_length), &m)
+        } else {
+            let change = push.add_to(add_scaled(&at(&p_low[0], i), found * over_h, &n), kick);
+            let back = dot(&m, &sum(&old, &change)) * over_length;
+            let (new, low) = two_sum(&old, &add_scaled(&change, -back, &m));
+            put(&mut p_low[0], i, low);
+            new
+        };
+        put(q, i, place);
+        put(p, i, new);
+        square[i] = length;
+        rest[i] = at_rest(length, &place);
+        earlier[i] = found;
+    }
+}
+
+/// Λ and ∇g(q′) of a lane by itself, as [`Simulation`](crate::simulation::Simulation) finds them.
+#[cold]
+#[inline(never)]
+fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
+    constraint: &K,
+    h: f64,
+    (q, p, back, gradient, square): ([S; D], [S; D], [S; D], [S; D], S),
+) -> Result<(S, [S; D]), Failure> {
+    let step = S::from_f64(h);
+    let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
+    let [bend] = constraint.jet(&q, &p).2;
+    let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
+    let path = scaled(step, &p);
+    let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
+    let landing = land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0))?;
+    Ok((landing.multiplier, landing.gradient))
+}

@@ -1,0 +1,225 @@
+//! Trajectories that are moved on together: those of a block side by side, or one by itself.
+
+use crate::bodies::Body;
+use crate::effect::Field;
+use crate::ensemble::block::{Block, Laws, Part, Scratch, Stuck};
+use crate::ensemble::instruction_set::{InstructionSet, Work};
+use crate::error::Error;
+use crate::kernel::ConstraintKernel;
+use crate::lanes::Lane;
+use crate::simulation::Simulation;
+use crate::state::State;
+use crate::stepper::{Failure, Stepper};
+use crate::system::System;
+use std::marker::PhantomData;
+
+/// Some trajectories of an ensemble.
+pub(crate) trait Group<const D: usize>: Send {
+    /// How many there are.
+    fn len(&self) -> usize;
+    /// Takes so many steps; trajectories that fail rest where they were before the step.
+    fn run(&mut self, steps: u64, set: InstructionSet);
+    /// The state of one.
+    fn state(&self, trajectory: usize) -> State<D>;
+    /// Position and momentum of the one body of a trajectory.
+    fn place(&self, trajectory: usize) -> ([f64; D], [f64; D]);
+    /// Why one goes on no more.
+    fn failure(&self, trajectory: usize) -> Option<&Error>;
+}
+
+/// A simulation by itself.
+pub(crate) struct Alone<Y: System<f64, D>, S: Stepper, const D: usize> {
+    pub(crate) simulation: Simulation<Y, S, D>,
+    pub(crate) failure: Option<Error>,
+}
+
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D>
+where
+    Simulation<Y, S, D>: Send,
+{
+    fn len(&self) -> usize {
+        1
+    }
+    fn run(&mut self, steps: u64, _: InstructionSet) {
+        if self.failure.is_none() {
+            self.failure = self.simulation.run(steps).err();
+        }
+    }
+    fn state(&self, _: usize) -> State<D> {
+        self.simulation.state()
+    }
+    fn place(&self, _: usize) -> ([f64; D], [f64; D]) {
+        let body = self.simulation.bodies.body(0);
+        (body.q, body.p)
+    }
+    fn failure(&self, _: usize) -> Option<&Error> {
+        self.failure.as_ref()
+    }
+}
+
+/// Steps after which the whole block is remembered, to go back to when a lane fails.
+const STRETCH: u64 = 64;
+
+/// Trajectories in the lanes of a block.
+pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> {
+    block: Block<S, L, D, SUMS>,
+    laws: X,
+    parts: Vec<Part>,
+    h: f64,
+    steps: u64,
+    start_time: Vec<f64>,
+    /// By lane: whether a trajectory moves in it. Other lanes are copies of one that does.
+    moving: [bool; L],
+    ended: Vec<Ended<S, D>>,
+    kernels: PhantomData<fn() -> (K, F)>,
+}
+
+/// A trajectory that goes on no more.
+struct Ended<S, const D: usize> {
+    lane: usize,
+    steps: u64,
+    q: [[S; D]; 2],
+    p: [[S; D]; 2],
+    failure: Error,
+}
+
+impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> SideBySide<S, K, F, X, L, D, SUMS>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Field<S, D>,
+    X: Laws<K, F>,
+{
+    /// The trajectories that start so, one per lane, at most L; by a method that takes RATTLE steps of these lengths.
+    pub(crate) fn new(starts: &[State<D>], laws: X, lengths: &[f64], h: f64) -> Self {
+        let parts = Part::of(lengths);
+        let used = if L == 1 { 1 } else { starts.len().next_multiple_of(8).min(L) };
+        let mut block = Block::new(used);
+        let mut moving = [false; L];
+        for (lane, start) in starts.iter().enumerate().take(L) {
+            let body = &start.bodies[0];
+            let own = |x: [f64; D]| x.map(S::from_f64);
+            let both = |x: [f64; D], low: [f64; D]| if SUMS == 1 { [own(x), own(low)] } else { [own(x), own([0.0; D])] };
+            let law = (laws.constraint(lane), laws.field(lane));
+            block.set(lane, law, &parts, both(body.q, body.q_low), both(body.p, body.p_low));
+            moving[lane] = true;
+        }
+        for lane in starts.len()..used {
+            block.copy(0, lane);
+        }
+        let start_time = starts.iter().map(|start| start.time).collect();
+        Self { block, laws, parts, h, steps: 0, start_time, moving, ended: Vec::new(), kernels: PhantomData }
+    }
+
+    /// Takes steps until all are taken or a lane fails: how many were whole, and which lane failed.
+    fn attempt(&mut self, steps: u64, set: InstructionSet) -> (u64, Result<(), Stuck>) {
+        set.run(Stretch { group: self, steps })
+    }
+
+    /// Moves a lane's trajectory, which is at the end of its way, out of the block.
+    fn end(&mut self, lane: usize, failure: Failure) {
+        if std::mem::replace(&mut self.moving[lane], false) {
+            let (q, p) = (self.block.position(lane), self.momentum(lane));
+            let time = self.start_time[lane] + self.steps as f64 * self.h;
+            let failure = Error::Step { step: self.steps + 1, time, body: failure.body, cause: failure.cause };
+            self.ended.push(Ended { lane, steps: self.steps, q, p, failure });
+        }
+        if let Some(other) = self.moving.iter().position(|&moves| moves) {
+            self.block.copy(other, lane);
+        }
+    }
+
+    fn momentum(&self, lane: usize) -> [[S; D]; 2] {
+        self.block.momentum(lane, self.laws.field(lane), &self.parts)
+    }
+
+    fn ended(&self, lane: usize) -> Option<&Ended<S, D>> {
+        self.ended.iter().find(|ended| ended.lane == lane)
+    }
+
+    fn numbers(&self, lane: usize) -> ([[S; D]; 2], [[S; D]; 2]) {
+        self.ended(lane).map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
+    }
+}
+
+/// Steps of a block, without looking up.
+struct Stretch<'a, G> {
+    group: &'a mut G,
+    steps: u64,
+}
+
+impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
+    for Stretch<'_, SideBySide<S, K, F, X, L, D, SUMS>>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Field<S, D>,
+    X: Laws<K, F>,
+{
+    type Done = (u64, Result<(), Stuck>);
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let SideBySide { block, laws, parts, .. } = self.group;
+        let mut scratch = Scratch::new();
+        for step in 0..self.steps {
+            for _ in 0..parts.len() {
+                if let Err(stuck) = block.advance(laws, parts, &mut scratch) {
+                    return (step, Err(stuck));
+                }
+            }
+        }
+        (self.steps, Ok(()))
+    }
+}
+
+impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Group<D>
+    for SideBySide<S, K, F, X, L, D, SUMS>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Field<S, D> + Send,
+    X: Laws<K, F> + Send,
+{
+    fn len(&self) -> usize {
+        self.start_time.len()
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+    fn run(&mut self, steps: u64, set: InstructionSet) {
+        let end = self.steps + steps;
+        while self.steps < end && self.moving.contains(&true) {
+            let before = self.block.clone();
+            let stretch = STRETCH.min(end - self.steps);
+            let (taken, result) = self.attempt(stretch, set);
+            if let Err(Stuck { lane, failure }) = result {
+                self.block = before;
+                let (again, _) = self.attempt(taken, set); // the same steps, which are known to pass
+                self.steps += again;
+                self.end(lane, failure);
+            } else {
+                self.steps += taken;
+            }
+        }
+        self.steps = end;
+    }
+
+    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+    fn state(&self, trajectory: usize) -> State<D> {
+        let (q, p) = self.numbers(trajectory);
+        let [q, q_low, p, p_low] = [q[0], q[1], p[0], p[1]].map(|x| x.map(Lane::to_f64));
+        let steps = self.ended(trajectory).map_or(self.steps, |ended| ended.steps);
+        let mut state = State::at(q).at_time(self.start_time[trajectory] + steps as f64 * self.h);
+        state.bodies[0] = Body { q, q_low, p, p_low };
+        state
+    }
+
+    fn place(&self, trajectory: usize) -> ([f64; D], [f64; D]) {
+        let (q, p) = self.numbers(trajectory);
+        (q[0].map(Lane::to_f64), p[0].map(Lane::to_f64))
+    }
+
+    fn failure(&self, trajectory: usize) -> Option<&Error> {
+        self.ended(trajectory).map(|ended| &ended.failure)
+    }
+}

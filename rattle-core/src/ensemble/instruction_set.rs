@@ -1,0 +1,93 @@
+//! Which instructions a processor has, found when the program runs, and work compiled for each of them.
+
+use std::fmt;
+
+/// A set of instructions that work is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum InstructionSet {
+    /// What every processor of the target has. On x86-64 that is two doubles at a time and no fused multiply-add.
+    Portable,
+    /// Four doubles at a time, with fused multiply-add.
+    Avx2,
+    /// Eight doubles at a time, with fused multiply-add.
+    Avx512,
+}
+
+impl InstructionSet {
+    /// The widest one that this processor has.
+    #[must_use]
+    pub fn widest() -> Self {
+        [Self::Avx512, Self::Avx2].into_iter().find(|set| set.is_present()).unwrap_or(Self::Portable)
+    }
+
+    /// Whether this processor has it.
+    #[must_use]
+    pub fn is_present(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => {
+                Self::Avx2.is_present()
+                    && is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+                    && is_x86_feature_detected!("avx512bw")
+            }
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+
+    /// Whether x·y + z is one instruction.
+    #[must_use]
+    pub fn fuses(self) -> bool {
+        self != Self::Portable || cfg!(any(target_arch = "aarch64", target_feature = "fma"))
+    }
+
+    /// Does the work with these instructions, or with those that every processor has if this one does not have them.
+    #[inline]
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Done {
+        #[cfg(target_arch = "x86_64")]
+        if self.is_present() {
+            match self {
+                #[allow(unsafe_code, reason = "the one place: the instructions are present, as was just asked")]
+                Self::Avx512 => return unsafe { with_avx512(work) },
+                #[allow(unsafe_code, reason = "the same")]
+                Self::Avx2 => return unsafe { with_avx2(work) },
+                Self::Portable => {}
+            }
+        }
+        work.run()
+    }
+}
+
+impl fmt::Display for InstructionSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "AVX2",
+            Self::Avx512 => "AVX-512",
+        })
+    }
+}
+
+/// Work that is to be compiled for each set of instructions: `run` and all that it calls must be `#[inline(always)]`, since
+/// only what is inlined uses the instructions.
+pub(crate) trait Work {
+    type Done;
+    fn run(self) -> Self::Done;
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma")]
+fn with_avx512<W: Work>(work: W) -> W::Done {
+    work.run()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn with_avx2<W: Work>(work: W) -> W::Done {
+    work.run()
+}

@@ -1,0 +1,135 @@
+//! Ensembles: many independent trajectories of one scene, side by side in SIMD lanes, and on all cores.
+//!
+//! ```
+//! # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
+//! let free = Scene::points::<1>(1);
+//! let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+//! let mut ensemble = free.ensemble(starts, Rattle::new(0.5))?;
+//! ensemble.run(2);
+//! assert_eq!(ensemble.state(7).positions().next().unwrap().x, 7.0);
+//! # Ok::<(), rattle_core::error::Error>(())
+//! ```
+//!
+//! One body on a surface, moved by RATTLE or a composition of it, goes in lanes. All else goes trajectory by trajectory, as
+//! a [`Simulation`](crate::simulation::Simulation) each, on all cores.
+//!
+//! **The same numbers everywhere.** What a trajectory does depends on its start alone: not on the trajectories beside it,
+//! on the number of threads, or on how a run is divided; nor on the instruction set, as long as it has fused multiply-add
+//! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last two steps, so that
+//! results agree with those of a simulation to rounding, not to the bit.
+//!
+//! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
+//! go on.
+
+pub(crate) mod block;
+pub(crate) mod group;
+mod instruction_set;
+
+pub use instruction_set::InstructionSet;
+
+use crate::error::Error;
+use crate::state::State;
+use group::Group;
+use rayon::prelude::*;
+use std::fmt;
+
+/// Many independent trajectories. Made by [`Scene::ensemble`](crate::scene::Scene::ensemble).
+///
+/// Work is spread over the threads of the [rayon](https://docs.rs/rayon) pool it is called in: all cores, unless
+/// `RAYON_NUM_THREADS` or a pool of your own says otherwise.
+pub struct Ensemble<const D: usize> {
+    groups: Vec<Box<dyn Group<D>>>,
+    /// The number of the first trajectory of each group.
+    first: Vec<usize>,
+    len: usize,
+    h: f64,
+    steps: u64,
+    set: InstructionSet,
+}
+
+impl<const D: usize> Ensemble<D> {
+    pub(crate) fn new(groups: Vec<Box<dyn Group<D>>>, h: f64, set: InstructionSet) -> Self {
+        let mut len = 0;
+        let first = groups.iter().map(|group| std::mem::replace(&mut len, len + group.len())).collect();
+        Self { groups, first, len, h, steps: 0, set }
+    }
+
+    /// Takes `steps` steps with every trajectory that can be moved.
+    pub fn run(&mut self, steps: u64) {
+        let set = self.set;
+        self.groups.par_iter_mut().for_each(|group| group.run(steps, set));
+        self.steps += steps;
+    }
+
+    /// How many trajectories there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Steps taken so far.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The instructions in use.
+    #[must_use]
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.set
+    }
+
+    fn group(&self, trajectory: usize) -> (&dyn Group<D>, usize) {
+        let group = self.first.partition_point(|&first| first <= trajectory) - 1;
+        (&*self.groups[group], trajectory - self.first[group])
+    }
+
+    /// The present state of a trajectory; of one that failed, its last.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    #[track_caller]
+    pub fn state(&self, trajectory: usize) -> State<D> {
+        assert!(trajectory < self.len, "trajectory {trajectory} of {}", self.len);
+        let (group, own) = self.group(trajectory);
+        group.state(own)
+    }
+
+    /// The states of all trajectories in turn.
+    pub fn states(&self) -> impl Iterator<Item = State<D>> + '_ {
+        self.groups.iter().flat_map(|group| (0..group.len()).map(|own| group.state(own)))
+    }
+
+    /// Why a trajectory goes on no more; none while it does.
+    #[must_use]
+    pub fn failure(&self, trajectory: usize) -> Option<&Error> {
+        if trajectory >= self.len {
+            return None;
+        }
+        let (group, own) = self.group(trajectory);
+        group.failure(own)
+    }
+
+    /// The trajectories that go on no more, and why.
+    pub fn failures(&self) -> impl Iterator<Item = (usize, &Error)> + '_ {
+        let groups = self.groups.iter().zip(&self.first);
+        groups.flat_map(|(group, &first)| {
+            (0..group.len()).filter_map(move |own| group.failure(own).map(|error| (first + own, error)))
+        })
+    }
+}
+
+impl<const D: usize> fmt::Debug for Ensemble<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Ensemble");
+        debug.field("trajectories", &self.len).field("step_size", &self.h).field("steps", &self.steps);
+        debug.field("instruction_set", &self.set).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,232 @@
+//! Scalars of ensembles: a number whose products and sums round once, and several of them side by side.
+//!
+//! [`Fused`] is one number. Loops over arrays of it are what compilers turn into SIMD instructions, so that no SIMD type
+//! is needed. [`Lanes`] is such an array as a scalar of its own: the store of trajectories side by side, and what
+//! everything outside the inner loops is written over.
+
+use crate::real::{Mask, Real};
+use std::array::from_fn;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// A number of one lane: [`Fused`], or a plain float.
+pub trait Lane: Real<Mask = bool> + Default + PartialEq {
+    /// The float that is nearest.
+    fn to_f64(self) -> f64;
+    /// The distance from 1 to the next number.
+    const EPSILON: f64;
+}
+
+/// A float whose x·y + z is rounded once, with the same bits on every processor: fast where there is an instruction for
+/// it, slow and the same elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(transparent)]
+pub struct Fused<F>(pub F);
+
+/// L numbers side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C, align(64))] // cache lines, and the widest registers
+pub struct Lanes<S, const L: usize>(pub [S; L]);
+
+/// The outcome of a comparison of [`Lanes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Marks<const L: usize>(pub [bool; L]);
+
+impl<const L: usize> Mask for Marks<L> {
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0 == [true; L]
+    }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        Self(from_fn(|i| self.0[i] & other.0[i]))
+    }
+    #[inline(always)]
+    fn or(self, other: Self) -> Self {
+        Self(from_fn(|i| self.0[i] | other.0[i]))
+    }
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(self.0.map(|mark| !mark))
+    }
+    fn lanes(self) -> impl Iterator<Item = bool> {
+        self.0.into_iter()
+    }
+}
+
+macro_rules! operators {
+    ($($operator:ident $method:ident)*) => {$(
+        impl<F: $operator<Output = F>> $operator for Fused<F> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0))
+            }
+        }
+        impl<S: Lane, const L: usize> $operator for Lanes<S, L> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(from_fn(|i| self.0[i].$method(other.0[i])))
+            }
+        }
+    )*};
+}
+operators!(Add add Sub sub Mul mul Div div);
+
+impl<F: Neg<Output = F>> Neg for Fused<F> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+impl<S: Lane, const L: usize> Neg for Lanes<S, L> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(self.0.map(Neg::neg))
+    }
+}
+
+/// Functions of one number, by name.
+macro_rules! each_function {
+    ($do:ident $($with:tt)*) => {
+        $do!($($with)* abs sign sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
+    };
+}
+
+macro_rules! of_the_float {
+    ($float:ident: $($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            Self(Real::$name(self.0))
+        })*
+    };
+}
+
+macro_rules! fused_float {
+    ($float:ident) => {
+        impl Real for Fused<$float> {
+            type Mask = bool;
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                Self(x as $float)
+            }
+            #[inline(always)]
+            fn lanes(self) -> impl Iterator<Item = f64> {
+                std::iter::once(self.to_f64())
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> bool {
+                self.0 < other.0
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self.0 <= other.0
+            }
+            #[inline(always)]
+            fn select(mask: bool, a: Self, b: Self) -> Self {
+                if mask { a } else { b }
+            }
+            #[inline(always)]
+            fn multiply_add(self, b: Self, c: Self) -> Self {
+                Self(self.0.mul_add(b.0, c.0))
+            }
+            each_function!(of_the_float $float:);
+            #[inline(always)]
+            fn sin_cos(self) -> (Self, Self) {
+                let (sine, cosine) = Real::sin_cos(self.0);
+                (Self(sine), Self(cosine))
+            }
+            #[inline(always)]
+            fn powf(self, exponent: Self) -> Self {
+                Self(Real::powf(self.0, exponent.0))
+            }
+            #[inline(always)]
+            fn atan2(self, x: Self) -> Self {
+                Self(Real::atan2(self.0, x.0))
+            }
+            #[inline(always)]
+            fn hypot(self, y: Self) -> Self {
+                Self(Real::hypot(self.0, y.0))
+            }
+        }
+
+        impl Lane for Fused<$float> {
+            const EPSILON: f64 = $float::EPSILON as f64;
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self.0.into()
+            }
+        }
+
+        impl Lane for $float {
+            const EPSILON: f64 = $float::EPSILON as f64;
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                self.into()
+            }
+        }
+    };
+}
+fused_float!(f64);
+fused_float!(f32);
+
+macro_rules! of_each_lane {
+    ($($name:ident)*) => {
+        $(#[inline(always)]
+        fn $name(self) -> Self {
+            Self(self.0.map(Real::$name))
+        })*
+    };
+}
+
+impl<S: Lane, const L: usize> Real for Lanes<S, L> {
+    type Mask = Marks<L>;
+    #[inline(always)]
+    fn from_f64(x: f64) -> Self {
+        Self([S::from_f64(x); L])
+    }
+    #[inline(always)]
+    fn from_lanes(lane: impl Fn(usize) -> f64) -> Self {
+        Self(from_fn(|i| S::from_f64(lane(i))))
+    }
+    fn lanes(self) -> impl Iterator<Item = f64> {
+        self.0.into_iter().map(Lane::to_f64)
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Marks<L> {
+        Marks(from_fn(|i| self.0[i].lt(other.0[i])))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Marks<L> {
+        Marks(from_fn(|i| self.0[i].le(other.0[i])))
+    }
+    #[inline(always)]
+    fn select(mask: Marks<L>, a: Self, b: Self) -> Self {
+        Self(from_fn(|i| S::select(mask.0[i], a.0[i], b.0[i])))
+    }
+    #[inline(always)]
+    fn multiply_add(self, b: Self, c: Self) -> Self {
+        Self(from_fn(|i| self.0[i].multiply_add(b.0[i], c.0[i])))
+    }
+    each_function!(of_each_lane);
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        let both = self.0.map(Real::sin_cos);
+        (Self(both.map(|(sine, _)| sine)), Self(both.map(|(_, cosine)| cosine)))
+    }
+    #[inline(always)]
+    fn powf(self, exponent: Self) -> Self {
+        Self(from_fn(|i| self.0[i].powf(exponent.0[i])))
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        Self(from_fn(|i| self.0[i].atan2(x.0[i])))
+    }
+    #[inline(always)]
+    fn hypot(self, y: Self) -> Self {
+        Self(from_fn(|i| self.0[i].hypot(y.0[i])))
+    }
+}
