@@ -19,6 +19,7 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Geodesic::new(0.02, 3));
     four_alone(&PositionVerlet::new(0.01));
     four_alone(&Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    four_alone(&Dop853::new(0.02));
 }
 
 fn four_alone<S: Stepper>(method: &S) {

@@ -5,6 +5,7 @@ pub mod bodies;
 pub mod composition;
 pub mod counted;
 pub mod curvature;
+pub mod dop853;
 pub mod effect;
 pub mod error;
 pub mod geodesic;

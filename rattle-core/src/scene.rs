@@ -357,6 +357,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         system.reserve(&mut bodies, stepper.stages());
+        bodies.room = vec![[0.0; D]; stepper.room() * self.count.number()];
         let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
         Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
     }

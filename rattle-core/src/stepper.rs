@@ -40,8 +40,13 @@ pub trait Stepper: Clone {
         0.0
     }
 
-    /// Inner stages that need room, 0 for methods without.
+    /// Stages of a collocation method, for which a system makes room; 0 for methods without.
     fn stages(&self) -> usize {
+        0
+    }
+
+    /// Vectors per body that a step writes to [`Bodies::room`].
+    fn room(&self) -> usize {
         0
     }
 
@@ -148,6 +153,22 @@ impl FailureAt {
     #[cold]
     pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
         self.because(StepFailure::StagesTurnOver { h, stages })
+    }
+
+    /// The end of the step is too far from the constraint.
+    #[cold]
+    pub(crate) fn not_projected<T: Real, const D: usize>(
+        &self,
+        distance: T,
+        path: &[T; D],
+        q: &[T; D],
+    ) -> Failure {
+        let (distance, path) = (self.number(distance), self.number(dot(path, path)).sqrt());
+        self.because(if distance.is_finite() {
+            StepFailure::NotProjected { distance, path }
+        } else {
+            StepFailure::ConstraintNotFinite { position: self.numbers(q) }
+        })
     }
 
     fn because(&self, cause: StepFailure) -> Failure {
