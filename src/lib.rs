@@ -49,12 +49,13 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, kernel, lanes, linked, lobatto, network, real,
-    recorder, scene, shadow, simulation, stepper, surface, system,
+    bodies, composition, counted, curvature, dop853, effect, ensemble, error, kernel, lanes, linked, lobatto,
+    network, real, recorder, scene, shadow, simulation, stepper, surface, system,
 };
 
 pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
+pub use rattle_core::dop853::Dop853;
 pub use rattle_core::error::Error;
 pub use rattle_core::geodesic::Geodesic;
 pub use rattle_core::leapfrog::Leapfrog;
@@ -79,7 +80,7 @@ pub mod prelude {
     pub use crate::effect::Over;
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};
+    pub use crate::{Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};
     pub use crate::{LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }

@@ -25,6 +25,7 @@ enum Method {
     Lobatto3(Lobatto<3>),
     Lobatto5(Lobatto<5>),
     Lobatto6(Lobatto<6>),
+    Dop853(Dop853),
 }
 
 macro_rules! delegate {
@@ -41,11 +42,14 @@ macro_rules! delegate {
             Self::Lobatto3($method) => $call,
             Self::Lobatto5($method) => $call,
             Self::Lobatto6($method) => $call,
+            Self::Dop853($method) => $call,
         }
     };
 }
 
 impl Stepper for Method {
+    type Memory<T: Real> = Vec<T>;
+
     fn step_size(&self) -> f64 {
         delegate!(self, method => method.step_size())
     }
@@ -68,6 +72,7 @@ impl Stepper for Method {
             Self::Lobatto3(method) => Self::Lobatto3(method.with_step(h)),
             Self::Lobatto5(method) => Self::Lobatto5(method.with_step(h)),
             Self::Lobatto6(method) => Self::Lobatto6(method.with_step(h)),
+            Self::Dop853(method) => Self::Dop853(method.with_step(h)),
         }
     }
     fn is_symmetric(&self) -> bool {
@@ -79,6 +84,9 @@ impl Stepper for Method {
     fn stages(&self) -> usize {
         delegate!(self, method => method.stages())
     }
+    fn room(&self) -> usize {
+        delegate!(self, method => method.room())
+    }
     fn check(&self, equations: usize) -> Result<(), rattle::Error> {
         delegate!(self, method => method.check(equations))
     }
@@ -86,9 +94,10 @@ impl Stepper for Method {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        delegate!(self, method => method.step(system, bodies, witness))
+        delegate!(self, method => method.step(system, bodies, memory, witness))
     }
 }
 
@@ -101,7 +110,8 @@ constraint! {
 /// Numbers of steps between which errors show the order, and only it.
 type Window = [u32; 2];
 
-/// Where errors fall below rounding before they show any order.
+/// Where errors fall below rounding before they show any order; DOP853 on the double pendulum as h⁹, so small is the term
+/// of its order there.
 const NONE: Window = [0; 2];
 
 /// A row of the table: a method, and windows for the lemniscate, the spherical and the double pendulum.
@@ -110,11 +120,15 @@ struct Row {
     order: u32,
     method: Method,
     windows: [Window; 3],
+    /// Steps on the lemniscate and of the double pendulum at which it shows that the method is not symplectic and does not
+    /// go back; none if it is symplectic.
+    unstructured: Option<[f64; 2]>,
 }
 
 /// The table. Methods with the largest |γ| need the shortest steps.
 fn rows() -> Vec<Row> {
-    let row = |name, order, method, windows| Row { name, order, method, windows };
+    let row = |name, order, method, windows| Row { name, order, method, windows, unstructured: None };
+    let free = |name, order, method, windows, h| Row { name, order, method, windows, unstructured: Some(h) };
     let composed = |coefficients: Coefficients, windows| {
         let method = Method::Composed(Composition::new(coefficients, 1.0));
         row(coefficients.name, coefficients.order, method, windows)
@@ -150,6 +164,7 @@ fn rows() -> Vec<Row> {
         row("Lobatto, 3 stages", 4, Method::Lobatto3(Lobatto::new(1.0)), [[64, 256], [8, 64], [16, 128]]),
         row("Lobatto, 5 stages", 8, Method::Lobatto5(Lobatto::new(1.0)), [[64, 128], [3, 10], [12, 28]]),
         row("Lobatto, 6 stages", 10, Method::Lobatto6(Lobatto::new(1.0)), [NONE, [2, 5], [10, 18]]),
+        free("DOP853", 8, Method::Dop853(Dop853::new(1.0)), [[128, 200], [3, 10], NONE], [0.1, 0.3]),
     ]
 }
 
@@ -243,7 +258,7 @@ fn errors_fall_with_the_order_of_the_method() {
         ("double pendulum", double_at_2),
     ];
     let mut wrong = Vec::new();
-    for Row { name, order, method, windows } in rows() {
+    for Row { name, order, method, windows, .. } in rows() {
         assert_eq!(method.order(), order, "{name}");
         for ((problem, at), [first, last]) in problems.into_iter().zip(windows) {
             if [first, last] == NONE {
@@ -311,6 +326,9 @@ fn largest_difference<const D: usize>(a: &State<D>, b: &State<D>) -> (f64, f64) 
     (q, largest(a.momenta().collect(), b.momenta().collect()))
 }
 
+/// What a law is off by where it does not hold: hundreds of times what rounding would make of it.
+const BROKEN: f64 = 1e-9;
+
 /// How far a step forth and one back lead from the start.
 fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
@@ -330,19 +348,19 @@ fn symmetric_methods_go_back_and_others_do_not() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, _) = uneven_pendulum();
     let mut symmetric = 0;
-    for Row { name, method, .. } in rows() {
-        let method = method.with_step(0.01);
-        for (dq, dp) in [
-            there_and_back(&surface, &on_the_way(77), method),
-            there_and_back(&linked, &both_swinging(), method),
-        ] {
+    for Row { name, method, unstructured, .. } in rows() {
+        let [one, two] = unstructured.unwrap_or([0.01; 2]).map(|h| method.with_step(h));
+        for (dq, dp) in
+            [there_and_back(&surface, &on_the_way(77), one), there_and_back(&linked, &both_swinging(), two)]
+        {
             println!("{name:40} {dq:.1e} {dp:.1e}");
             if method.is_symmetric() {
                 // A rounding or two of q and p, which low parts keep from adding up.
                 assert!(dq <= 4e-16 && dp <= 2e-15, "{name}: {dq:e}, {dp:e}");
                 symmetric += 1;
             } else {
-                assert!(dq.max(dp) > 1e-5, "{name}: {dq:e}, {dp:e}");
+                let shows = if unstructured.is_some() { BROKEN } else { 1e-5 };
+                assert!(dq.max(dp) > shows, "{name}: {dq:e}, {dp:e}");
             }
         }
     }
@@ -420,16 +438,19 @@ fn symplectic_defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 }
 
 #[test]
-fn every_method_is_symplectic() {
+fn methods_are_symplectic_or_shown_not_to_be() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, _) = uneven_pendulum();
-    for Row { name, method, .. } in rows() {
-        let method = method.with_step(0.02);
-        let on_surface =
-            symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, method, 1));
-        let on_links = symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, method, 1));
+    for Row { name, method, unstructured, .. } in rows() {
+        let [one, two] = unstructured.unwrap_or([0.02; 2]).map(|h| method.with_step(h));
+        let on_surface = symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, one, 1));
+        let on_links = symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, two, 1));
         println!("{name:40} {on_surface:.1e} {on_links:.1e}");
-        assert!(on_surface <= 2e-11 && on_links <= 2e-11, "{name}: {on_surface:e}, {on_links:e}");
+        if unstructured.is_some() {
+            assert!(on_surface > BROKEN && on_links > BROKEN, "{name}: {on_surface:e}, {on_links:e}");
+        } else {
+            assert!(on_surface <= 2e-11 && on_links <= 2e-11, "{name}: {on_surface:e}, {on_links:e}");
+        }
     }
     // The law sees a part in 10⁹ of the momentum that goes astray.
     let slowed = |state: State<3>| {
@@ -497,7 +518,7 @@ fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 #[test]
 fn energy_does_not_drift() {
     let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
-    for Row { name, order, method, windows } in rows() {
+    for Row { name, order, method, windows, unstructured } in rows() {
         let method = method.with_step(if order == 1 { 0.01 } else { 1.0 / f64::from(windows[1][0]) });
         // 500 swings: the means differ by where in a swing a quarter ends.
         let quarters = energy_errors(&scene, &swinging(), method, 2000.0);
@@ -505,7 +526,11 @@ fn energy_does_not_drift() {
         let drift = (quarters[3].0 - quarters[0].0).abs();
         println!("{name:40} h = {:.4}: {amplitude:.1e}, drift {drift:.1e}", method.step_size());
         assert!(amplitude > 1e-13, "{name}: too small to see a drift in");
-        assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+        if unstructured.is_some() {
+            assert!(drift > 0.1 * amplitude, "{name}: {drift:e} of {amplitude:e}");
+        } else {
+            assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+        }
     }
 }
 

@@ -76,6 +76,8 @@ impl<B: Stepper> Composition<B> {
 }
 
 impl<B: Stepper> Stepper for Composition<B> {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.base.step_size()
     }
@@ -90,6 +92,11 @@ impl<B: Stepper> Stepper for Composition<B> {
     }
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
+    }
+    fn rattle_steps(&self) -> Option<Vec<f64>> {
+        let of_each = self.coefficients.gammas.iter();
+        let of_each = of_each.map(|gamma| self.base.with_step(gamma * self.base.step_size()).rattle_steps());
+        Some(of_each.collect::<Option<Vec<_>>>()?.concat())
     }
     fn stages(&self) -> usize {
         self.base.stages()
@@ -113,10 +120,11 @@ impl<B: Stepper> Stepper for Composition<B> {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         for gamma in self.coefficients.gammas {
-            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, witness)?;
+            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, &mut [], witness)?;
         }
         Ok(())
     }

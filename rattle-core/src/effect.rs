@@ -12,7 +12,7 @@ use std::fmt::Debug;
 use std::marker::PhantomData;
 
 /// The force on one body, or its absence.
-pub trait Force<T: Real, const D: usize>: Copy + Debug {
+pub trait Force<T: Real, const D: usize>: Copy + Debug + Send + Sync + 'static {
     /// No force.
     fn zero() -> Self;
     /// a + c f; `a` itself where forces are absent.
@@ -48,7 +48,7 @@ impl<T: Real, const D: usize> Force<T, D> for Absent {
     }
     #[inline(always)]
     fn components(&self) -> [T; D] {
-        [T::from_f64(0.0); D]
+        [T::from_f64(-0.0); D]
     }
 }
 
@@ -88,7 +88,7 @@ pub trait Effects<const D: usize> {
 }
 
 /// All effects of a scene together, over the scalar `T`.
-pub trait Field<T: Real, const D: usize>: Clone {
+pub trait Field<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// What is stored per body: `[T; D]`, or [`Absent`].
     type Force: Force<T, D>;
 
@@ -96,6 +96,8 @@ pub trait Field<T: Real, const D: usize>: Clone {
     fn evaluate(&self, positions: &[[T; D]], forces: &mut [Self::Force]);
     /// Adds −∇ᵢU to the force on every body i.
     fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
+    /// The force on a body that is the only one.
+    fn alone(&self, q: &[T; D]) -> Self::Force;
     /// U, summed over the effects.
     fn energy(&self, positions: &[[T; D]]) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force.
@@ -122,6 +124,10 @@ impl<T: Real, const D: usize> Field<T, D> for () {
     fn evaluate(&self, _: &[[T; D]], _: &mut [Absent]) {}
     #[inline(always)]
     fn contribute(&self, _: &[[T; D]], _: &mut [[T; D]]) {}
+    #[inline(always)]
+    fn alone(&self, _: &[T; D]) -> Absent {
+        Absent
+    }
     fn energy(&self, _: &[[T; D]]) -> T {
         T::from_f64(0.0)
     }
@@ -164,6 +170,10 @@ impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for S
         self.others.contribute(positions, forces);
         self.effect.add_forces(positions, forces);
     }
+    #[inline(always)]
+    fn alone(&self, q: &[T; D]) -> [T; D] {
+        self.effect.add_force_alone(q, self.others.alone(q).components())
+    }
     fn energy(&self, positions: &[[T; D]]) -> T {
         self.others.energy(positions) + self.effect.energy(positions)
     }
@@ -204,9 +214,16 @@ pub trait Effect<const D: usize, Kind> {
 }
 
 /// One effect over the scalar `T`.
-pub trait Acting<T: Real, const D: usize>: Clone {
+pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Adds −∇ᵢU to the force on every body i.
     fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
+    /// The same, for a body that is the only one.
+    #[inline(always)]
+    fn add_force_alone(&self, q: &[T; D], force: [T; D]) -> [T; D] {
+        let mut force = [force];
+        self.add_forces(&[*q], &mut force);
+        force[0]
+    }
     /// U.
     fn energy(&self, positions: &[[T; D]]) -> T;
 }
@@ -226,8 +243,13 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
     #[inline(always)]
     fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
         for (q, force) in positions.iter().zip(forces) {
-            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient(q));
+            *force = self.add_force_alone(q, *force);
         }
+    }
+    #[inline(always)]
+    fn add_force_alone(&self, q: &[T; D], force: [T; D]) -> [T; D] {
+        let gradient = self.0.gradient(q);
+        from_fn(|d| force[d] - gradient[d])
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))

@@ -47,6 +47,10 @@ pub enum Error {
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
 
+    /// A tolerance that is not a positive length.
+    #[error("a tolerance is a positive length, found {0}")]
+    Tolerance(f64),
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {
@@ -87,6 +91,16 @@ pub enum Error {
         body: usize,
         /// What is wrong with it.
         cause: StartFailure,
+    },
+
+    /// A start of an ensemble that cannot be simulated.
+    #[error("trajectory {trajectory}: {error}")]
+    Trajectory {
+        /// Which trajectory, counted from 0.
+        trajectory: usize,
+        /// What is wrong with it.
+        #[source]
+        error: Box<Error>,
     },
 
     /// A step that cannot be taken.
@@ -510,6 +524,40 @@ pub enum StepFailure {
         iterations: usize,
         /// The last displacement, in roundings of the position.
         left: f64,
+    },
+    /// A step without structure ended too far from the constraints to be brought back to them.
+    #[error(
+        "the step leads {distance:.3e} off the constraint, on a way of {path:.3e}, and cannot be brought back; try a smaller \
+         step or tolerance"
+    )]
+    NotProjected {
+        /// The distance, to first order.
+        distance: f64,
+        /// The way h|v|.
+        path: f64,
+    },
+    /// A stage of an explicit method came to where a force, a normal or λ is not finite.
+    #[error(
+        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}; try a smaller step"
+    )]
+    StageNotFinite {
+        /// The step size.
+        h: f64,
+    },
+    /// Inner steps that keep the tolerance have become too short.
+    #[error(
+        "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
+         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
+    )]
+    StepsCollapse {
+        /// The inner step that failed.
+        inner: f64,
+        /// The step size.
+        h: f64,
+        /// Its estimated error; NaN if a stage was not finite.
+        error: f64,
+        /// The tolerance.
+        tolerance: f64,
     },
     /// Normals of successive stages are turned over: the step jumps over a bend.
     #[error(

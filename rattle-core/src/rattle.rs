@@ -45,6 +45,8 @@ impl Rattle {
 }
 
 impl Stepper for Rattle {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -60,12 +62,16 @@ impl Stepper for Rattle {
     fn is_symmetric(&self) -> bool {
         true
     }
+    fn rattle_steps(&self) -> Option<Vec<f64>> {
+        Some(vec![self.h])
+    }
 
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         step(self.h, system, bodies, witness)

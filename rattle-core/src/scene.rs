@@ -2,6 +2,8 @@
 
 use crate::bodies::{Body, Count, Many, One};
 use crate::effect::{Effect, Effects, Field, Force, With};
+use crate::ensemble::group::Group;
+use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision, Scenes};
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::kernel::Constraint;
 use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
@@ -22,8 +24,8 @@ use std::marker::PhantomData;
 /// Only effects that are named are simulated; a scene without any is free motion along geodesics.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<C, E, N, const D: usize> {
-    constraint: C,
-    effects: E,
+    pub(crate) constraint: C,
+    pub(crate) effects: E,
     count: N,
 }
 
@@ -63,6 +65,21 @@ pub trait Hold<const D: usize> {
     /// # Errors
     /// Where none is found.
     fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
+
+    /// Whether trajectories of one body go in lanes.
+    const HAS_LANES: bool = false;
+
+    /// Trajectories of one body, which can start so, in lanes; none where there are no lanes for them.
+    fn in_lanes<P: Precision, E: Effects<D>>(
+        _scenes: Scenes<'_, Self, E>,
+        _starts: &[State<D>],
+        _lanes: &InLanes,
+    ) -> Option<Vec<Box<dyn Group<D>>>>
+    where
+        Self: Sized,
+    {
+        None
+    }
 }
 
 /// What links, pins and masses can be added to.
@@ -102,6 +119,16 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         start::project(&self.kernel::<f64>(), state)
+    }
+
+    const HAS_LANES: bool = true;
+
+    fn in_lanes<P: Precision, E: Effects<D>>(
+        scenes: Scenes<'_, Self, E>,
+        starts: &[State<D>],
+        lanes: &InLanes,
+    ) -> Option<Vec<Box<dyn Group<D>>>> {
+        Some(P::groups(scenes, starts, lanes))
     }
 }
 
@@ -320,6 +347,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let change = add_scaled(&body.p_low, method.momentum_delay(), &pull);
             (body.p, body.p_low) = two_sum(&body.p, &change);
         }
+        state.remembered = None;
         state
     }
 
@@ -356,7 +384,46 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         system.reserve(&mut bodies, stepper.stages());
-        Ok(Simulation::new(system, self.count, bodies, (start.time, start.time_low), stepper))
+        bodies.room = vec![[0.0; D]; stepper.room() * self.count.number()];
+        let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
+        Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
+    }
+
+    /// Many trajectories of this scene, from these starts, by the same method; see [`Ensemble`].
+    ///
+    /// ```text
+    /// let mut ensemble = scene.ensemble(starts, Rattle::new(0.01))?;
+    /// ensemble.run(2000);
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Trajectory`] says which start is refused, and why, as [`simulate`](Self::simulate) does.
+    pub fn ensemble<S: Stepper>(
+        &self,
+        starts: impl IntoIterator<Item = State<D>>,
+        stepper: S,
+    ) -> Result<Ensemble<D>, Error>
+    where
+        Simulation<C::System<E, N>, S, D>: Send + 'static,
+    {
+        self.ensemble_in(Double, starts, stepper)
+    }
+
+    /// The same with numbers of another [`Precision`] in lanes.
+    ///
+    /// # Errors
+    /// As [`ensemble`](Self::ensemble).
+    pub fn ensemble_in<P: Precision, S: Stepper>(
+        &self,
+        precision: P,
+        starts: impl IntoIterator<Item = State<D>>,
+        stepper: S,
+    ) -> Result<Ensemble<D>, Error>
+    where
+        Simulation<C::System<E, N>, S, D>: Send + 'static,
+    {
+        let starts = starts.into_iter().map(|start| (self, start));
+        Ensemble::of(precision, starts, stepper, InstructionSet::widest())
     }
 
     fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {

@@ -9,9 +9,17 @@ use crate::solver::Departure;
 use crate::surface::Normal;
 use crate::system::System;
 use crate::vector::dot;
+use std::fmt::Debug;
 
-/// A one-step method.
+/// A method: a map of the bodies, and of what the method remembers.
+///
+/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a law
+/// of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation, put back
+/// bit for bit when a step fails, and part of a [`State`](crate::state::State) taken from it.
 pub trait Stepper: Clone {
+    /// The numbers carried from step to step: `[T; 0]` for a one-step method.
+    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug;
+
     /// The time that one step takes; negative to run backwards.
     fn step_size(&self) -> f64;
     /// The order p: errors fall like hᵖ.
@@ -22,7 +30,8 @@ pub trait Stepper: Clone {
     /// The same method with another step size, which may be negative.
     #[must_use]
     fn with_step(&self, h: f64) -> Self;
-    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1: what [compositions](crate::composition) are made of.
+    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1, with nothing remembered: what
+    /// [compositions](crate::composition) are made of.
     fn is_symmetric(&self) -> bool;
 
     /// How much later than positions momenta are, negative if earlier; 0 but for staggered methods. Only momenta of the
@@ -31,9 +40,34 @@ pub trait Stepper: Clone {
         0.0
     }
 
-    /// Inner stages that need room, 0 for methods without.
+    /// The lengths of the RATTLE steps that one step consists of, if it does: such methods go in the lanes of an
+    /// [ensemble](crate::ensemble).
+    fn rattle_steps(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Stages of a collocation method, for which a system makes room; 0 for methods without.
     fn stages(&self) -> usize {
         0
+    }
+
+    /// Vectors per body that a step writes to [`Bodies::room`].
+    fn room(&self) -> usize {
+        0
+    }
+
+    /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _system: &Y,
+        _bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Self::Memory<T> {
+        Self::Memory::default()
+    }
+
+    /// How long the step was that left this memory; none if each is of the step size, and the time steps × h.
+    fn time_taken<T: Real>(&self, _memory: &[T]) -> Option<T> {
+        None
     }
 
     /// Whether the method makes sense for a system with so many equations, asked once before a run.
@@ -44,14 +78,15 @@ pub trait Stepper: Clone {
         check_step_size(self.step_size())
     }
 
-    /// Takes `bodies` one step on. Neither allocates nor panics.
+    /// Takes `bodies` one step on, and `memory` with them. Neither allocates nor panics.
     ///
     /// # Errors
-    /// Says which body cannot be moved and why; `bodies` are then left half way.
+    /// Says which body cannot be moved and why; `bodies` and `memory` are then left half way.
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
 }
@@ -124,6 +159,22 @@ impl FailureAt {
     #[cold]
     pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
         self.because(StepFailure::StagesTurnOver { h, stages })
+    }
+
+    /// The end of the step is too far from the constraint.
+    #[cold]
+    pub(crate) fn not_projected<T: Real, const D: usize>(
+        &self,
+        distance: T,
+        path: &[T; D],
+        q: &[T; D],
+    ) -> Failure {
+        let (distance, path) = (self.number(distance), self.number(dot(path, path)).sqrt());
+        self.because(if distance.is_finite() {
+            StepFailure::NotProjected { distance, path }
+        } else {
+            StepFailure::ConstraintNotFinite { position: self.numbers(q) }
+        })
     }
 
     fn because(&self, cause: StepFailure) -> Failure {

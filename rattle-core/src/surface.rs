@@ -10,9 +10,10 @@ use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
+use crate::start::MAX_PROJECTION_STEPS;
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
-use crate::vector::{dot, scaled, sum, two_sum};
+use crate::vector::{dot, largest, scaled, sum, two_sum};
 use collocation::Stages;
 
 /// Each body on its own copy of a surface, in a field of force.
@@ -108,6 +109,30 @@ where
                 return Err(Failure::at(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
             }
         }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn rates<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        rates: &mut [[T; D]],
+        witness: &mut W,
+    ) -> T {
+        for (body, rate) in rates.iter_mut().enumerate() {
+            let (lambda, pull) = pull(&self.constraint, bodies, body);
+            witness.position_multiplier(body, lambda);
+            *rate = pull;
+        }
+        T::from_f64(0.0)
+    }
+
+    #[inline(always)]
+    fn project(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        for body in 0..bodies.q.as_ref().len() {
+            project(h, &self.constraint, bodies, body)?;
+        }
+        self.evaluate_forces(bodies);
         Ok(())
     }
 
@@ -296,6 +321,70 @@ where
     witness.momentum_multiplier(body, eta / T::from_f64(0.5 * h));
     (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
     dot(p, p).le(T::from_f64(f64::MAX))
+}
+
+/// λ at a body's place, and the sum of force and constraint.
+#[inline(always)]
+fn pull<T, K, F, N, const D: usize>(
+    constraint: &K,
+    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> (T, [T; D])
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+{
+    let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
+    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
+    let [bend] = constraint.jet(q, p).2;
+    let along = force.dot(&normal.gradient, T::from_f64(1.0));
+    let lambda = multiplier_from_curvature(bend, along, normal);
+    (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
+}
+
+/// Newton's iteration q ← q − ∇g g/|∇g|² until it no longer gets nearer; lanes that are there wait for the others.
+#[inline(always)]
+fn project<T, K, F, N, const D: usize>(
+    h: f64,
+    constraint: &K,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> Result<(), Failure>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+{
+    let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+    let zero = T::from_f64(0.0);
+    let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
+    let rounding = T::from_f64(f64::EPSILON) * largest(q).max(largest(&path));
+    let allowed = T::from_f64(0.5) * dot(&path, &path).sqrt() + T::from_f64(64.0) * rounding;
+    let mut nearest = T::from_f64(f64::INFINITY);
+    for _ in 0..MAX_PROJECTION_STEPS {
+        let ([g], [gradient]) = constraint.value_and_jacobian(q);
+        let normal = Normal::new(gradient);
+        let shift = scaled(-g * normal.inverse_square, &gradient);
+        let distance = dot(&shift, &shift).sqrt();
+        // At the rounding of q, or at that of g, where steps no longer shrink.
+        let stalled = nearest.le(distance + distance).and(distance.le(T::from_f64(64.0) * rounding));
+        let arrived = distance.le(rounding).or(stalled);
+        if arrived.all() {
+            bodies.kept.normal.as_mut()[body] = normal;
+            return Ok(());
+        }
+        let nearer = distance.lt(nearest).and(distance.le(allowed));
+        if !arrived.or(nearer).all() {
+            return Err(Failure::at(body, arrived.or(nearer)).not_projected(distance, &path, q));
+        }
+        let shift = shift.map(|shift| T::select(arrived, zero, shift));
+        (*q, *q_low) = two_sum(q, &sum(q_low, &shift));
+        nearest = distance;
+    }
+    Err(Failure::at(body, false).not_projected(nearest, &path, q))
 }
 
 impl<T: Real, const D: usize> Normal<T, D> {

@@ -74,6 +74,24 @@ pub trait System<T: Real, const D: usize>: Clone {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there. Places
+    /// and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t. `witness` is
+    /// told λ as that of the start of a step. Neither allocates nor panics.
+    fn rates<W: Witness<T>>(
+        &self,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        rates: &mut [[T; D]],
+        witness: &mut W,
+    ) -> T;
+
+    /// Moves positions that a time `h` has brought a little off the constraints back to them, the least way as masses
+    /// measure it, to rounding; evaluates there what is kept. Momenta stay; [`settle`](Self::settle) with kick 0 moves them.
+    /// Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift); where the constraints are further than half of the way h|v|.
+    fn project(&self, h: f64, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>) -> Result<(), Failure>;
+
     /// Makes room for a method of so many inner stages, so that its steps need not allocate.
     fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
 

@@ -34,7 +34,6 @@
 use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
-use crate::real::Real;
 use crate::solver::Departure;
 use crate::stepper::Failure;
 use crate::surface::{Normal, land};
@@ -70,8 +69,6 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     multiplier: [[S; L]; 2],
     q_low: [Vectors<S, L, D>; SUMS],
     p_low: [Vectors<S, L, D>; SUMS],
-    /// Lanes in use, a multiple of eight (or the only one).
-    pub(crate) used: usize,
     even: bool,
     /// The part of the method's step that comes next.
     part: usize,
@@ -138,12 +135,24 @@ pub(crate) trait Laws<K, F> {
 }
 
 /// The same for all lanes.
+#[derive(Clone)]
 pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
 
 /// Each lane its own.
 pub(crate) struct Each<K, F>(pub(crate) Vec<(K, F)>);
 
-impl<K, F> Laws<K, F> for Each<K, F> {
+impl<K, F> Laws<K, F> for Same<K, F> {
+    #[inline(always)]
+    fn constraint(&self, _: usize) -> &K {
+        &self.0
+    }
+    #[inline(always)]
+    fn field(&self, _: usize) -> &F {
+        &self.1
+    }
+}
+
+impl<K, F> Laws<K, F> for &Each<K, F> {
     #[inline(always)]
     fn constraint(&self, lane: usize) -> &K {
         &self.0[lane].0
@@ -154,14 +163,34 @@ impl<K, F> Laws<K, F> for Each<K, F> {
     }
 }
 
-impl<K, F> Laws<K, F> for Same<K, F> {
+/// Laws as a group keeps them.
+pub(crate) trait Kept<K, F> {
+    /// As a loop reads them: not through memory, which a compiler takes to change with what the loop writes.
+    type Read<'a>: Laws<K, F>
+    where
+        Self: 'a;
+    fn read(&self) -> Self::Read<'_>;
+    /// Has lane `to` obey what lane `from` does.
+    fn copy(&mut self, from: usize, to: usize);
+}
+
+impl<K: Clone + 'static, F: Clone + 'static> Kept<K, F> for Same<K, F> {
+    type Read<'a> = Self;
     #[inline(always)]
-    fn constraint(&self, _: usize) -> &K {
-        &self.0
+    fn read(&self) -> Self {
+        self.clone()
     }
+    fn copy(&mut self, _: usize, _: usize) {}
+}
+
+impl<K: Clone + 'static, F: Clone + 'static> Kept<K, F> for Each<K, F> {
+    type Read<'a> = &'a Self;
     #[inline(always)]
-    fn field(&self, _: usize) -> &F {
-        &self.1
+    fn read(&self) -> &Self {
+        self
+    }
+    fn copy(&mut self, from: usize, to: usize) {
+        self.0[to] = self.0[from].clone();
     }
 }
 
@@ -190,7 +219,7 @@ fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
 
 impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, SUMS> {
     /// A block in which no lane is set.
-    pub(crate) fn new(used: usize) -> Self {
+    pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
         let vectors = [zero; D];
         Self {
@@ -202,7 +231,6 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
             multiplier: [zero; 2],
             q_low: [vectors; SUMS],
             p_low: [vectors; SUMS],
-            used,
             even: true,
             part: 0,
         }
@@ -221,7 +249,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let h = S::from_f64(parts[self.part].h);
         let [gradient] = constraint.jacobian(&q[0]);
         let normal = Normal::new(gradient);
-        let pushed = force(field, &q[0]).add_to(p[1], S::from_f64(0.5) * h);
+        let pushed = field.alone(&q[0]).add_to(p[1], S::from_f64(0.5) * h);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
         put(&mut self.q, lane, q[0]);
@@ -260,7 +288,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let low = self.p_low.first().map_or([S::default(); D], |low| at(low, lane));
         let normal = Normal::new(at(&self.normal[usize::from(!self.even)], lane));
         let kick = S::from_f64(-0.5 * parts[self.part].h);
-        let change = force(field, &at(&self.q, lane)).add_to(low, kick);
+        let change = field.alone(&at(&self.q, lane)).add_to(low, kick);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
@@ -278,14 +306,14 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let [even, odd] = &mut self.normal;
         let [even_multiplier, odd_multiplier] = &mut self.multiplier;
         let (q, p, low) = (&mut self.q, &mut self.p, (&mut self.q_low, &mut self.p_low));
-        let (square, rest, used) = (&mut self.square, &mut self.rest, self.used.min(L));
+        let (square, rest) = (&mut self.square, &mut self.rest);
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
-            let multiplier = (even_multiplier, odd_multiplier);
-            advance(laws, &part, used, q, p, low, (even, odd), square, rest, multiplier, scratch)?;
+            let multiplier = (&*even_multiplier, odd_multiplier);
+            advance(laws, &part, q, p, low, (&*even, odd), square, rest, multiplier, scratch)?;
         } else {
-            let multiplier = (odd_multiplier, even_multiplier);
-            advance(laws, &part, used, q, p, low, (odd, even), square, rest, multiplier, scratch)?;
+            let multiplier = (&*odd_multiplier, even_multiplier);
+            advance(laws, &part, q, p, low, (&*odd, even), square, rest, multiplier, scratch)?;
         }
         self.even = !self.even;
         self.part = if self.part + 1 == parts.len() { 0 } else { self.part + 1 };
@@ -300,13 +328,6 @@ fn at_rest<S: Lane, const D: usize>(square: S, q: &[S; D]) -> S {
     square * (size * size)
 }
 
-#[inline(always)]
-fn force<S: Lane, F: Field<S, D>, const D: usize>(field: &F, q: &[S; D]) -> F::Force {
-    let mut force = [F::Force::zero()];
-    field.evaluate(&[*q], &mut force);
-    force[0]
-}
-
 type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
     (&'a mut [Vectors<S, L, D>; SUMS], &'a mut [Vectors<S, L, D>; SUMS]);
 
@@ -316,7 +337,6 @@ type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
 fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     laws: &impl Laws<K, F>,
     part: &Part,
-    used: usize,
     q: &mut Vectors<S, L, D>,
     p: &mut Vectors<S, L, D>,
     (q_low, p_low): Of<'_, S, L, D, SUMS>,
@@ -332,12 +352,16 @@ where
     F: Field<S, D>,
 {
     let Scratch { free, multiplier, over_slope, g, rest: allowed } = scratch;
-    guess(laws, part, used, q, p, q_low, p_low, normal, square, rest, last, earlier, free, multiplier, over_slope, g, allowed);
-    improve(laws, used, normal, free, over_slope, g, multiplier);
+    guess(
+        laws, part, q, p, q_low, p_low, normal, square, rest, last, earlier, free, multiplier, over_slope, g,
+        allowed,
+    );
+    improve(laws, normal, free, over_slope, g, multiplier);
     let width = EIGHT.min(L);
     let mut astir = 0_u64;
-    for group in 0..used / width {
-        let unrest = examine(laws, group * width..(group + 1) * width, normal, free, multiplier, allowed, g, next);
+    for group in 0..L / width {
+        let unrest =
+            examine(laws, group * width..(group + 1) * width, normal, free, multiplier, allowed, g, next);
         astir |= u64::from(unrest) << group;
     }
     while astir != 0 {
@@ -357,7 +381,11 @@ where
                 if (g[lane] * g[lane]).le(allowed[lane]) {
                     continue;
                 }
-                let back = if SUMS == 1 { kept_back(S::from_f64(part.h), q_low, p_low, lane) } else { [S::default(); D] };
+                let back = if SUMS == 1 {
+                    kept_back(S::from_f64(part.h), q_low, p_low, lane)
+                } else {
+                    [S::default(); D]
+                };
                 let departure = (at(q, lane), at(p, lane), back, at(normal, lane), square[lane]);
                 let (found, gradient) = alone(laws.constraint(lane), part.h, departure)
                     .map_err(|failure| Stuck { lane, failure })?;
@@ -366,7 +394,9 @@ where
             }
         }
     }
-    finish(laws, part, used, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, earlier);
+    finish(
+        laws, part, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, earlier,
+    );
     Ok(())
 }
 
@@ -375,7 +405,6 @@ where
 fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     laws: &impl Laws<K, F>,
     part: &Part,
-    used: usize,
     q: &Vectors<S, L, D>,
     p: &Vectors<S, L, D>,
     q_low: &[Vectors<S, L, D>; SUMS],
@@ -396,7 +425,7 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
 {
     let (h, one) = (S::from_f64(part.h), S::from_f64(1.0));
     let [a, b] = part.weights.map(S::from_f64);
-    for i in 0..used {
+    for i in 0..L {
         let mut start = at(q, i);
         if SUMS == 1 {
             start = sum(&start, &kept_back(h, q_low, p_low, i));
@@ -418,7 +447,6 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
 #[inline(always)]
 fn improve<S, K, F, const L: usize, const D: usize>(
     laws: &impl Laws<K, F>,
-    used: usize,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     over_slope: &[S; L],
@@ -430,7 +458,7 @@ fn improve<S, K, F, const L: usize, const D: usize>(
 {
     let [zero, one, two, five] = [0.0, 1.0, 2.0, 5.0].map(S::from_f64);
     let sixteenth = S::from_f64(0.0625);
-    for i in 0..used {
+    for i in 0..L {
         let over = one / g[i];
         let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
         let [residual] = laws.constraint(i).value(&point);
@@ -488,7 +516,6 @@ fn correct<S: Lane, const L: usize>(
 fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     laws: &impl Laws<K, F>,
     part: &Part,
-    used: usize,
     normal: &Vectors<S, L, D>,
     next: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
@@ -508,7 +535,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
 {
     let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(1.0 / part.h), S::from_f64(part.kick));
     let one = S::from_f64(1.0);
-    for i in 0..used {
+    for i in 0..L {
         let (n, m, old) = (at(normal, i), at(next, i), at(p, i));
         let found = (-g[i]).multiply_add(over_slope[i], multiplier[i]);
         let place = if SUMS == 0 {
@@ -519,7 +546,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
             put(&mut q_low[0], i, low);
             place
         };
-        let push = force(laws.field(i), &place);
+        let push = laws.field(i).alone(&place);
         let length = dot(&m, &m);
         let over_length = one / length;
         let new = if SUMS == 0 {
@@ -554,6 +581,7 @@ fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
     let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
     let path = scaled(step, &p);
     let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
-    let landing = land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0))?;
+    let landing =
+        land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0))?;
     Ok((landing.multiplier, landing.gradient))
 }

@@ -2,7 +2,7 @@
 
 use crate::bodies::Body;
 use crate::effect::Field;
-use crate::ensemble::block::{Block, Laws, Part, Scratch, Stuck};
+use crate::ensemble::block::{Block, Kept, Laws, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
@@ -14,7 +14,7 @@ use crate::system::System;
 use std::marker::PhantomData;
 
 /// Some trajectories of an ensemble.
-pub(crate) trait Group<const D: usize>: Send {
+pub trait Group<const D: usize>: Send {
     /// How many there are.
     fn len(&self) -> usize;
     /// Takes so many steps; trajectories that fail rest where they were before the step.
@@ -57,7 +57,7 @@ where
     }
 }
 
-/// Steps after which the whole block is remembered, to go back to when a lane fails.
+/// Steps after which a block is put back: what is gone through again when a lane fails.
 const STRETCH: u64 = 64;
 
 /// Trajectories in the lanes of a block.
@@ -88,25 +88,28 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
-    X: Laws<K, F>,
+    X: Kept<K, F>,
 {
     /// The trajectories that start so, one per lane, at most L; by a method that takes RATTLE steps of these lengths.
     pub(crate) fn new(starts: &[State<D>], laws: X, lengths: &[f64], h: f64) -> Self {
         let parts = Part::of(lengths);
-        let used = if L == 1 { 1 } else { starts.len().next_multiple_of(8).min(L) };
-        let mut block = Block::new(used);
+        let mut block = Block::new();
         let mut moving = [false; L];
+        let law = laws.read();
         for (lane, start) in starts.iter().enumerate().take(L) {
             let body = &start.bodies[0];
             let own = |x: [f64; D]| x.map(S::from_f64);
-            let both = |x: [f64; D], low: [f64; D]| if SUMS == 1 { [own(x), own(low)] } else { [own(x), own([0.0; D])] };
-            let law = (laws.constraint(lane), laws.field(lane));
+            let both = |x: [f64; D], low: [f64; D]| {
+                if SUMS == 1 { [own(x), own(low)] } else { [own(x), own([0.0; D])] }
+            };
+            let law = (law.constraint(lane), law.field(lane));
             block.set(lane, law, &parts, both(body.q, body.q_low), both(body.p, body.p_low));
             moving[lane] = true;
         }
-        for lane in starts.len()..used {
+        for lane in starts.len()..L {
             block.copy(0, lane);
         }
+        drop(law);
         let start_time = starts.iter().map(|start| start.time).collect();
         Self { block, laws, parts, h, steps: 0, start_time, moving, ended: Vec::new(), kernels: PhantomData }
     }
@@ -121,16 +124,18 @@ where
         if std::mem::replace(&mut self.moving[lane], false) {
             let (q, p) = (self.block.position(lane), self.momentum(lane));
             let time = self.start_time[lane] + self.steps as f64 * self.h;
-            let failure = Error::Step { step: self.steps + 1, time, body: failure.body, cause: failure.cause };
+            let failure =
+                Error::Step { step: self.steps + 1, time, body: failure.body, cause: failure.cause };
             self.ended.push(Ended { lane, steps: self.steps, q, p, failure });
         }
         if let Some(other) = self.moving.iter().position(|&moves| moves) {
             self.block.copy(other, lane);
+            self.laws.copy(other, lane);
         }
     }
 
     fn momentum(&self, lane: usize) -> [[S; D]; 2] {
-        self.block.momentum(lane, self.laws.field(lane), &self.parts)
+        self.block.momentum(lane, self.laws.read().field(lane), &self.parts)
     }
 
     fn ended(&self, lane: usize) -> Option<&Ended<S, D>> {
@@ -138,11 +143,20 @@ where
     }
 
     fn numbers(&self, lane: usize) -> ([[S; D]; 2], [[S; D]; 2]) {
-        self.ended(lane).map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
+        self.ended(lane)
+            .map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
     }
 }
 
-/// Steps of a block, without looking up.
+/// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the same
+/// whose addresses differ by a multiple of the alignment, and wait for one when they need the other.
+#[repr(C, align(4096))]
+struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
+    block: Block<S, L, D, SUMS>,
+    scratch: Scratch<S, L, D>,
+}
+
+/// Steps of a block, without looking up. If a lane fails, the block is as before.
 struct Stretch<'a, G> {
     group: &'a mut G,
     steps: u64,
@@ -154,21 +168,23 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
-    X: Laws<K, F>,
+    X: Kept<K, F>,
 {
     type Done = (u64, Result<(), Stuck>);
 
     #[inline(always)]
     fn run(self) -> Self::Done {
         let SideBySide { block, laws, parts, .. } = self.group;
-        let mut scratch = Scratch::new();
+        let laws = laws.read();
+        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         for step in 0..self.steps {
             for _ in 0..parts.len() {
-                if let Err(stuck) = block.advance(laws, parts, &mut scratch) {
+                if let Err(stuck) = desk.block.advance(&laws, parts, &mut desk.scratch) {
                     return (step, Err(stuck));
                 }
             }
         }
+        *block = desk.block;
         (self.steps, Ok(()))
     }
 }
@@ -179,7 +195,7 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D> + Send,
-    X: Laws<K, F> + Send,
+    X: Kept<K, F> + Send,
 {
     fn len(&self) -> usize {
         self.start_time.len()
@@ -189,13 +205,11 @@ where
     fn run(&mut self, steps: u64, set: InstructionSet) {
         let end = self.steps + steps;
         while self.steps < end && self.moving.contains(&true) {
-            let before = self.block.clone();
             let stretch = STRETCH.min(end - self.steps);
             let (taken, result) = self.attempt(stretch, set);
             if let Err(Stuck { lane, failure }) = result {
-                self.block = before;
-                let (again, _) = self.attempt(taken, set); // the same steps, which are known to pass
-                self.steps += again;
+                self.attempt(taken, set).1.ok(); // the steps before, which are known to pass
+                self.steps += taken;
                 self.end(lane, failure);
             } else {
                 self.steps += taken;

@@ -52,7 +52,10 @@ impl InstructionSet {
         #[cfg(target_arch = "x86_64")]
         if self.is_present() {
             match self {
-                #[allow(unsafe_code, reason = "the one place: the instructions are present, as was just asked")]
+                #[allow(
+                    unsafe_code,
+                    reason = "the one place: the instructions are present, as was just asked"
+                )]
                 Self::Avx512 => return unsafe { with_avx512(work) },
                 #[allow(unsafe_code, reason = "the same")]
                 Self::Avx2 => return unsafe { with_avx2(work) },

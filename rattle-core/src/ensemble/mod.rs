@@ -21,17 +21,28 @@
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
 //! go on.
 
-pub(crate) mod block;
-pub(crate) mod group;
+mod block;
+#[doc(hidden)]
+pub mod group;
 mod instruction_set;
+mod precision;
 
 pub use instruction_set::InstructionSet;
+pub use precision::{Compensated, Double, InLanes, Precision, Scenes, Single};
 
+use crate::bodies::Count;
+use crate::effect::Effects;
 use crate::error::Error;
+use crate::scene::{Hold, Scene};
+use crate::simulation::Simulation;
 use crate::state::State;
-use group::Group;
+use crate::stepper::Stepper;
+use group::{Alone, Group};
 use rayon::prelude::*;
 use std::fmt;
+
+/// Trajectories of a full group.
+const GROUP: usize = 64;
 
 /// Many independent trajectories. Made by [`Scene::ensemble`](crate::scene::Scene::ensemble).
 ///
@@ -48,10 +59,63 @@ pub struct Ensemble<const D: usize> {
 }
 
 impl<const D: usize> Ensemble<D> {
-    pub(crate) fn new(groups: Vec<Box<dyn Group<D>>>, h: f64, set: InstructionSet) -> Self {
-        let mut len = 0;
-        let first = groups.iter().map(|group| std::mem::replace(&mut len, len + group.len())).collect();
-        Self { groups, first, len, h, steps: 0, set }
+    /// One trajectory of each scene, from a start of its own: a sweep over parameters, with these instructions.
+    ///
+    /// ```text
+    /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
+    /// let ensemble = Ensemble::of(Double, scenes.iter().zip(starts), Rattle::new(0.01), InstructionSet::widest())?;
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Scene::ensemble`].
+    pub fn of<'a, P, C, E, N, S>(
+        _precision: P,
+        trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
+        stepper: S,
+        set: InstructionSet,
+    ) -> Result<Self, Error>
+    where
+        P: Precision,
+        C: Hold<D> + 'a,
+        E: Effects<D> + 'a,
+        N: Count + 'a,
+        S: Stepper,
+        Simulation<C::System<E, N>, S, D>: Send + 'static,
+    {
+        let set = if set.is_present() { set } else { InstructionSet::Portable };
+        let h = stepper.step_size();
+        let lanes = stepper.rattle_steps().map(|lengths| InLanes { lengths, h, set });
+        let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
+        let mut trajectories = trajectories.into_iter();
+        loop {
+            let (mut scenes, mut starts, mut alone) =
+                (Vec::new(), Vec::new(), Vec::<Box<dyn Group<D>>>::new());
+            for (scene, start) in trajectories.by_ref().take(GROUP) {
+                let in_a_lane = lanes.is_some() && start.len() == 1;
+                if in_a_lane {
+                    starts.push(start.clone());
+                }
+                let trajectory = ensemble.len + scenes.len();
+                let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
+                let simulation = scene.simulate(start, stepper.clone()).map_err(error)?;
+                scenes.push(scene);
+                if !in_a_lane || !C::HAS_LANES {
+                    alone.push(Box::new(Alone { simulation, failure: None }));
+                }
+            }
+            if scenes.is_empty() {
+                return Ok(ensemble);
+            }
+            let side_by_side = match &lanes {
+                Some(lanes) if alone.is_empty() => C::in_lanes::<P, E>(Scenes::of(&scenes), &starts, lanes),
+                _ => None,
+            };
+            for group in side_by_side.unwrap_or(alone) {
+                ensemble.first.push(ensemble.len);
+                ensemble.len += group.len();
+                ensemble.groups.push(group);
+            }
+        }
     }
 
     /// Takes `steps` steps with every trajectory that can be moved.
