@@ -402,10 +402,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         &self,
         starts: impl IntoIterator<Item = State<D>>,
         stepper: S,
-    ) -> Result<Ensemble<D>, Error>
-    where
-        Simulation<C::System<E, N>, S, D>: Send + 'static,
-    {
+    ) -> Result<Ensemble<D>, Error> {
         self.ensemble_in(Double, starts, stepper)
     }
 
@@ -418,10 +415,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         precision: P,
         starts: impl IntoIterator<Item = State<D>>,
         stepper: S,
-    ) -> Result<Ensemble<D>, Error>
-    where
-        Simulation<C::System<E, N>, S, D>: Send + 'static,
-    {
+    ) -> Result<Ensemble<D>, Error> {
         let starts = starts.into_iter().map(|start| (self, start));
         Ensemble::of(precision, starts, stepper, InstructionSet::widest())
     }

@@ -139,7 +139,8 @@ pub(crate) trait Laws<K, F> {
 pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
 
 /// Each lane its own.
-pub(crate) struct Each<K, F>(pub(crate) Vec<(K, F)>);
+#[derive(Clone)]
+pub(crate) struct Each<K, F, const L: usize>(pub(crate) [(K, F); L]);
 
 impl<K, F> Laws<K, F> for Same<K, F> {
     #[inline(always)]
@@ -152,7 +153,7 @@ impl<K, F> Laws<K, F> for Same<K, F> {
     }
 }
 
-impl<K, F> Laws<K, F> for &Each<K, F> {
+impl<K, F, const L: usize> Laws<K, F> for Each<K, F, L> {
     #[inline(always)]
     fn constraint(&self, lane: usize) -> &K {
         &self.0[lane].0
@@ -163,32 +164,18 @@ impl<K, F> Laws<K, F> for &Each<K, F> {
     }
 }
 
-/// Laws as a group keeps them.
-pub(crate) trait Kept<K, F> {
-    /// As a loop reads them: not through memory, which a compiler takes to change with what the loop writes.
-    type Read<'a>: Laws<K, F>
-    where
-        Self: 'a;
-    fn read(&self) -> Self::Read<'_>;
+/// Laws as a group keeps them. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows,
+/// what the loop writes.
+pub(crate) trait Kept<K, F>: Laws<K, F> + Clone {
     /// Has lane `to` obey what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
 }
 
-impl<K: Clone + 'static, F: Clone + 'static> Kept<K, F> for Same<K, F> {
-    type Read<'a> = Self;
-    #[inline(always)]
-    fn read(&self) -> Self {
-        self.clone()
-    }
+impl<K: Clone, F: Clone> Kept<K, F> for Same<K, F> {
     fn copy(&mut self, _: usize, _: usize) {}
 }
 
-impl<K: Clone + 'static, F: Clone + 'static> Kept<K, F> for Each<K, F> {
-    type Read<'a> = &'a Self;
-    #[inline(always)]
-    fn read(&self) -> &Self {
-        self
-    }
+impl<K: Clone, F: Clone, const L: usize> Kept<K, F> for Each<K, F, L> {
     fn copy(&mut self, from: usize, to: usize) {
         self.0[to] = self.0[from].clone();
     }
@@ -282,13 +269,21 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         [at(&self.q, lane), self.q_low.first().map_or([S::default(); D], |low| at(low, lane))]
     }
 
-    /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back.
-    pub(crate) fn momentum<F: Field<S, D>>(&self, lane: usize, field: &F, parts: &[Part]) -> [[S; D]; 2] {
+    /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back, and along the
+    /// surface where the trajectory is, not where it was before the last correction.
+    pub(crate) fn momentum<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+        &self,
+        lane: usize,
+        (constraint, field): (&K, &F),
+        parts: &[Part],
+    ) -> [[S; D]; 2] {
         let ahead = at(&self.p, lane);
         let low = self.p_low.first().map_or([S::default(); D], |low| at(low, lane));
-        let normal = Normal::new(at(&self.normal[usize::from(!self.even)], lane));
+        let q = at(&self.q, lane);
+        let [gradient] = constraint.jacobian(&q);
+        let normal = Normal::new(gradient);
         let kick = S::from_f64(-0.5 * parts[self.part].h);
-        let change = field.alone(&at(&self.q, lane)).add_to(low, kick);
+        let change = field.alone(&q).add_to(low, kick);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]

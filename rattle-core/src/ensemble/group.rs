@@ -2,7 +2,7 @@
 
 use crate::bodies::Body;
 use crate::effect::Field;
-use crate::ensemble::block::{Block, Kept, Laws, Part, Scratch, Stuck};
+use crate::ensemble::block::{Block, Kept, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
@@ -11,9 +11,11 @@ use crate::simulation::Simulation;
 use crate::state::State;
 use crate::stepper::{Failure, Stepper};
 use crate::system::System;
+use std::array::from_fn;
 use std::marker::PhantomData;
 
 /// Some trajectories of an ensemble.
+#[allow(clippy::len_without_is_empty, reason = "there is one at least")]
 pub trait Group<const D: usize>: Send {
     /// How many there are.
     fn len(&self) -> usize;
@@ -33,10 +35,7 @@ pub(crate) struct Alone<Y: System<f64, D>, S: Stepper, const D: usize> {
     pub(crate) failure: Option<Error>,
 }
 
-impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D>
-where
-    Simulation<Y, S, D>: Send,
-{
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> {
     fn len(&self) -> usize {
         1
     }
@@ -68,8 +67,9 @@ pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const S
     h: f64,
     steps: u64,
     start_time: Vec<f64>,
-    /// By lane: whether a trajectory moves in it. Other lanes are copies of one that does.
+    /// By lane: whether a trajectory moves in it, else the lane that it is a copy of.
     moving: [bool; L],
+    copy_of: [usize; L],
     ended: Vec<Ended<S, D>>,
     kernels: PhantomData<fn() -> (K, F)>,
 }
@@ -95,23 +95,33 @@ where
         let parts = Part::of(lengths);
         let mut block = Block::new();
         let mut moving = [false; L];
-        let law = laws.read();
         for (lane, start) in starts.iter().enumerate().take(L) {
             let body = &start.bodies[0];
             let own = |x: [f64; D]| x.map(S::from_f64);
             let both = |x: [f64; D], low: [f64; D]| {
                 if SUMS == 1 { [own(x), own(low)] } else { [own(x), own([0.0; D])] }
             };
-            let law = (law.constraint(lane), law.field(lane));
+            let law = (laws.constraint(lane), laws.field(lane));
             block.set(lane, law, &parts, both(body.q, body.q_low), both(body.p, body.p_low));
             moving[lane] = true;
         }
+        let copy_of = from_fn(|lane| if lane < starts.len() { lane } else { 0 });
         for lane in starts.len()..L {
             block.copy(0, lane);
         }
-        drop(law);
         let start_time = starts.iter().map(|start| start.time).collect();
-        Self { block, laws, parts, h, steps: 0, start_time, moving, ended: Vec::new(), kernels: PhantomData }
+        Self {
+            block,
+            laws,
+            parts,
+            h,
+            steps: 0,
+            start_time,
+            moving,
+            copy_of,
+            ended: Vec::new(),
+            kernels: PhantomData,
+        }
     }
 
     /// Takes steps until all are taken or a lane fails: how many were whole, and which lane failed.
@@ -119,23 +129,26 @@ where
         set.run(Stretch { group: self, steps })
     }
 
-    /// Moves a lane's trajectory, which is at the end of its way, out of the block.
-    fn end(&mut self, lane: usize, failure: Failure) {
-        if std::mem::replace(&mut self.moving[lane], false) {
-            let (q, p) = (self.block.position(lane), self.momentum(lane));
-            let time = self.start_time[lane] + self.steps as f64 * self.h;
-            let failure =
-                Error::Step { step: self.steps + 1, time, body: failure.body, cause: failure.cause };
-            self.ended.push(Ended { lane, steps: self.steps, q, p, failure });
+    /// Takes the trajectory that is in a lane, itself or as a copy, and cannot be moved on, out of the block.
+    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+    fn end(&mut self, lane: usize, Failure { body, cause }: Failure) {
+        let stuck = self.copy_of[lane];
+        if std::mem::replace(&mut self.moving[stuck], false) {
+            let (q, p) = (self.block.position(stuck), self.momentum(stuck));
+            let time = self.start_time[stuck] + self.steps as f64 * self.h;
+            let failure = Error::Step { step: self.steps + 1, time, body, cause };
+            self.ended.push(Ended { lane: stuck, steps: self.steps, q, p, failure });
         }
-        if let Some(other) = self.moving.iter().position(|&moves| moves) {
-            self.block.copy(other, lane);
-            self.laws.copy(other, lane);
+        let Some(other) = self.moving.iter().position(|&moves| moves) else { return };
+        for copy in (0..L).filter(|&copy| self.copy_of[copy] == stuck) {
+            self.block.copy(other, copy);
+            self.laws.copy(other, copy);
         }
+        self.copy_of = self.copy_of.map(|of| if of == stuck { other } else { of });
     }
 
     fn momentum(&self, lane: usize) -> [[S; D]; 2] {
-        self.block.momentum(lane, self.laws.read().field(lane), &self.parts)
+        self.block.momentum(lane, (self.laws.constraint(lane), self.laws.field(lane)), &self.parts)
     }
 
     fn ended(&self, lane: usize) -> Option<&Ended<S, D>> {
@@ -175,7 +188,7 @@ where
     #[inline(always)]
     fn run(self) -> Self::Done {
         let SideBySide { block, laws, parts, .. } = self.group;
-        let laws = laws.read();
+        let laws = laws.clone();
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         for step in 0..self.steps {
             for _ in 0..parts.len() {

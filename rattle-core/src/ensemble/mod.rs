@@ -34,7 +34,6 @@ use crate::bodies::Count;
 use crate::effect::Effects;
 use crate::error::Error;
 use crate::scene::{Hold, Scene};
-use crate::simulation::Simulation;
 use crate::state::State;
 use crate::stepper::Stepper;
 use group::{Alone, Group};
@@ -80,7 +79,6 @@ impl<const D: usize> Ensemble<D> {
         E: Effects<D> + 'a,
         N: Count + 'a,
         S: Stepper,
-        Simulation<C::System<E, N>, S, D>: Send + 'static,
     {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = stepper.step_size();

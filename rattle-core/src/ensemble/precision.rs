@@ -9,6 +9,7 @@ use crate::kernel::Constraint;
 use crate::lanes::{Fused, Lane};
 use crate::scene::Scene;
 use crate::state::State;
+use std::array::from_fn;
 
 /// Double precision; what rounding takes from a position is lost. The default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,14 +108,16 @@ fn groups<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUM
             }
         }
         Scenes::Each(each) => {
-            let mut laws: Vec<_> = each
-                .into_iter()
-                .map(|(constraint, effects)| (constraint.kernel::<S>(), effects.field::<S>()))
-                .collect();
-            while laws.len() < GROUP {
-                laws.push(laws[0].clone()); // for lanes that copy the first
-            }
-            Box::new(Of::<S, C, E, _, GROUP, D, SUMS>::new(starts, Each(laws), lengths, *h))
+            let of = |lane: usize| {
+                let (constraint, effects) = each[if lane < each.len() { lane } else { 0 }];
+                (constraint.kernel::<S>(), effects.field::<S>())
+            };
+            Box::new(Of::<S, C, E, _, GROUP, D, SUMS>::new(
+                starts,
+                Each::<_, _, GROUP>(from_fn(of)),
+                lengths,
+                *h,
+            ))
         }
     }]
 }

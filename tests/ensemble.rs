@@ -1,0 +1,411 @@
+//! Ensembles: many trajectories in lanes and threads, each the same whatever goes beside it.
+
+mod common;
+use common::*;
+use rattle::composition::KAHAN_LI_1997_ORDER_8;
+use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
+use rattle::error::StepFailure;
+use rattle::prelude::*;
+use rattle::{Error, ensemble};
+use std::f64::consts::TAU;
+
+fn directions_of(number: usize) -> impl Iterator<Item = State<3>> + Clone {
+    (0..number).map(move |i| billiard(TAU * i as f64 / number as f64))
+}
+
+/// Places and momenta of all trajectories, by their bits.
+fn bits_of<const D: usize>(ensemble: &Ensemble<D>) -> Vec<String> {
+    ensemble.states().map(|state| bits(&state)).collect()
+}
+
+/// The instruction sets of this processor that fuse.
+fn fusing() -> impl Iterator<Item = InstructionSet> {
+    use InstructionSet::{Avx2, Avx512, Portable};
+    [Portable, Avx2, Avx512].into_iter().filter(|set| set.is_present() && set.fuses())
+}
+
+/// The largest difference between the places and momenta of an ensemble and of simulations by themselves.
+fn off<P: Precision, S: Stepper>(precision: P, method: &S, steps: u64) -> f64 {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut together = scene.ensemble_in(precision, directions_of(25), method.clone()).unwrap();
+    together.run(steps);
+    assert_eq!((together.len(), together.steps(), together.failures().count()), (25, steps, 0));
+    let mut worst = 0.0_f64;
+    for (state, start) in together.states().zip(directions_of(25)) {
+        let mut alone = scene.simulate(start, method.clone()).unwrap();
+        alone.run(steps).unwrap();
+        let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+        worst = worst.max(distance(q, alone.position())).max(distance(p, alone.momentum()));
+        assert_eq!(state.time(), alone.time());
+    }
+    worst
+}
+
+/// Neighbouring trajectories part like e^(2t) on this surface: by 1e2 until t = 1 and by 1e5 until t = 5, from the rounding
+/// of one to some hundred steps.
+#[test]
+fn lanes_are_simulations_to_rounding() {
+    let rattle = Rattle::new(0.01);
+    for (name, until_1, until_5) in [
+        ("double", off(Double, &rattle, 100), off(Double, &rattle, 500)),
+        ("compensated", off(Compensated, &rattle, 100), off(Compensated, &rattle, 500)),
+    ] {
+        println!("RATTLE, {name}: {until_1:e} at t = 1, {until_5:e} at t = 5");
+        assert!(until_1 < 3e-14 * 3.0 && until_5 < 3e-11, "{name}: {until_1:e}, {until_5:e}");
+    }
+    let single = off(Single, &rattle, 100);
+    println!("single: {single:e}");
+    assert!(single < 1e-4 && single > 1e-9, "{single:e}"); // 2²⁹ times that of double
+    for coefficients in [SUZUKI_1990_ORDER_4, KAHAN_LI_1997_ORDER_8] {
+        let composed = off(Double, &Composition::new(coefficients, 0.02), 50);
+        println!("{}: {composed:e}", coefficients.name);
+        assert!(composed < 3e-13, "{}: {composed:e}", coefficients.name);
+    }
+}
+
+#[test]
+fn what_does_not_go_in_lanes_goes_alone_and_is_a_simulation() {
+    let lobatto = Lobatto::<3>::new(0.02);
+    assert_eq!(off(Double, &lobatto, 20), 0.0);
+    assert_eq!(off(Double, &Geodesic::new(0.02, 2), 20), 0.0);
+    let double = || Scene::points::<2>(2).link(PlanarRod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, 0.0]);
+    let scene = double().with(PlanarGravity { g: 1.0 });
+    let starts = (0..5).map(|i| {
+        let angle = f64::from(i);
+        State::of([[0.0, 0.0], [angle.sin(), -angle.cos()]])
+    });
+    let mut together = scene.ensemble(starts.clone(), Rattle::new(0.01)).unwrap();
+    together.run(100);
+    for (state, start) in together.states().zip(starts) {
+        let mut alone = scene.simulate(start, Rattle::new(0.01)).unwrap();
+        alone.run(100).unwrap();
+        assert_eq!(bits(&state), bits(&alone.state()));
+    }
+}
+
+constraint! {
+    /// A rod in the plane.
+    pub struct PlanarRod { length }
+    |a: [f64; 2], b: [f64; 2]| (a[0] - b[0])^2 + (a[1] - b[1])^2 - length^2
+}
+
+/// One hash for all: any width, any instruction set that fuses, any number of threads, any neighbours, any division of
+/// the run.
+#[test]
+fn the_same_bits_everywhere() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    fn all<P: Precision>(precision: P, scene: &(impl Fn() -> Vec<State<3>> + Sync)) -> Vec<String> {
+        let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let of = |starts: Vec<State<3>>, set| {
+            Ensemble::of(precision, starts.into_iter().map(|start| (&surface, start)), Rattle::new(0.01), set)
+                .unwrap()
+        };
+        let widest = InstructionSet::widest();
+        let mut first = of(scene(), widest);
+        first.run(300);
+        let expected = bits_of(&first);
+        assert_eq!(expected.len(), 150);
+        for set in fusing() {
+            let mut other = of(scene(), set);
+            assert_eq!(other.instruction_set(), set);
+            other.run(300);
+            assert_eq!(bits_of(&other), expected, "{set}");
+        }
+        for threads in [1, 2, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut other = of(scene(), widest);
+            pool.install(|| other.run(300));
+            assert_eq!(bits_of(&other), expected, "{threads} threads");
+        }
+        let mut divided = of(scene(), widest);
+        for steps in [1, 2, 61, 65, 0, 171] {
+            divided.run(steps);
+        }
+        assert_eq!(bits_of(&divided), expected, "in parts");
+        let mut reversed = of(scene().into_iter().rev().collect(), widest);
+        reversed.run(300);
+        assert!(bits_of(&reversed).iter().rev().eq(&expected), "other neighbours");
+        for (i, start) in scene().into_iter().enumerate().step_by(7) {
+            let mut alone = of(vec![start], widest);
+            alone.run(300);
+            assert_eq!(bits_of(&alone), expected[i..=i], "trajectory {i} alone");
+        }
+        expected
+    }
+    let starts = || directions_of(150).collect::<Vec<_>>();
+    let double = all(Double, &starts);
+    assert_ne!(all(Compensated, &starts), double);
+    all(Single, &starts);
+    // Without fused multiply-add bits are others, and the same among themselves.
+    let portable = |starts: Vec<State<3>>| {
+        let starts = starts.into_iter().map(|start| (&scene, start));
+        let mut ensemble = Ensemble::of(Double, starts, Rattle::new(0.01), InstructionSet::Portable).unwrap();
+        ensemble.run(300);
+        bits_of(&ensemble)
+    };
+    let (all, one) = (portable(starts()), portable(vec![starts().swap_remove(31)]));
+    assert_eq!(all[31..32], one);
+}
+
+#[test]
+fn g_scaled_by_powers_of_two_is_the_same_motion() {
+    constraint! {
+        struct Scaled { a, r, c }
+        |x, y, z| {
+            let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+            c * (f^2 + z^2 - r^2)
+        }
+    }
+    let run = |c| {
+        let scene = Scene::on(Scaled { a: 1.0, r: SURFACE.r, c }).with(Gravity { g: 1.0 });
+        let mut ensemble = scene.ensemble(directions_of(64), Rattle::new(0.01)).unwrap();
+        ensemble.run(200);
+        bits_of(&ensemble)
+    };
+    let plain = run(1.0);
+    for exponent in [-40, -3, 1, 40] {
+        assert_eq!(run(2.0_f64.powi(exponent)), plain, "2^{exponent}");
+    }
+}
+
+/// On the surface to some ulps, tangent, with the energy error of the method, and no drift.
+#[test]
+fn laws_hold_in_lanes() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut ensemble = scene.ensemble(directions_of(640), Rattle::new(0.01)).unwrap();
+    let (mut off_surface, mut off_tangent, mut energy) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..20 {
+        ensemble.run(100);
+        for state in ensemble.states() {
+            let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+            let n = SURFACE.jacobian(&q);
+            off_surface = off_surface.max(SURFACE.value(&q)[0].abs() / n.norm());
+            off_tangent = off_tangent.max(n.dot(&p.transpose()).abs() / (n.norm() * p.norm()));
+            energy = energy.max((0.5 * p.norm_squared() + q.z - 0.5 - SURFACE.r).abs());
+        }
+    }
+    println!(
+        "off the surface by {off_surface:e}, off the tangent plane by {off_tangent:e}, energy {energy:e}"
+    );
+    // Coordinates up to 1.1 round by 1.1e-16 each. The gradient is a product with a difference of numbers up to 1.5 that is
+    // no larger than r = 1/6, and so rounds by some 1e-15; twice, here and there.
+    assert!(off_surface < 6e-16 && off_tangent < 1e-14);
+    assert!((6e-3..1.4e-2).contains(&energy), "{energy:e}");
+}
+
+/// Thin tubes and curves, no force at all, two coordinates: the same code.
+#[test]
+fn other_scenes_go_in_lanes_too() {
+    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 });
+    let starts =
+        (0..10).map(|i| State::at([1.3, 0.0, 0.0]).moving([0.0, f64::from(i).cos(), f64::from(i).sin()]));
+    let mut ensemble = torus.ensemble(starts.clone(), Rattle::new(0.01)).unwrap();
+    ensemble.run(300);
+    for (state, start) in ensemble.states().zip(starts) {
+        let mut alone = torus.simulate(start, Rattle::new(0.01)).unwrap();
+        alone.run(300).unwrap();
+        assert!(distance(state.positions().next().unwrap(), alone.position()) < 1e-13);
+    }
+    let circle = Scene::on(Pendulum { length: 2.0 }).with(PlanarGravity { g: 9.81 });
+    let starts = (0..3).map(|i| State::at([2.0, 0.0]).moving([0.0, f64::from(i)]));
+    let mut ensemble = circle.ensemble(starts.clone(), Rattle::new(0.01)).unwrap();
+    ensemble.run(300);
+    for (state, start) in ensemble.states().zip(starts) {
+        let mut alone = circle.simulate(start, Rattle::new(0.01)).unwrap();
+        alone.run(300).unwrap();
+        assert!(distance(state.positions().next().unwrap(), alone.position()) < 1e-13);
+    }
+    let thin = Lemniscate { a: 1.0, r: 1e-4 };
+    let start = |i: u32| State::at([0.0, 0.0, 1e-4]).moving([f64::from(i).cos(), f64::from(i).sin(), 0.0]);
+    let tube = Scene::on(thin);
+    let mut ensemble = tube.ensemble((0..20).map(start), Rattle::new(5e-6)).unwrap();
+    ensemble.run(2000);
+    assert_eq!(ensemble.failures().count(), 0);
+    for (i, state) in (0..).zip(ensemble.states()) {
+        let mut alone = tube.simulate(start(i), Rattle::new(5e-6)).unwrap();
+        alone.run(2000).unwrap();
+        let gap = distance(state.positions().next().unwrap(), alone.position());
+        assert!(gap < 1e-12, "{i}: {gap:e}");
+    }
+}
+
+/// Speeds for which the step becomes too long somewhere on the way end there, with the error of a simulation; the others
+/// are not touched by it.
+#[test]
+fn who_fails_rests_and_the_others_go_on() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let start = |i: u32| {
+        let speed = if i % 3 == 0 { 5.0 + 0.05 * f64::from(i) } else { 1.0 };
+        let angle = 0.37 * f64::from(i);
+        State::at([0.0, 0.0, SURFACE.r]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
+    };
+    let mut ensemble = scene.ensemble((0..100).map(start), Rattle::new(0.01)).unwrap();
+    ensemble.run(500);
+    let calm = (0..100).filter(|i| i % 3 != 0);
+    let mut calm_ones = scene.ensemble(calm.clone().map(start), Rattle::new(0.01)).unwrap();
+    calm_ones.run(500);
+    for (i, state) in calm.zip(calm_ones.states()) {
+        assert_eq!(bits(&ensemble.state(i as usize)), bits(&state), "trajectory {i}");
+        assert!(ensemble.failure(i as usize).is_none());
+    }
+    let failures: Vec<_> = ensemble.failures().collect();
+    assert!(failures.len() > 5, "{} failures", failures.len());
+    for &(i, error) in &failures {
+        assert!(i % 3 == 0);
+        let Error::Step { step, time, cause, .. } = error else { panic!("{error}") };
+        assert!(matches!(
+            cause,
+            StepFailure::StepTooLong { .. }
+                | StepFailure::RootLost { .. }
+                | StepFailure::NoConvergence { .. }
+        ));
+        // It rests where it was before that step, which one more step does not change.
+        let mut again = scene.ensemble([start(i as u32)], Rattle::new(0.01)).unwrap();
+        again.run(step - 1);
+        assert_eq!(bits(&again.state(0)), bits(&ensemble.state(i)), "trajectory {i}: {error}");
+        assert!(again.failure(0).is_none());
+        again.run(1);
+        assert_eq!(again.failure(0).unwrap().to_string(), error.to_string());
+        assert_eq!(bits(&again.state(0)), bits(&ensemble.state(i)));
+        assert!((ensemble.state(i).time() - time).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn all_may_fail() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let start = State::at([0.0, 0.0, SURFACE.r]).moving([0.6, 0.8, 0.0]);
+    let mut ensemble = scene.ensemble(vec![start.clone(); 70], Rattle::new(0.3)).unwrap();
+    ensemble.run(1000);
+    assert_eq!(ensemble.failures().count(), 70);
+    assert_eq!(ensemble.steps(), 1000);
+    let mut alone = scene.simulate(start, Rattle::new(0.3)).unwrap();
+    let error = alone.run(1000).unwrap_err();
+    assert!(
+        matches!((ensemble.failure(69).unwrap(), error), (Error::Step { step: a, .. }, Error::Step { step: b, .. }) if *a == b)
+    );
+}
+
+#[test]
+fn a_start_that_is_refused_is_named() {
+    let scene = Scene::on(SURFACE);
+    let starts = (0..80).map(|i| billiard(0.1).at_time(if i == 71 { f64::NAN } else { 0.0 }));
+    let error = scene.ensemble(starts, Rattle::new(0.01)).unwrap_err();
+    assert!(matches!(error, Error::Trajectory { trajectory: 71, .. }), "{error}");
+    assert!(error.to_string().starts_with("trajectory 71: "));
+    assert!(scene.ensemble(directions_of(3), Rattle::new(0.0)).is_err());
+    let none = scene.ensemble([], Rattle::new(0.01)).unwrap();
+    assert!(none.is_empty() && none.states().count() == 0 && none.failure(0).is_none());
+}
+
+/// A sweep over a parameter: each trajectory as in an ensemble of its own scene, bit for bit.
+#[test]
+fn a_sweep_is_its_scenes() {
+    let scenes: Vec<_> = (0..70)
+        .map(|i| {
+            let r = 0.1 + 0.001 * f64::from(i);
+            (r, Scene::on(Lemniscate { a: 1.0, r }).with(Gravity { g: 0.5 + r }))
+        })
+        .collect();
+    let start = |r| State::at([0.0, 0.0, r]).moving([0.6, 0.8, 0.0]);
+    let trajectories = scenes.iter().map(|(r, scene)| (scene, start(*r)));
+    let mut sweep = Ensemble::of(Double, trajectories, Rattle::new(0.01), InstructionSet::widest()).unwrap();
+    sweep.run(200);
+    for (i, (r, scene)) in scenes.iter().enumerate() {
+        let mut own = scene.ensemble([start(*r)], Rattle::new(0.01)).unwrap();
+        own.run(200);
+        assert_eq!(bits(&own.state(0)), bits(&sweep.state(i)), "r = {r}");
+    }
+}
+
+/// What rounding does to the energy in 1e5 steps, as a difference to a run of ten times the digits' worth: compensated
+/// sums lose less.
+#[test]
+fn compensated_sums_lose_less() {
+    let scene = Scene::on(Sphere { radius: 1.0 });
+    let start = || (0..64).map(|i| State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i) / 64.0, 0.0]));
+    fn drift(mut ensemble: Ensemble<3>) -> f64 {
+        let energies = |ensemble: &Ensemble<3>| {
+            ensemble
+                .states()
+                .map(|state| 0.5 * state.momenta().next().unwrap().norm_squared())
+                .collect::<Vec<_>>()
+        };
+        let before = energies(&ensemble);
+        ensemble.run(100_000);
+        let after = energies(&ensemble);
+        let squares = before.iter().zip(&after).map(|(a, b)| ((a - b) / a).powi(2));
+        (squares.sum::<f64>() / 64.0).sqrt()
+    }
+    // On great circles RATTLE keeps the energy exactly, so that all of it is rounding.
+    let plain = drift(scene.ensemble_in(Double, start(), Rattle::new(0.01)).unwrap());
+    let compensated = drift(scene.ensemble_in(Compensated, start(), Rattle::new(0.01)).unwrap());
+    println!("relative energy after 1e5 steps: double {plain:e}, compensated {compensated:e}");
+    assert!(compensated < 0.2 * plain && plain < 1e-12, "{compensated:e} {plain:e}");
+}
+
+#[test]
+fn a_run_does_not_allocate_and_a_trajectory_takes_little() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();
+    pool.install(|| {
+        let mut ensemble = scene.ensemble(directions_of(640), Rattle::new(0.01)).unwrap();
+        ensemble.run(1);
+        let of = |ensemble: &mut Ensemble<3>, steps| {
+            allocation_counter::measure(|| ensemble.run(steps)).count_total
+        };
+        let (few, many) = (of(&mut ensemble, 10), of(&mut ensemble, 1000));
+        assert_eq!(few, many, "allocations in 10 and in 1000 steps");
+    });
+    let mut kept = None;
+    let number = 64_000;
+    let size = allocation_counter::measure(|| {
+        kept = Some(scene.ensemble(directions_of(number), Rattle::new(0.01)).unwrap());
+    });
+    let each = size.bytes_current as f64 / number as f64;
+    println!("{each} bytes per trajectory, 48 of them its state");
+    assert!(each > 96.0 && each < 48.0 + 200.0, "{each} bytes per trajectory");
+}
+
+/// The loops of full groups are vectorised, whole, with the widest registers: no division of single numbers is left.
+#[cfg(all(target_arch = "x86_64", target_os = "linux", not(debug_assertions)))]
+#[test]
+fn entries_are_vectorised() {
+    let executable = std::env::current_exe().unwrap();
+    let Ok(output) =
+        std::process::Command::new("objdump").args(["-d", "--no-show-raw-insn"]).arg(executable).output()
+    else {
+        println!("not checked: no objdump here");
+        return;
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    for (entry, register) in [("with_avx512", "%zmm"), ("with_avx2", "%ymm")] {
+        let mut wide = 0;
+        for function in
+            text.split("\n\n").filter(|function| function.lines().next().unwrap_or("").contains(entry))
+        {
+            let count = |words: &[&str]| {
+                function.lines().filter(|line| words.iter().all(|word| line.contains(word))).count()
+            };
+            let vectors = count(&["vdivp", register]);
+            if vectors == 0 || count(&["vgather"]) > 0 {
+                continue; // one trajectory alone, or a sweep, whose parameters are gathered
+            }
+            wide += 1;
+            let name = function.lines().next().unwrap_or("");
+            assert_eq!(count(&["vdivs"]), 0, "{name}: a loop divides number by number");
+            assert!(vectors >= 6, "{entry}: {vectors} divisions of vectors in two copies of a step");
+            assert_eq!(count(&["call", "fma"]), 0, "{entry}: multiply-add by a function");
+        }
+        assert!(wide >= 3, "{wide} entries {entry} of full groups");
+    }
+}
+
+#[test]
+fn debug_says_what_it_is() {
+    let scene = Scene::on(SURFACE);
+    let ensemble = scene.ensemble(directions_of(3), Rattle::new(0.01)).unwrap();
+    let text = format!("{ensemble:?}");
+    assert!(text.contains("trajectories: 3") && text.contains("step_size: 0.01"), "{text}");
+    let _: &dyn Fn() -> ensemble::InstructionSet = &InstructionSet::widest;
+}
