@@ -38,9 +38,10 @@ fn four_alone<S: Stepper>(method: &S) {
         },
         0.0,
     );
+    let mut memory = method.memory(&system, &together);
     let mut alone = alone;
     for step in 0..1000 {
-        method.step(&system, &mut together, &mut [], &mut ()).unwrap();
+        method.step(&system, &mut together, memory.as_mut(), &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);

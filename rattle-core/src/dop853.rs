@@ -301,6 +301,8 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
 struct AtEnd<'a, W>(&'a mut W);
 
 impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
+    const LISTENS: bool = W::LISTENS;
+
     fn position_multiplier(&mut self, equation: usize, lambda: T) {
         self.0.momentum_multiplier(equation, lambda);
     }

@@ -34,9 +34,9 @@ pub enum Error {
         method: &'static str,
     },
 
-    /// A method with inner stages was given a system that has no collocation.
+    /// A method was given a system that has not what it needs.
     #[error("{method} cannot move {system} yet; use `Rattle` or a composition of it")]
-    NoCollocation {
+    CannotMove {
         /// The method.
         method: &'static str,
         /// The kind of system.
@@ -525,6 +525,19 @@ pub enum StepFailure {
         distance: f64,
         /// The way h|v|.
         path: f64,
+    },
+    /// The equations of an implicit step were not solved to the rounding floor.
+    #[error(
+        "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
+         move by {left:.1e} roundings; try a smaller step"
+    )]
+    ImplicitNotSolved {
+        /// The step size.
+        h: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
     },
     /// A stage of an explicit method came to where a force, a normal or λ is not finite.
     #[error(

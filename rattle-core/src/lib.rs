@@ -1,6 +1,7 @@
 //! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and what is kept
 //! of a run. Draws in nothing for files, plots or progress.
 
+pub mod bdf2;
 pub mod bodies;
 pub mod composition;
 pub mod counted;

@@ -90,7 +90,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
             let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path, method.momentum_delay() == 0.0)
+            start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(OnSurface { constraint, field: effects.field(), count })
@@ -351,8 +351,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
-        if let (true, Some(system)) = (stepper.stages() > 0, system.refuses_stages()) {
-            return Err(Error::NoCollocation { method: stepper.name(), system });
+        if let Some(system) = system.refuses(stepper.need()) {
+            return Err(Error::CannotMove { method: stepper.name(), system });
         }
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);

@@ -40,6 +40,11 @@ pub trait Stepper: Clone {
         0.0
     }
 
+    /// What the method asks of a system, which may refuse it before the run.
+    fn need(&self) -> Need {
+        Need::Verbs
+    }
+
     /// Stages of a collocation method, for which a system makes room; 0 for methods without.
     fn stages(&self) -> usize {
         0
@@ -83,6 +88,18 @@ pub trait Stepper: Clone {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
+}
+
+/// What a method asks of a system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// Drifts, forces and kicks, or rates of change and projection: every system has them.
+    Verbs,
+    /// Inner stages solved together.
+    Stages,
+    /// Momenta that are mass times velocity, and constraints that do not move.
+    Differences,
 }
 
 /// Refuses a step size that is zero or not finite.

@@ -12,7 +12,7 @@
 use crate::bodies::{Bodies, Body, Count};
 use crate::lobatto::Table;
 use crate::real::Real;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use std::fmt::Debug;
 
 /// A mechanical system with D coordinates per body, made ready for the scalar `T`.
@@ -95,8 +95,8 @@ pub trait System<T: Real, const D: usize>: Clone {
     /// Makes room for a method of so many inner stages, so that its steps need not allocate.
     fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
 
-    /// What keeps the system from being moved by methods with inner stages, if anything does.
-    fn refuses_stages(&self) -> Option<&'static str> {
+    /// What keeps the system from being moved by methods with this need, if anything does.
+    fn refuses(&self, _need: Need) -> Option<&'static str> {
         None
     }
 
