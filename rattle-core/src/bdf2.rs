@@ -153,7 +153,7 @@ impl Bdf2 {
             for body in 0..n {
                 let [d, _] = remembered(before, body);
                 let velocity = add_scaled(&scaled(ahead, &increment[body]), -behind, &d);
-                bodies.p.as_mut()[body] = momentum(system, body, &velocity);
+                bodies.p.as_mut()[body] = system.momentum(body, &velocity);
                 bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
         }
@@ -180,7 +180,7 @@ impl Bdf2 {
             for body in 0..q.len() {
                 // A momentum that tells how far a body goes, for what is too far.
                 let way = scaled(T::from_f64(1.0 / self.h), &increment[body]);
-                bodies.p.as_mut()[body] = momentum(system, body, &way);
+                bodies.p.as_mut()[body] = system.momentum(body, &way);
                 (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =
                     two_sum(&q[body], &sum(&q_low[body], &increment[body]));
             }
@@ -188,7 +188,7 @@ impl Bdf2 {
             for body in 0..q.len() {
                 increment[body] = moved(bodies, body, &q[body], &q_low[body]);
                 let missing = scaled(inverse, &add_scaled(&free[body], T::from_f64(-1.0), &increment[body]));
-                bodies.p.as_mut()[body] = momentum(system, body, &missing);
+                bodies.p.as_mut()[body] = system.momentum(body, &missing);
                 bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
             system.settle(beta, 2.0 * beta, bodies, witness)?;
@@ -239,14 +239,6 @@ fn moved<T: Real, N: crate::bodies::Count, X, const D: usize>(
 ) -> [T; D] {
     let high = add_scaled(&bodies.q.as_ref()[body], T::from_f64(-1.0), q);
     sum(&high, &add_scaled(&bodies.q_low.as_ref()[body], T::from_f64(-1.0), q_low))
-}
-
-/// M v of a body.
-fn momentum<T: Real, Y: System<T, D>, const D: usize>(system: &Y, body: usize, v: &[T; D]) -> [T; D] {
-    from_fn(|i| {
-        let unit = from_fn(|k| T::from_f64(if k == i { 1.0 } else { 0.0 }));
-        system.mass_product(body, &unit, v)
-    })
 }
 
 /// Hands on each multiplier for both ends of the step: there is one.

@@ -47,6 +47,10 @@ pub enum Error {
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
 
+    /// A power series of fewer than two or more than 64 terms.
+    #[error("the order of a Taylor method is 2 to 64, found {0}")]
+    Order(u32),
+
     /// A tolerance that is not a positive length.
     #[error("a tolerance is a positive length, found {0}")]
     Tolerance(f64),
@@ -541,7 +545,8 @@ pub enum StepFailure {
     },
     /// A stage of an explicit method came to where a force, a normal or λ is not finite.
     #[error(
-        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}; try a smaller step"
+        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}, or, of a power series, has a \
+         kink where it begins; try a smaller step"
     )]
     StageNotFinite {
         /// The step size.
@@ -572,6 +577,11 @@ pub enum StepFailure {
         /// The number of stages.
         stages: usize,
     },
+    /// The system has no power series.
+    #[error(
+        "these bodies have no power series of their motion; simulate them by `Taylor` on a surface, or use another method"
+    )]
+    NoSeries,
     /// The system has no collocation.
     #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
     NoCollocation {

@@ -21,6 +21,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
+mod series;
 pub mod shadow;
 pub mod shake;
 pub mod simulation;
@@ -31,6 +32,7 @@ pub mod stepper;
 pub mod surface;
 pub mod symplectic_euler;
 pub mod system;
+pub mod taylor;
 mod vector;
 
 pub use nalgebra;

@@ -220,6 +220,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         match need {
             Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
             Need::Differences => self.moves_with_time().then_some("a network whose links move"),
+            Need::Series => Some("a network"),
             Need::Verbs => None,
         }
     }

@@ -45,7 +45,7 @@ pub trait Stepper: Clone {
         Need::Verbs
     }
 
-    /// Stages of a collocation method, for which a system makes room; 0 for methods without.
+    /// Stages of a collocation method, or coefficients of a power series, for which a system makes room.
     fn stages(&self) -> usize {
         0
     }
@@ -100,6 +100,8 @@ pub enum Need {
     Stages,
     /// Momenta that are mass times velocity, and constraints that do not move.
     Differences,
+    /// The motion as a power series in time.
+    Series,
 }
 
 /// Refuses a step size that is zero or not finite.
@@ -125,6 +127,18 @@ impl<T> Witness<T> for () {
     #[inline(always)]
     fn position_multiplier(&mut self, _: usize, _: T) {}
     #[inline(always)]
+    fn momentum_multiplier(&mut self, _: usize, _: T) {}
+}
+
+/// Tells λ as that of the end of a step.
+pub(crate) struct AtEnd<'a, W>(pub(crate) &'a mut W);
+
+impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
+    const LISTENS: bool = W::LISTENS;
+
+    fn position_multiplier(&mut self, equation: usize, lambda: T) {
+        self.0.momentum_multiplier(equation, lambda);
+    }
     fn momentum_multiplier(&mut self, _: usize, _: T) {}
 }
 
