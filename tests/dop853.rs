@@ -288,6 +288,31 @@ fn a_multiplier_on_one_coordinate() {
     assert!((q.y - y).abs() <= 1e-15 && (q.x - f64::sqrt(1.0 - y * y)).abs() <= 1e-15, "{q}");
 }
 
+potential! {
+    /// The weight of a top: height of a point on its third axis.
+    struct TopWeight { g }
+    |_xx, _xy, _xz, _yx, _yy, _yz, _zx, _zy, zz| g * zz
+}
+
+/// A heavy top keeps its energy to the order of the method: torques are those of the potential.
+#[test]
+fn a_heavy_top() {
+    let turned = nalgebra::Rotation3::from_euler_angles(0.4, 0.2, 0.0);
+    let start = Rigid::start(turned.matrix(), &[0.3, -0.2, 2.0].into());
+    let top = Scene::rigid(Rigid::new([0.6, 0.6, 0.4])).with(TopWeight { g: 1.0 });
+    let after = |n: u32| {
+        let mut simulation = top.simulate(start.clone(), Dop853::new(2.0 / f64::from(n))).unwrap();
+        simulation.run(n.into()).unwrap();
+        (simulation.energy_error(), simulation.kinetic_energy(), simulation.position())
+    };
+    let [(coarse, ..), (fine, kinetic, attitude)] = [20, 80].map(after);
+    assert!(fine.abs() <= 1e-13 && coarse.abs() > 8.0 * fine.abs(), "{coarse:e} {fine:e}");
+    let mut other = top.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 1e-3)).unwrap();
+    assert!((kinetic - other.kinetic_energy()).abs() > 0.1, "the weight does something");
+    other.run(2000).unwrap();
+    assert!(distance(attitude, other.position()) <= 1e-10, "{:e}", distance(attitude, other.position()));
+}
+
 /// A free rigid body, reduced to three unknowns, against its reference.
 #[test]
 fn a_rigid_body() {

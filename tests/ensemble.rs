@@ -97,8 +97,7 @@ fn the_same_bits_everywhere() {
     fn all<P: Precision>(precision: P, scene: &(impl Fn() -> Vec<State<3>> + Sync)) -> Vec<String> {
         let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let of = |starts: Vec<State<3>>, set| {
-            Ensemble::of(precision, starts.into_iter().map(|start| (&surface, start)), Rattle::new(0.01), set)
-                .unwrap()
+            Ensemble::of(precision, &surface, starts, Rattle::new(0.01), set).unwrap()
         };
         let widest = InstructionSet::widest();
         let mut first = of(scene(), widest);
@@ -138,8 +137,8 @@ fn the_same_bits_everywhere() {
     all(Single, &starts);
     // Without fused multiply-add bits are others, and the same among themselves.
     let portable = |starts: Vec<State<3>>| {
-        let starts = starts.into_iter().map(|start| (&scene, start));
-        let mut ensemble = Ensemble::of(Double, starts, Rattle::new(0.01), InstructionSet::Portable).unwrap();
+        let mut ensemble =
+            Ensemble::of(Double, &scene, starts, Rattle::new(0.01), InstructionSet::Portable).unwrap();
         ensemble.run(300);
         bits_of(&ensemble)
     };
@@ -309,7 +308,7 @@ fn a_sweep_is_its_scenes() {
         .collect();
     let start = |r| State::at([0.0, 0.0, r]).moving([0.6, 0.8, 0.0]);
     let trajectories = scenes.iter().map(|(r, scene)| (scene, start(*r)));
-    let mut sweep = Ensemble::of(Double, trajectories, Rattle::new(0.01), InstructionSet::widest()).unwrap();
+    let mut sweep = Ensemble::sweep(Double, trajectories, Rattle::new(0.01)).unwrap();
     sweep.run(200);
     for (i, (r, scene)) in scenes.iter().enumerate() {
         let mut own = scene.ensemble([start(*r)], Rattle::new(0.01)).unwrap();
@@ -365,40 +364,6 @@ fn a_run_does_not_allocate_and_a_trajectory_takes_little() {
     let each = size.bytes_current as f64 / number as f64;
     println!("{each} bytes per trajectory, 48 of them its state");
     assert!(each > 96.0 && each < 48.0 + 200.0, "{each} bytes per trajectory");
-}
-
-/// The loops of full groups are vectorised, whole, with the widest registers: no division of single numbers is left.
-#[cfg(all(target_arch = "x86_64", target_os = "linux", not(debug_assertions)))]
-#[test]
-fn entries_are_vectorised() {
-    let executable = std::env::current_exe().unwrap();
-    let Ok(output) =
-        std::process::Command::new("objdump").args(["-d", "--no-show-raw-insn"]).arg(executable).output()
-    else {
-        println!("not checked: no objdump here");
-        return;
-    };
-    let text = String::from_utf8_lossy(&output.stdout);
-    for (entry, register) in [("with_avx512", "%zmm"), ("with_avx2", "%ymm")] {
-        let mut wide = 0;
-        for function in
-            text.split("\n\n").filter(|function| function.lines().next().unwrap_or("").contains(entry))
-        {
-            let count = |words: &[&str]| {
-                function.lines().filter(|line| words.iter().all(|word| line.contains(word))).count()
-            };
-            let vectors = count(&["vdivp", register]);
-            if vectors == 0 || count(&["vgather"]) > 0 {
-                continue; // one trajectory alone, or a sweep, whose parameters are gathered
-            }
-            wide += 1;
-            let name = function.lines().next().unwrap_or("");
-            assert_eq!(count(&["vdivs"]), 0, "{name}: a loop divides number by number");
-            assert!(vectors >= 6, "{entry}: {vectors} divisions of vectors in two copies of a step");
-            assert_eq!(count(&["call", "fma"]), 0, "{entry}: multiply-add by a function");
-        }
-        assert!(wide >= 3, "{wide} entries {entry} of full groups");
-    }
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub mod table;
 use crate::bodies::Bodies;
 use crate::error::{Error, StepFailure};
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness, check_step_size};
+use crate::stepper::{AtEnd, Failure, Stepper, Witness, check_step_size};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, scaled, sum, two_sum};
 use table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
@@ -295,14 +295,4 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
         system.project(h, bodies)?;
         system.settle(0.0, h, bodies, &mut ())
     }
-}
-
-/// Tells λ as that of the end of a step.
-struct AtEnd<'a, W>(&'a mut W);
-
-impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
-    fn position_multiplier(&mut self, equation: usize, lambda: T) {
-        self.0.momentum_multiplier(equation, lambda);
-    }
-    fn momentum_multiplier(&mut self, _: usize, _: T) {}
 }

@@ -1,6 +1,7 @@
 //! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and what is kept
 //! of a run. Draws in nothing for files, plots or progress.
 
+pub mod bdf2;
 pub mod bodies;
 pub mod composition;
 pub mod counted;
@@ -22,6 +23,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
+mod series;
 pub mod shadow;
 pub mod shake;
 pub mod simulation;
@@ -32,6 +34,7 @@ pub mod stepper;
 pub mod surface;
 pub mod symplectic_euler;
 pub mod system;
+pub mod taylor;
 mod vector;
 
 pub use nalgebra;

@@ -26,7 +26,7 @@ use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
 use collocation::Stages;
@@ -215,9 +215,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
-    fn refuses_stages(&self) -> Option<&'static str> {
+    fn refuses(&self, need: Need) -> Option<&'static str> {
         let acting = self.shape.components.iter().any(|component| component.rows.acting);
-        acting.then_some("a network whose multipliers act on chosen coordinates")
+        match need {
+            Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
+            Need::Differences => self.moves_with_time().then_some("a network whose links move"),
+            Need::Series => Some("a network"),
+            Need::Verbs => None,
+        }
     }
 
     fn moves_with_time(&self) -> bool {

@@ -15,7 +15,7 @@ mod tables;
 
 use crate::bodies::Bodies;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
 
 /// Nodes c, weights b, and a, whose first row and last column are zero.
@@ -83,6 +83,9 @@ where
     }
     fn is_symmetric(&self) -> bool {
         true
+    }
+    fn need(&self) -> Need {
+        Need::Stages
     }
     fn stages(&self) -> usize {
         S

@@ -21,7 +21,7 @@ use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
 use crate::state::State;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
 use crate::vector::{sum, two_sum};
 use nalgebra::{Matrix3, Vector3};
@@ -347,7 +347,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
                 if distance <= CROOKED {
                     break;
                 }
-                if !(distance < nearest) {
+                let nearer = distance < nearest; // false for NaN
+                if !nearer {
                     let cause = StepFailure::NotProjected { distance, path };
                     return Err(Failure { body: number, cause });
                 }
@@ -370,8 +371,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
     }
 
-    fn refuses_stages(&self) -> Option<&'static str> {
-        Some(REDUCED)
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        (need != Need::Verbs).then_some(REDUCED)
     }
 
     fn equations(&self) -> usize {

@@ -3,7 +3,7 @@
 use crate::bodies::{Body, Count, Many, One};
 use crate::effect::{Effect, Effects, Field, Force, With};
 use crate::ensemble::group::Group;
-use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision, Scenes};
+use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision};
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::kernel::Constraint;
 use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
@@ -12,12 +12,13 @@ use crate::rigid::Rigid;
 use crate::simulation::Simulation;
 use crate::start;
 use crate::state::State;
-use crate::stepper::{Stepper, check_step_size};
-use crate::surface::OnSurface;
+use crate::stepper::{Need, Stepper, check_step_size};
+use crate::surface::{Motion, OnSurface};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, two_sum};
 use nalgebra::SVector;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
 ///
@@ -30,7 +31,7 @@ pub struct Scene<C, E, N, const D: usize> {
 }
 
 /// What holds the bodies of a scene: a surface for each, or a [`Network`] of constraints.
-pub trait Hold<const D: usize> {
+pub trait Hold<const D: usize>: Sized {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
@@ -66,18 +67,23 @@ pub trait Hold<const D: usize> {
     /// Where none is found.
     fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
 
-    /// Whether trajectories of one body go in lanes.
-    const HAS_LANES: bool = false;
-
-    /// Trajectories of one body, which can start so, in lanes; none where there are no lanes for them.
+    /// A group of trajectories of one body, which can start so, in lanes; none where there are no lanes for them.
+    #[doc(hidden)]
     fn in_lanes<P: Precision, E: Effects<D>>(
-        _scenes: Scenes<'_, Self, E>,
+        _scene: (&Self, &E),
         _starts: &[State<D>],
         _lanes: &InLanes,
-    ) -> Option<Vec<Box<dyn Group<D>>>>
-    where
-        Self: Sized,
-    {
+    ) -> Option<Box<dyn Group<D>>> {
+        None
+    }
+
+    /// The same, each trajectory in a scene of its own.
+    #[doc(hidden)]
+    fn each_in_lanes<P: Precision, E: Effects<D>>(
+        _scenes: &[(&Self, &E)],
+        _starts: &[State<D>],
+        _lanes: &InLanes,
+    ) -> Option<Box<dyn Group<D>>> {
         None
     }
 }
@@ -107,10 +113,12 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
             let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path, method.momentum_delay() == 0.0)
+            start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(OnSurface { constraint, field: effects.field(), count })
+        let motion = (method.need() == Need::Series).then(|| Motion::of(self, effects, count.number()));
+        let motion = motion.flatten().map(Arc::new);
+        Ok(OnSurface { motion, ..OnSurface::new(constraint, effects.field(), count) })
     }
 
     fn particles(self, _: usize) -> Self {
@@ -121,14 +129,20 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         start::project(&self.kernel::<f64>(), state)
     }
 
-    const HAS_LANES: bool = true;
-
     fn in_lanes<P: Precision, E: Effects<D>>(
-        scenes: Scenes<'_, Self, E>,
+        scene: (&Self, &E),
         starts: &[State<D>],
         lanes: &InLanes,
-    ) -> Option<Vec<Box<dyn Group<D>>>> {
-        Some(P::groups(scenes, starts, lanes))
+    ) -> Option<Box<dyn Group<D>>> {
+        Some(P::same(scene, starts, lanes))
+    }
+
+    fn each_in_lanes<P: Precision, E: Effects<D>>(
+        scenes: &[(&Self, &E)],
+        starts: &[State<D>],
+        lanes: &InLanes,
+    ) -> Option<Box<dyn Group<D>>> {
+        Some(P::each(scenes, starts, lanes))
     }
 }
 
@@ -315,7 +329,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
     pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N> {
-        OnSurface { constraint: self.constraint.kernel(), field: self.effects.field(), count: self.count }
+        OnSurface::new(self.constraint.kernel(), self.effects.field(), self.count)
     }
 }
 
@@ -378,12 +392,15 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
-        if let (true, Some(system)) = (stepper.stages() > 0, system.refuses_stages()) {
-            return Err(Error::NoCollocation { method: stepper.name(), system });
+        if let Some(system) = system.refuses(stepper.need()) {
+            return Err(Error::CannotMove { method: stepper.name(), system });
         }
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        system.reserve(&mut bodies, stepper.stages());
+        match stepper.need() {
+            Need::Series => system.reserve_series(&mut bodies, stepper.stages()),
+            _ => system.reserve(&mut bodies, stepper.stages()),
+        }
         bodies.room = vec![[0.0; D]; stepper.room() * self.count.number()];
         let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
         Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
@@ -416,8 +433,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         starts: impl IntoIterator<Item = State<D>>,
         stepper: S,
     ) -> Result<Ensemble<D>, Error> {
-        let starts = starts.into_iter().map(|start| (self, start));
-        Ensemble::of(precision, starts, stepper, InstructionSet::widest())
+        Ensemble::of(precision, self, starts, stepper, InstructionSet::widest())
     }
 
     fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {

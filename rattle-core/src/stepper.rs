@@ -46,7 +46,12 @@ pub trait Stepper: Clone + Send + 'static {
         None
     }
 
-    /// Stages of a collocation method, for which a system makes room; 0 for methods without.
+    /// What the method asks of a system, which may refuse it before the run.
+    fn need(&self) -> Need {
+        Need::Verbs
+    }
+
+    /// Stages of a collocation method, or coefficients of a power series, for which a system makes room.
     fn stages(&self) -> usize {
         0
     }
@@ -91,6 +96,20 @@ pub trait Stepper: Clone + Send + 'static {
     ) -> Result<(), Failure>;
 }
 
+/// What a method asks of a system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// Drifts, forces and kicks, or rates of change and projection: every system has them.
+    Verbs,
+    /// Inner stages solved together.
+    Stages,
+    /// Momenta that are mass times velocity, and constraints that do not move.
+    Differences,
+    /// The motion as a power series in time.
+    Series,
+}
+
 /// Refuses a step size that is zero or not finite.
 pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
@@ -114,6 +133,18 @@ impl<T> Witness<T> for () {
     #[inline(always)]
     fn position_multiplier(&mut self, _: usize, _: T) {}
     #[inline(always)]
+    fn momentum_multiplier(&mut self, _: usize, _: T) {}
+}
+
+/// Tells λ as that of the end of a step.
+pub(crate) struct AtEnd<'a, W>(pub(crate) &'a mut W);
+
+impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
+    const LISTENS: bool = W::LISTENS;
+
+    fn position_multiplier(&mut self, equation: usize, lambda: T) {
+        self.0.momentum_multiplier(equation, lambda);
+    }
     fn momentum_multiplier(&mut self, _: usize, _: T) {}
 }
 

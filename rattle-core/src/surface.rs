@@ -3,6 +3,7 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 mod collocation;
+mod series;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
@@ -11,10 +12,14 @@ use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
 use crate::start::MAX_PROJECTION_STEPS;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{dot, largest, scaled, sum, two_sum};
 use collocation::Stages;
+use series::Tapes;
+use std::sync::Arc;
+
+pub(crate) use series::Motion;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
@@ -25,6 +30,15 @@ pub struct OnSurface<K, F, N> {
     pub field: F,
     /// How many bodies there are.
     pub count: N,
+    /// g and U recorded, for methods that ask for power series.
+    pub(crate) motion: Option<Arc<Motion>>,
+}
+
+impl<K, F, N> OnSurface<K, F, N> {
+    /// So many bodies on this surface in this field.
+    pub fn new(constraint: K, field: F, count: N) -> Self {
+        Self { constraint, field, count, motion: None }
+    }
 }
 
 /// ∇g and 1/|∇g|² at a body's position.
@@ -45,6 +59,8 @@ pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
     pub force: N::Of<F>,
     /// Room for a method with inner stages.
     stages: Option<Box<Stages<T, F, D>>>,
+    /// Room for power series.
+    tapes: Option<Box<Tapes<T>>>,
 }
 
 type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
@@ -61,7 +77,7 @@ where
 
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None };
+        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, tapes: None };
         let mut bodies = Bodies::new(self.count, kept, place, 0.0);
         self.refresh(&mut bodies);
         bodies
@@ -138,6 +154,25 @@ where
 
     fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
         bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
+    }
+
+    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
+        let tapes = |motion: &Arc<Motion>| Box::new(Tapes::new(motion, self.count.number(), orders));
+        bodies.kept.tapes = self.motion.as_ref().map(tapes);
+    }
+
+    fn expand<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        series: &mut [[T; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series, witness)
+    }
+
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        let unknown = need == Need::Series && self.motion.is_none();
+        unknown.then_some("functions that go different ways by their values")
     }
 
     fn collocate<W: Witness<T>, const S: usize>(

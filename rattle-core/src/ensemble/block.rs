@@ -98,6 +98,7 @@ impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
     pub(crate) h: f64,
+    over_h: f64,
     pub(crate) kick: f64,
     pub(crate) weights: [f64; 2],
 }
@@ -116,7 +117,7 @@ impl Part {
             let far = last / earlier;
             let far = if far.abs() <= 2.0 { far } else { 0.0 };
             let weights = [(1.0 + far) * (h / before).powi(2), -far * (h / first).powi(2)];
-            Part { h, kick: 0.5 * (h + at(i + 1)), weights }
+            Part { h, over_h: 1.0 / h, kick: 0.5 * (h + at(i + 1)), weights }
         };
         (0..n).map(part).collect()
     }
@@ -528,7 +529,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     S: Lane,
     F: Field<S, D>,
 {
-    let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(1.0 / part.h), S::from_f64(part.kick));
+    let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(part.over_h), S::from_f64(part.kick));
     let one = S::from_f64(1.0);
     for i in 0..L {
         let (n, m, old) = (at(normal, i), at(next, i), at(p, i));

@@ -31,8 +31,14 @@ pub trait Group<const D: usize>: Send {
 
 /// A simulation by itself.
 pub(crate) struct Alone<Y: System<f64, D>, S: Stepper, const D: usize> {
-    pub(crate) simulation: Simulation<Y, S, D>,
-    pub(crate) failure: Option<Error>,
+    simulation: Simulation<Y, S, D>,
+    failure: Option<Error>,
+}
+
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Alone<Y, S, D> {
+    pub(crate) fn new(simulation: Simulation<Y, S, D>) -> Self {
+        Self { simulation, failure: None }
+    }
 }
 
 impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> {

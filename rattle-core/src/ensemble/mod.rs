@@ -28,7 +28,7 @@ mod instruction_set;
 mod precision;
 
 pub use instruction_set::InstructionSet;
-pub use precision::{Compensated, Double, InLanes, Precision, Scenes, Single};
+pub use precision::{Compensated, Double, InLanes, Precision, Single};
 
 use crate::bodies::Count;
 use crate::effect::Effects;
@@ -58,20 +58,39 @@ pub struct Ensemble<const D: usize> {
 }
 
 impl<const D: usize> Ensemble<D> {
-    /// One trajectory of each scene, from a start of its own: a sweep over parameters, with these instructions.
+    /// Trajectories of one scene, with these instructions (or those that every processor has, if this one does not have
+    /// them); see [`Scene::ensemble`].
+    ///
+    /// # Errors
+    /// As [`Scene::ensemble`].
+    pub fn of<P: Precision, C: Hold<D>, E: Effects<D>, N: Count, S: Stepper>(
+        _precision: P,
+        scene: &Scene<C, E, N, D>,
+        starts: impl IntoIterator<Item = State<D>>,
+        stepper: S,
+        set: InstructionSet,
+    ) -> Result<Self, Error> {
+        let trajectories = starts.into_iter().map(|start| (scene, start));
+        Self::assembled(trajectories, stepper, set, |scenes, starts, lanes| {
+            let Scene { constraint, effects, .. } = scenes[0];
+            C::in_lanes::<P, E>((constraint, effects), starts, lanes)
+        })
+    }
+
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes two to three times as long as
+    /// one scene for all.
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
-    /// let ensemble = Ensemble::of(Double, scenes.iter().zip(starts), Rattle::new(0.01), InstructionSet::widest())?;
+    /// let mut ensemble = Ensemble::sweep(Double, scenes.iter().zip(starts), Rattle::new(0.01))?;
     /// ```
     ///
     /// # Errors
     /// As [`Scene::ensemble`].
-    pub fn of<'a, P, C, E, N, S>(
+    pub fn sweep<'a, P, C, E, N, S>(
         _precision: P,
         trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
         stepper: S,
-        set: InstructionSet,
     ) -> Result<Self, Error>
     where
         P: Precision,
@@ -80,35 +99,43 @@ impl<const D: usize> Ensemble<D> {
         N: Count + 'a,
         S: Stepper,
     {
+        Self::assembled(trajectories, stepper, InstructionSet::widest(), |scenes, starts, lanes| {
+            let each = scenes.iter().map(|scene| (&scene.constraint, &scene.effects)).collect::<Vec<_>>();
+            C::each_in_lanes::<P, E>(&each, starts, lanes)
+        })
+    }
+
+    /// Checks all starts, and puts trajectories in lanes, a group after the other, where there are lanes for them.
+    #[allow(clippy::type_complexity, reason = "said once")]
+    fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Stepper>(
+        trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
+        stepper: S,
+        set: InstructionSet,
+        in_lanes: impl Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Option<Box<dyn Group<D>>>,
+    ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = stepper.step_size();
         let lanes = stepper.rattle_steps().map(|lengths| InLanes { lengths, h, set });
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         let mut trajectories = trajectories.into_iter();
         loop {
-            let (mut scenes, mut starts, mut alone) =
-                (Vec::new(), Vec::new(), Vec::<Box<dyn Group<D>>>::new());
+            let (mut scenes, mut starts, mut simulations) = (Vec::new(), Vec::new(), Vec::new());
             for (scene, start) in trajectories.by_ref().take(GROUP) {
-                let in_a_lane = lanes.is_some() && start.len() == 1;
-                if in_a_lane {
-                    starts.push(start.clone());
-                }
                 let trajectory = ensemble.len + scenes.len();
+                let simulation = scene.simulate(start.clone(), stepper.clone());
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
-                let simulation = scene.simulate(start, stepper.clone()).map_err(error)?;
+                simulations.push(simulation.map_err(error)?);
+                starts.push(start);
                 scenes.push(scene);
-                if !in_a_lane || !C::HAS_LANES {
-                    alone.push(Box::new(Alone { simulation, failure: None }));
-                }
             }
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let side_by_side = match &lanes {
-                Some(lanes) if alone.is_empty() => C::in_lanes::<P, E>(Scenes::of(&scenes), &starts, lanes),
-                _ => None,
-            };
-            for group in side_by_side.unwrap_or(alone) {
+            let single = starts.iter().all(|start| start.len() == 1);
+            let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
+            let alone =
+                || simulations.into_iter().map(|simulation| Box::new(Alone::new(simulation)) as _).collect();
+            for group in group.map_or_else(alone, |group| vec![group]) {
                 ensemble.first.push(ensemble.len);
                 ensemble.len += group.len();
                 ensemble.groups.push(group);

@@ -1,13 +1,11 @@
 //! The numbers that trajectories in lanes are made of.
 
-use crate::bodies::Count;
 use crate::effect::Effects;
 use crate::ensemble::block::{Each, Same};
 use crate::ensemble::group::{Group, SideBySide};
 use crate::ensemble::{GROUP, InstructionSet};
 use crate::kernel::Constraint;
 use crate::lanes::{Fused, Lane};
-use crate::scene::Scene;
 use crate::state::State;
 use std::array::from_fn;
 
@@ -26,13 +24,21 @@ pub struct Single;
 
 /// What numbers in lanes are: [`Double`], [`Compensated`] or [`Single`].
 pub trait Precision: Copy {
-    /// Groups of these trajectories.
+    /// A group of trajectories that obey the same.
     #[doc(hidden)]
-    fn groups<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
-        scenes: Scenes<'_, C, E>,
+    fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+        scene: (&C, &E),
         starts: &[State<D>],
         lanes: &InLanes,
-    ) -> Vec<Box<dyn Group<D>>>;
+    ) -> Box<dyn Group<D>>;
+
+    /// A group of trajectories that obey different parameters.
+    #[doc(hidden)]
+    fn each<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+        scenes: &[(&C, &E)],
+        starts: &[State<D>],
+        lanes: &InLanes,
+    ) -> Box<dyn Group<D>>;
 }
 
 /// How trajectories go in lanes.
@@ -47,39 +53,30 @@ pub struct InLanes {
     pub set: InstructionSet,
 }
 
-/// What each trajectory obeys.
-#[doc(hidden)]
-#[derive(Debug)]
-pub enum Scenes<'a, C, E> {
-    /// All the same.
-    Same(&'a C, &'a E),
-    /// Each its own.
-    Each(Vec<(&'a C, &'a E)>),
-}
-
-impl<'a, C, E> Scenes<'a, C, E> {
-    /// Those of the scenes, of which there is one at least.
-    pub(crate) fn of<N: Count, const D: usize>(scenes: &[&'a Scene<C, E, N, D>]) -> Self {
-        if scenes.iter().all(|&scene| std::ptr::eq(scene, scenes[0])) {
-            Self::Same(&scenes[0].constraint, &scenes[0].effects)
-        } else {
-            Self::Each(scenes.iter().map(|scene| (&scene.constraint, &scene.effects)).collect())
-        }
-    }
-}
-
 macro_rules! precision {
     ($($name:ident: $float:ident, $sums:literal;)*) => {$(
         impl Precision for $name {
-            fn groups<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
-                scenes: Scenes<'_, C, E>,
+            fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+                scene: (&C, &E),
                 starts: &[State<D>],
                 lanes: &InLanes,
-            ) -> Vec<Box<dyn Group<D>>> {
+            ) -> Box<dyn Group<D>> {
                 if lanes.set.fuses() {
-                    groups::<Fused<$float>, C, E, D, $sums>(scenes, starts, lanes)
+                    same::<Fused<$float>, C, E, D, $sums>(scene, starts, lanes)
                 } else {
-                    groups::<$float, C, E, D, $sums>(scenes, starts, lanes)
+                    same::<$float, C, E, D, $sums>(scene, starts, lanes)
+                }
+            }
+
+            fn each<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+                scenes: &[(&C, &E)],
+                starts: &[State<D>],
+                lanes: &InLanes,
+            ) -> Box<dyn Group<D>> {
+                if lanes.set.fuses() {
+                    each::<Fused<$float>, C, E, D, $sums>(scenes, starts, lanes)
+                } else {
+                    each::<$float, C, E, D, $sums>(scenes, starts, lanes)
                 }
             }
         }
@@ -91,33 +88,35 @@ precision! {
     Single: f32, 0;
 }
 
-fn groups<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
-    scenes: Scenes<'_, C, E>,
+type Kernel<S, C, const D: usize> = <C as Constraint<D, 1>>::Kernel<S>;
+type Acting<S, E, const D: usize> = <E as Effects<D>>::Field<S>;
+
+fn same<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
+    (constraint, effects): (&C, &E),
     starts: &[State<D>],
     InLanes { lengths, h, .. }: &InLanes,
-) -> Vec<Box<dyn Group<D>>> {
-    type Of<S, C, E, X, const L: usize, const D: usize, const SUMS: usize> =
-        SideBySide<S, <C as Constraint<D, 1>>::Kernel<S>, <E as Effects<D>>::Field<S>, X, L, D, SUMS>;
-    vec![match scenes {
-        Scenes::Same(constraint, effects) => {
-            let laws = Same(constraint.kernel::<S>(), effects.field::<S>());
-            if starts.len() == 1 {
-                Box::new(Of::<S, C, E, _, 1, D, SUMS>::new(starts, laws, lengths, *h))
-            } else {
-                Box::new(Of::<S, C, E, _, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
-            }
-        }
-        Scenes::Each(each) => {
-            let of = |lane: usize| {
-                let (constraint, effects) = each[if lane < each.len() { lane } else { 0 }];
-                (constraint.kernel::<S>(), effects.field::<S>())
-            };
-            Box::new(Of::<S, C, E, _, GROUP, D, SUMS>::new(
-                starts,
-                Each::<_, _, GROUP>(from_fn(of)),
-                lengths,
-                *h,
-            ))
-        }
-    }]
+) -> Box<dyn Group<D>> {
+    type Of<S, K, F, const L: usize, const D: usize, const SUMS: usize> =
+        SideBySide<S, K, F, Same<K, F>, L, D, SUMS>;
+    let laws = Same(constraint.kernel::<S>(), effects.field::<S>());
+    if starts.len() == 1 {
+        Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, 1, D, SUMS>::new(starts, laws, lengths, *h))
+    } else {
+        Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
+    }
+}
+
+fn each<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
+    scenes: &[(&C, &E)],
+    starts: &[State<D>],
+    InLanes { lengths, h, .. }: &InLanes,
+) -> Box<dyn Group<D>> {
+    type Of<S, K, F, const D: usize, const SUMS: usize> =
+        SideBySide<S, K, F, Each<K, F, GROUP>, GROUP, D, SUMS>;
+    let of = |lane: usize| {
+        let (constraint, effects) = scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
+        (constraint.kernel::<S>(), effects.field::<S>())
+    };
+    let laws = Each(from_fn(of));
+    Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, D, SUMS>::new(starts, laws, lengths, *h))
 }

@@ -15,7 +15,7 @@ use crate::bodies::Count;
 use crate::effect::{Field, Force};
 use crate::error::StepFailure;
 use crate::lobatto::Table;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, largest, sum, two_sum};
 
@@ -70,7 +70,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        if let Some(system) = self.refuses_stages() {
+        if let Some(system) = self.refuses(Need::Stages) {
             return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
         }
         let (n, m) = (self.count.number(), shape.equations);
