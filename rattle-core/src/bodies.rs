@@ -4,14 +4,14 @@ use crate::real::Real;
 use std::fmt::Debug;
 
 /// How many bodies a scene has: exactly one, known when compiling, or many.
-pub trait Count: Copy + Debug + Send + 'static {
+pub trait Count: Copy + Debug + Send + Sync + 'static {
     /// Storage for one `X` per body.
-    type Of<X: Copy + Debug + Send>: AsRef<[X]> + AsMut<[X]> + Clone + Debug + Send;
+    type Of<X: Copy + Debug + Send + Sync>: AsRef<[X]> + AsMut<[X]> + Clone + Debug + Send + Sync;
 
     /// The number of bodies.
     fn number(self) -> usize;
     /// The same `x` for each body.
-    fn each<X: Copy + Debug + Send>(self, x: X) -> Self::Of<X>;
+    fn each<X: Copy + Debug + Send + Sync>(self, x: X) -> Self::Of<X>;
 }
 
 /// One body: its state lives in arrays of length one, and loops over bodies vanish.
@@ -19,13 +19,13 @@ pub trait Count: Copy + Debug + Send + 'static {
 pub struct One;
 
 impl Count for One {
-    type Of<X: Copy + Debug + Send> = [X; 1];
+    type Of<X: Copy + Debug + Send + Sync> = [X; 1];
 
     #[inline(always)]
     fn number(self) -> usize {
         1
     }
-    fn each<X: Copy + Debug + Send>(self, x: X) -> [X; 1] {
+    fn each<X: Copy + Debug + Send + Sync>(self, x: X) -> [X; 1] {
         [x]
     }
 }
@@ -35,13 +35,13 @@ impl Count for One {
 pub struct Many(pub usize);
 
 impl Count for Many {
-    type Of<X: Copy + Debug + Send> = Vec<X>;
+    type Of<X: Copy + Debug + Send + Sync> = Vec<X>;
 
     #[inline(always)]
     fn number(self) -> usize {
         self.0
     }
-    fn each<X: Copy + Debug + Send>(self, x: X) -> Vec<X> {
+    fn each<X: Copy + Debug + Send + Sync>(self, x: X) -> Vec<X> {
         vec![x; self.0]
     }
 }

@@ -16,9 +16,9 @@ use std::fmt::Debug;
 /// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a law
 /// of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation, put back
 /// bit for bit when a step fails, and part of a [`State`](crate::state::State) taken from it.
-pub trait Stepper: Clone + Send + 'static {
+pub trait Stepper: Clone + Send + Sync + 'static {
     /// The numbers carried from step to step: `[T; 0]` for a one-step method.
-    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send;
+    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
 
     /// The time that one step takes; negative to run backwards.
     fn step_size(&self) -> f64;

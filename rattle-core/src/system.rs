@@ -22,11 +22,11 @@ use std::fmt::Debug;
 /// ```text
 /// M q̈ = f(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   f = −∇U,   G = ∂g/∂q
 /// ```
-pub trait System<T: Real, const D: usize>: Clone + Send + 'static {
+pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// How many bodies there are: one, or many.
     type Count: Count;
     /// What is kept from one step to the next: normals and factors at the positions, and the forces last evaluated.
-    type Kept: Clone + Debug + Send;
+    type Kept: Clone + Debug + Send + Sync;
 
     /// The bodies in these places at this time, with all evaluated there that is kept.
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64)

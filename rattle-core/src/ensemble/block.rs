@@ -266,12 +266,14 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     }
 
     /// Position of a lane, and what rounding took from it.
+    #[inline(always)]
     pub(crate) fn position(&self, lane: usize) -> [[S; D]; 2] {
         [at(&self.q, lane), self.q_low.first().map_or([S::default(); D], |low| at(low, lane))]
     }
 
     /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back, and along the
     /// surface where the trajectory is, not where it was before the last correction.
+    #[inline(always)]
     pub(crate) fn momentum<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
         &self,
         lane: usize,

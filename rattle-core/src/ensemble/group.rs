@@ -4,6 +4,7 @@ use crate::bodies::Body;
 use crate::effect::Field;
 use crate::ensemble::block::{Block, Kept, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
+use crate::ensemble::observe::Sight;
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
@@ -11,22 +12,47 @@ use crate::simulation::Simulation;
 use crate::state::State;
 use crate::stepper::{Failure, Stepper};
 use crate::system::System;
+use nalgebra::SVector;
 use std::array::from_fn;
 use std::marker::PhantomData;
 
 /// Some trajectories of an ensemble.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
-pub trait Group<const D: usize>: Send {
+pub trait Group<const D: usize>: Send + Sync {
     /// How many there are.
     fn len(&self) -> usize;
     /// Takes so many steps; trajectories that fail rest where they were before the step.
     fn run(&mut self, steps: u64, set: InstructionSet);
     /// The state of one.
     fn state(&self, trajectory: usize) -> State<D>;
-    /// Position and momentum of the one body of a trajectory.
-    fn place(&self, trajectory: usize) -> ([f64; D], [f64; D]);
+    /// Writes times, and positions and momenta of all bodies, of all trajectories in turn.
+    fn look(&self, seen: &mut Seen<D>, set: InstructionSet);
     /// Why one goes on no more.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
+}
+
+/// Times, positions and momenta of a group's trajectories in turn.
+#[derive(Debug, Clone, Default)]
+pub struct Seen<const D: usize> {
+    pub(crate) times: Vec<f64>,
+    pub(crate) positions: Vec<SVector<f64, D>>,
+    pub(crate) momenta: Vec<SVector<f64, D>>,
+}
+
+impl<const D: usize> Seen<D> {
+    pub(crate) fn clear(&mut self) {
+        self.times.clear();
+        self.positions.clear();
+        self.momenta.clear();
+    }
+
+    /// One of the trajectories, which all have as many bodies.
+    pub(crate) fn sight(&self, first: usize, own: usize) -> Sight<'_, D> {
+        let bodies = self.positions.len() / self.times.len();
+        let bodies = own * bodies..(own + 1) * bodies;
+        let (positions, momenta) = (&self.positions[bodies.clone()], &self.momenta[bodies]);
+        Sight { trajectory: first + own, time: self.times[own], positions, momenta }
+    }
 }
 
 /// A simulation by itself.
@@ -53,9 +79,10 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> 
     fn state(&self, _: usize) -> State<D> {
         self.simulation.state()
     }
-    fn place(&self, _: usize) -> ([f64; D], [f64; D]) {
-        let body = self.simulation.bodies.body(0);
-        (body.q, body.p)
+    fn look(&self, seen: &mut Seen<D>, _: InstructionSet) {
+        seen.times.push(self.simulation.time());
+        seen.positions.extend(self.simulation.positions());
+        seen.momenta.extend(self.simulation.momenta());
     }
     fn failure(&self, _: usize) -> Option<&Error> {
         self.failure.as_ref()
@@ -136,12 +163,11 @@ where
     }
 
     /// Takes the trajectory that is in a lane, itself or as a copy, and cannot be moved on, out of the block.
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     fn end(&mut self, lane: usize, Failure { body, cause }: Failure) {
         let stuck = self.copy_of[lane];
         if std::mem::replace(&mut self.moving[stuck], false) {
             let (q, p) = (self.block.position(stuck), self.momentum(stuck));
-            let time = self.start_time[stuck] + self.steps as f64 * self.h;
+            let time = self.time(stuck);
             let failure = Error::Step { step: self.steps + 1, time, body, cause };
             self.ended.push(Ended { lane: stuck, steps: self.steps, q, p, failure });
         }
@@ -153,14 +179,23 @@ where
         self.copy_of = self.copy_of.map(|of| if of == stuck { other } else { of });
     }
 
+    #[inline(always)]
     fn momentum(&self, lane: usize) -> [[S; D]; 2] {
         self.block.momentum(lane, (self.laws.constraint(lane), self.laws.field(lane)), &self.parts)
+    }
+
+    /// The time of a trajectory.
+    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+    fn time(&self, lane: usize) -> f64 {
+        let steps = self.ended(lane).map_or(self.steps, |ended| ended.steps);
+        self.start_time[lane] + steps as f64 * self.h
     }
 
     fn ended(&self, lane: usize) -> Option<&Ended<S, D>> {
         self.ended.iter().find(|ended| ended.lane == lane)
     }
 
+    #[inline(always)]
     fn numbers(&self, lane: usize) -> ([[S; D]; 2], [[S; D]; 2]) {
         self.ended(lane)
             .map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
@@ -179,6 +214,34 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
 struct Stretch<'a, G> {
     group: &'a mut G,
     steps: u64,
+}
+
+/// Looks up.
+struct Look<'a, G, const D: usize> {
+    group: &'a G,
+    seen: &'a mut Seen<D>,
+}
+
+impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
+    for Look<'_, SideBySide<S, K, F, X, L, D, SUMS>, D>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Field<S, D>,
+    X: Kept<K, F>,
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { group, seen } = self;
+        for lane in 0..group.start_time.len() {
+            let (q, p) = group.numbers(lane);
+            seen.times.push(group.time(lane));
+            seen.positions.push(q[0].map(Lane::to_f64).into());
+            seen.momenta.push(p[0].map(Lane::to_f64).into());
+        }
+    }
 }
 
 impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
@@ -214,13 +277,12 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D> + Send,
-    X: Kept<K, F> + Send,
+    X: Kept<K, F> + Send + Sync,
 {
     fn len(&self) -> usize {
         self.start_time.len()
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     fn run(&mut self, steps: u64, set: InstructionSet) {
         let end = self.steps + steps;
         while self.steps < end && self.moving.contains(&true) {
@@ -237,19 +299,16 @@ where
         self.steps = end;
     }
 
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     fn state(&self, trajectory: usize) -> State<D> {
         let (q, p) = self.numbers(trajectory);
         let [q, q_low, p, p_low] = [q[0], q[1], p[0], p[1]].map(|x| x.map(Lane::to_f64));
-        let steps = self.ended(trajectory).map_or(self.steps, |ended| ended.steps);
-        let mut state = State::at(q).at_time(self.start_time[trajectory] + steps as f64 * self.h);
+        let mut state = State::at(q).at_time(self.time(trajectory));
         state.bodies[0] = Body { q, q_low, p, p_low };
         state
     }
 
-    fn place(&self, trajectory: usize) -> ([f64; D], [f64; D]) {
-        let (q, p) = self.numbers(trajectory);
-        (q[0].map(Lane::to_f64), p[0].map(Lane::to_f64))
+    fn look(&self, seen: &mut Seen<D>, set: InstructionSet) {
+        set.run(Look { group: self, seen });
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -25,10 +25,14 @@ mod block;
 #[doc(hidden)]
 pub mod group;
 mod instruction_set;
+mod observe;
 mod precision;
+mod stream;
 
 pub use instruction_set::InstructionSet;
+pub use observe::{Crossing, Histogram, Mean, Observer, Section, Sight};
 pub use precision::{Compensated, Double, InLanes, Precision, Single};
+pub use stream::Snapshot;
 
 use crate::bodies::Count;
 use crate::effect::Effects;
@@ -36,7 +40,7 @@ use crate::error::Error;
 use crate::scene::{Hold, Scene};
 use crate::state::State;
 use crate::stepper::Stepper;
-use group::{Alone, Group};
+use group::{Alone, Group, Seen};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -148,6 +152,46 @@ impl<const D: usize> Ensemble<D> {
         let set = self.set;
         self.groups.par_iter_mut().for_each(|group| group.run(steps, set));
         self.steps += steps;
+    }
+
+    /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
+    /// again.
+    ///
+    /// ```
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::Mean};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+    /// let speed = ensemble.observe(1000, 10, || Mean::of(|now| now.momentum().norm()));
+    /// assert_eq!((speed.number(), speed.mean()), (10_000, 49.5));
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: impl Fn() -> O + Sync) -> O {
+        assert!(every > 0, "an ensemble is observed after every 1 or more steps");
+        let set = self.set;
+        let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
+            let (mut own, mut before, mut now) = (observer(), Seen::default(), Seen::default());
+            group.look(&mut before, set);
+            for part in (0..steps).step_by(usize::try_from(every).unwrap_or(usize::MAX)) {
+                group.run(every.min(steps - part), set);
+                now.clear();
+                group.look(&mut now, set);
+                if steps - part >= every {
+                    for trajectory in (0..group.len()).filter(|&one| group.failure(one).is_none()) {
+                        own.see(&before.sight(first, trajectory), &now.sight(first, trajectory));
+                    }
+                }
+                std::mem::swap(&mut before, &mut now);
+            }
+            own
+        };
+        let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();
+        self.steps += steps;
+        let mut all = observer();
+        observers.into_iter().for_each(|next| all.join(next));
+        all
     }
 
     /// How many trajectories there are.
