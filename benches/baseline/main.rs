@@ -40,7 +40,9 @@ fn main() -> Result<(), String> {
     if arguments.iter().any(|word| word == "--callgrind") {
         return programs.callgrind();
     }
-    let rounds = after("--rounds").map_or(Ok(9), |number| number.parse()).map_err(|why: std::num::ParseIntError| why.to_string())?;
+    let rounds = after("--rounds")
+        .map_or(Ok(9), |number| number.parse())
+        .map_err(|why: std::num::ParseIntError| why.to_string())?;
 
     let mut tasks = [
         Task { name: "one after the other", n: 500, steps: 2000, entrants: programs.scalar()? },

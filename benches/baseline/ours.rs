@@ -1,11 +1,11 @@
 //! What the library makes of the same tasks. This is the one place where it is plugged in.
 
 use crate::conversation::{H, Run, start};
+use rattle::Counted;
 use rattle::bodies::{Many, One};
 use rattle::counted::Counts;
 use rattle::prelude::*;
 use rattle::system::System;
-use rattle::{Counted, surface::OnSurface};
 use std::path::Path;
 
 constraint! {
@@ -50,11 +50,9 @@ pub(crate) fn ours(row: &str, n: usize, counted: bool) -> Option<Box<dyn Run>> {
         SCALAR if counted => {
             let surface = Counted::new(SURFACE);
             let counts = surface.counts();
-            let run = one_by_one(&Scene::on(surface).with(GRAVITY), n, Some(counts.clone()));
-            counts.reset(); // what the starts evaluated
-            Some(Box::new(run))
+            Some(one_by_one(&Scene::on(surface).with(GRAVITY), n, Some(counts)))
         }
-        SCALAR => Some(Box::new(one_by_one(&Scene::on(SURFACE).with(GRAVITY), n, None))),
+        SCALAR => Some(one_by_one(&Scene::on(SURFACE).with(GRAVITY), n, None)),
         _ => None,
     }
 }
@@ -65,20 +63,20 @@ struct OneByOne<Y: System<f64, 3>> {
     counts: Option<Counts>,
 }
 
-fn one_by_one<C, E>(
-    scene: &Scene<C, E, One, 3>,
-    n: usize,
-    counts: Option<Counts>,
-) -> OneByOne<OnSurface<C::Kernel<f64>, E::Field<f64>, One>>
+fn one_by_one<C, E>(scene: &Scene<C, E, One, 3>, n: usize, counts: Option<Counts>) -> Box<dyn Run>
 where
     C: Constraint<3, 1>,
-    E: rattle::effect::Effects<3>,
+    E: rattle::effect::Effects<3> + 'static,
 {
     let simulation = |i| {
         let (q, p) = start(i, n);
         scene.simulate(State::at(q).moving(p), Rattle::new(H)).expect("a start on the surface")
     };
-    OneByOne { simulations: (0..n).map(simulation).collect(), counts }
+    let simulations: Vec<_> = (0..n).map(simulation).collect();
+    if let Some(counts) = &counts {
+        counts.reset(); // what the starts evaluated
+    }
+    Box::new(OneByOne { simulations, counts })
 }
 
 impl<Y: System<f64, 3>> Run for OneByOne<Y> {
