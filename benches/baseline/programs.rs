@@ -277,7 +277,7 @@ impl Task {
                 for row in entrant.rows.clone() {
                     let mut best = f64::INFINITY;
                     for _ in 0..3 {
-                        best = best.min(entrant.ns_per_step(&row, self.n.min(2000), self.steps / 4)?);
+                        best = best.min(entrant.ns_per_step(&row, self.n.min(2000), self.steps)?);
                     }
                     times.push((best, row));
                 }
