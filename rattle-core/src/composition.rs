@@ -91,6 +91,9 @@ impl<B: Stepper> Stepper for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
+    fn moves_phase_space(&self) -> bool {
+        self.base.moves_phase_space()
+    }
     fn stages(&self) -> usize {
         self.base.stages()
     }

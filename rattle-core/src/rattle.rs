@@ -60,6 +60,9 @@ impl Stepper for Rattle {
     fn is_symmetric(&self) -> bool {
         true
     }
+    fn moves_phase_space(&self) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

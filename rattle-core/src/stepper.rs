@@ -31,6 +31,11 @@ pub trait Stepper: Clone {
         0.0
     }
 
+    /// Whether its step is that of RATTLE, or made of such: what alone makes sense in [phase space](crate::phase).
+    fn moves_phase_space(&self) -> bool {
+        false
+    }
+
     /// Inner stages that need room, 0 for methods without.
     fn stages(&self) -> usize {
         0
