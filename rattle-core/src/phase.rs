@@ -5,10 +5,10 @@
 //! ṗ = −∂H/∂q + (∂g/∂q)ᵀ λ        g(q, p) = 0
 //! ```
 //!
-//! with the sign of λ as everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0, with {a, b} = ∂a/∂q·∂b/∂p −
-//! ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the gᵢ then make *fibres* within
-//! g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden constraint, which a start must satisfy too; it is
-//! determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A step is
+//! with the sign of λ as everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0, with
+//! {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the gᵢ
+//! then make *fibres* within g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden constraint,
+//! which a start must satisfy too; it is determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A step is
 //!
 //! ```text
 //! z̃  = z slid along its fibre by h/2 λ
@@ -16,12 +16,14 @@
 //! z′ = z* slid along its fibre by h/2 μ    μ such that {g, H}(z′) = 0
 //! ```
 //!
-//! with the Störmer–Verlet step Φₕ of H as if it were free. It is symplectic on the hidden constraint, symmetric and of second order,
-//! and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::rattle). What z* is does not depend on where on its fibre z
-//! was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its own.
+//! with the Störmer–Verlet step Φₕ of H as if it were free. It is symplectic on the hidden constraint, symmetric and of
+//! second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::rattle). What z* is does not depend on where on
+//! its fibre z was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its own.
 //!
-//! Where N loses its inverse the motion ends, as |N| ~ √(t − t*) for one equation, and others begin; a step within which N changes
-//! by half of itself is refused.
+//! Where N loses its inverse the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes by
+//! half of itself is refused.
+//!
+//! H is told as kinetic energy, and no shadow energy is known (NaN).
 //!
 //! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found. Comput.
 //! Math. 14 (2014) 339.
@@ -54,7 +56,8 @@ const NOISE: f64 = 1e3;
 /// N may change by this part of itself within a step.
 const TURN: f64 = 0.5;
 
-/// M equations g(q, p) = 0 and an energy H(q, p): what [`Scene::in_phase_space`](crate::scene::Scene::in_phase_space) is made of.
+/// M equations g(q, p) = 0 and an energy H(q, p), of a scene made by
+/// [`Scene::in_phase_space`](crate::scene::Scene::in_phase_space).
 #[derive(Debug, Clone, Copy)]
 pub struct PhaseSpace<G, H, const M: usize> {
     /// g.
@@ -245,7 +248,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
 
     /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there.
     #[allow(clippy::type_complexity, reason = "three numbers of one slide")]
-    fn come_to_rest<const D: usize>(
+    fn slide_to_hidden<const D: usize>(
         &self,
         h: f64,
         body: &Body<f64, D>,
@@ -284,7 +287,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         for second in 1..M {
             for first in 0..second {
                 let (bracket, size) = level.bracket(first, second);
-                if !(bracket.abs() <= START_TOLERANCE * size) {
+                if bracket.is_nan() || bracket.abs() > START_TOLERANCE * size {
                     let share = bracket.abs() / size;
                     return mistake(PhaseMistake::NotCoisotropic { first, second, bracket, share });
                 }
@@ -316,7 +319,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let (_, roundings) = worst(&value, &size);
             if roundings <= 1.0 || (roundings >= 0.5 * last && roundings <= NOISE) {
                 let body = Body { q: at.q, q_low: [0.0; D], p: at.p, p_low: [0.0; D] };
-                let slid = self.come_to_rest(0.0, &body);
+                let slid = self.slide_to_hidden(0.0, &body);
                 return match slid {
                     Ok((_, change, _)) => Ok(at.plus(&change)),
                     Err(StepFailure::NoSlide { equation, residuals, .. }) => {
@@ -399,9 +402,9 @@ where
     ) -> Result<(), Failure> {
         for number in 0..self.count.number() {
             let fail = |cause| Failure { body: number, cause };
-            let (sigma, change, slopes) = self.come_to_rest(h, &bodies.body(number)).map_err(fail)?;
+            let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
             let turned = turn(&bodies.kept.as_ref()[number], &slopes);
-            if !(turned <= TURN) {
+            if turned > TURN {
                 return Err(fail(StepFailure::Undetermined { change: turned, h }));
             }
             for (i, sigma) in sigma.into_iter().enumerate() {

@@ -143,6 +143,15 @@ impl Scene<(), (), One, 0> {
 
     /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by [`Rattle`](crate::rattle::Rattle), which
     /// then is geometric RATTLE, or a composition of it. See [`phase`](crate::phase) for what g must be.
+    ///
+    /// ```text
+    /// phase_constraint! { struct Hopf {}        |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1 }
+    /// hamiltonian!      { struct Falling { g }  |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1] }
+    ///
+    /// let scene = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
+    /// let start = scene.project(&State::at([-0.55, -0.83]))?;         // onto g = 0, then along the fibre to {g, H} = 0
+    /// let mut simulation = scene.simulate(start, Rattle::new(0.05))?;
+    /// ```
     pub fn in_phase_space<G, H, const D: usize, const M: usize>(
         constraint: G,
         hamiltonian: H,

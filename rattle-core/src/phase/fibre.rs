@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The fibres of a general constraint have no formula, so the flow is computed to rounding: by the Gauss method of five
-//! stages, order 10, which is symmetric, keeps quadratic g, and here takes parts so short that its error stays below 1e-16 of the
-//! motion. For g(q) the flow is the kick p + Gᵀσ, found at once.
+//! stages, order 10, which is symmetric, keeps quadratic g, and here takes parts so short that its error stays below 1e-16
+//! of the motion. For g(q) the flow is the kick p + Gᵀσ, found at once.
 
 use super::point::Point;
 use crate::kernel::PhaseConstraintKernel;
@@ -39,7 +39,7 @@ const A: [[f64; STAGES]; STAGES] = [
     [
         0.121_232_436_926_864_15,
         0.228_996_054_578_999_88,
-        0.309_036_559_064_086_64,
+        0.309_036_559_064_086_6,
         0.119_657_167_624_841_62,
         -0.009_687_563_141_950_74,
     ],
@@ -59,8 +59,8 @@ const B: [f64; STAGES] = [
     0.118_463_442_528_094_54,
 ];
 
-/// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is 0.13, so that the error of a
-/// part, 4e-13 x¹⁰ of it with x the change of the field along it, stays below 1e-16.
+/// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is about 0.13, so that
+/// the error of a part, 4e-13 x¹⁰ of it with x the relative change of the field along it, stays below 1e-16.
 const CONTRACTION: f64 = 1.0 / 20.0;
 /// Iterations of the stages; with that factor a dozen suffice.
 const MAX_ITERATIONS: usize = 30;
@@ -73,22 +73,11 @@ pub(super) fn slide<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M
     start: &Point<D>,
     sigma: &[f64; M],
 ) -> Option<Point<D>> {
-    let mut parts = 1;
-    'parts: while parts <= MAX_PARTS {
+    let halvings = std::iter::successors(Some(1), |parts| (*parts < MAX_PARTS).then_some(2 * parts));
+    halvings.into_iter().find_map(|parts: u32| {
         let share = sigma.map(|sigma| sigma / f64::from(parts));
-        let mut change = Point::ZERO;
-        for _ in 0..parts {
-            match part(constraint, start, &change, &share) {
-                Some(next) => change = next,
-                None => {
-                    parts *= 2;
-                    continue 'parts;
-                }
-            }
-        }
-        return Some(change);
-    }
-    None
+        (0..parts).try_fold(Point::ZERO, |before, _| part(constraint, start, &before, &share))
+    })
 }
 
 /// The change after one more part; none if it is too long.

@@ -80,7 +80,8 @@ impl<const D: usize, const M: usize> Level<D, M> {
 /// The hidden constraint hᵢ = {gᵢ, H}, with what says how it changes.
 pub(super) struct Hidden<const D: usize, const M: usize> {
     pub(super) value: [f64; M],
-    /// Σ |Nᵢⱼ| sⱼ, where a slide by sⱼ is as long as the reach: times ε the rounding of hᵢ that comes from that of the point.
+    /// Σ |Nᵢⱼ| sⱼ, where a slide by sⱼ is as long as the reach: times ε the rounding of hᵢ that comes from that of the
+    /// point.
     pub(super) size: [f64; M],
     /// Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre.
     pub(super) slopes: [[f64; M]; M],
@@ -126,7 +127,7 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
     pub(super) fn is_undetermined(&self) -> bool {
         (0..M).any(|j| {
             let unit = from_fn(|i| if i == j { self.slope_size } else { 0.0 });
-            solve(self.slopes, unit).is_none_or(|column| !(largest(&column) < 1.0 / SINGULAR))
+            solve(self.slopes, unit).is_none_or(|column| largest(&column) > 1.0 / SINGULAR)
         })
     }
 
