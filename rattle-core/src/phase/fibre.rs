@@ -64,8 +64,8 @@ const B: [f64; STAGES] = [
 const CONTRACTION: f64 = 1.0 / 20.0;
 /// Iterations of the stages; with that factor a dozen suffice.
 const MAX_ITERATIONS: usize = 30;
-/// Parts beyond which a motion is given up.
-const MAX_PARTS: u32 = 1 << 12;
+/// Parts beyond which a motion is given up: some hundred radians, where a step needs a fraction of one.
+const MAX_PARTS: u32 = 1 << 8;
 
 /// The change of `start` along the fibre by σ. None if the field is not finite on the way.
 pub(super) fn slide<K: PhaseConstraintKernel<f64, D, M>, const D: usize, const M: usize>(
