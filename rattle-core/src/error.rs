@@ -627,7 +627,8 @@ pub enum StepFailure {
     NoSlide {
         /// Which, counted from 0.
         equation: usize,
-        /// The largest residual before each correction, in roundings of its terms.
+        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of the
+        /// domain of g, or many times around.
         residuals: History,
         /// The step size: in a composition, that of the stage.
         h: f64,

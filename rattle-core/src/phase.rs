@@ -33,7 +33,7 @@ mod point;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Effects, Field};
-use crate::error::{Error, PhaseMistake, StartFailure, StepFailure};
+use crate::error::{Error, History, PhaseMistake, StartFailure, StepFailure};
 use crate::kernel::{Hamiltonian, HamiltonianKernel, PhaseConstraint, PhaseConstraintKernel};
 use crate::lobatto::Table;
 use crate::scene::Hold;
@@ -217,7 +217,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             h,
             guess,
             |sigma| {
-                let slid = slide(&self.constraint, &start, sigma).ok_or_else(|| not_finite(&start))?;
+                let slid = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
                 let kicked = start.plus(&low.plus(&slid));
                 let step = Verlet::of(&self.energy, h, &kicked);
                 let unsolved = || StepFailure::ImplicitStep { h, position: start.q.to_vec() };
@@ -259,7 +259,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
     {
         let (start, low) = (Point::high(body), Point::low(body));
         let look = |sigma: &[f64; M]| {
-            let change = slide(&self.constraint, &start, sigma).ok_or_else(|| not_finite(&start))?;
+            let change = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
             let at = start.plus(&low.plus(&change));
             let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
             Ok(Look { change, value: hidden.value, size: hidden.size, rest: hidden.slopes })
@@ -338,6 +338,12 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         }
         Err(StartFailure::NoProjection { distances: distances.into_iter().collect() })
     }
+}
+
+/// A slide that leads out of the domain of g, or many times around.
+#[cold]
+fn too_far(h: f64) -> StepFailure {
+    StepFailure::NoSlide { equation: 0, residuals: History::default(), h }
 }
 
 #[cold]
