@@ -19,6 +19,8 @@
 //! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
 //!   and f = −∇U; see [`curvature`](crate::curvature).
 //! * **Moving constraints** g(q, t) ask for G v = −∂g/∂t and do the work W = −∫ λ·∂g/∂t dt; H − W is what stays.
+//! * **Phase space**: q̇ = ∂H/∂p − (∂g/∂p)ᵀλ, ṗ = −∂H/∂q + (∂g/∂q)ᵀλ; {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q. A step slides along
+//!   the fibre by h/2 λ and h/2 μ; see [`phase`](crate::phase).
 //! * **Rigid bodies**: Q takes coordinates of the body to those of space; angular momentum is that of the body's frame.
 //! * **Residuals** are |g(q)| in the unit of g, and |∇g·p|. Errors give distances, |g|/|∇g|.
 //! * **Units** are the user's; nothing depends on how large they are, or on how g is scaled, as long as the squares
@@ -28,6 +30,7 @@
 //! | elsewhere | there | here |
 //! |---|---|---|
 //! | Hairer–Lubich–Wanner, Leimkuhler–Reich, Mici | q̈ = −∇U − ∇g λ | −λ |
+//! | McLachlan–Modin–Verdier–Wilkins | ż = X_H + X_g λ, X_g = (∂g/∂p, −∂g/∂q) | −λ |
 //! | the notebook “Billiards on surfaces”, text | q̈ = −∇U + ∇g λ | λ |
 //! | the same, its code: position | q̈ = −∇U − ∇g λ | −λ |
 //! | the same, its code: momentum, without h/2 | p = p̂ − ∇g μ | −(2/h) μ |

@@ -50,7 +50,7 @@ pub mod view;
 
 pub use rattle_core::{
     bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, kernel, lanes, linked,
-    lobatto, network, real, recorder, scene, shadow, simulation, stepper, surface, system, taylor,
+    lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface, system, taylor,
 };
 
 pub use rattle_core::bdf2::Bdf2;

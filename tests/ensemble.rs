@@ -234,7 +234,7 @@ fn other_scenes_go_in_lanes_too() {
 fn who_fails_rests_and_the_others_go_on() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let start = |i: u32| {
-        let speed = if i % 3 == 0 { 5.0 + 0.05 * f64::from(i) } else { 1.0 };
+        let speed = if i.is_multiple_of(3) { 5.0 + 0.05 * f64::from(i) } else { 1.0 };
         let angle = 0.37 * f64::from(i);
         State::at([0.0, 0.0, SURFACE.r]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
     };

@@ -43,6 +43,15 @@ pub enum Error {
         system: &'static str,
     },
 
+    /// A system is moved by RATTLE alone.
+    #[error("{method} cannot move {system}; use `Rattle` or a composition of it")]
+    NeedsRattle {
+        /// The method.
+        method: &'static str,
+        /// The kind of system.
+        system: &'static str,
+    },
+
     /// The time of the start is NaN or infinite.
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
@@ -227,6 +236,74 @@ impl fmt::Display for Passing {
     }
 }
 
+/// What is wrong with a start in phase space. Equations are counted from 0, and compared with the sizes of their terms.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhaseMistake {
+    /// An equation does not hold.
+    #[error(
+        "equation {equation} is off: g = {value:.3e}, {share:.1e} of its terms, allowed {tolerance:.1e}; \
+         `scene.project(state)` moves the start onto the constraint"
+    )]
+    Off {
+        /// Which.
+        equation: usize,
+        /// g(q, p).
+        value: f64,
+        /// |g| relative to Σ|∂g/∂zₖ||zₖ|.
+        share: f64,
+        /// The largest share allowed.
+        tolerance: f64,
+    },
+    /// The hidden constraint does not hold.
+    #[error(
+        "equation {equation} would not stay: {{g, H}} = {rate:.3e}, a slide by {share:.1e} of the coordinates off, allowed {tolerance:.1e}; \
+         `scene.project(state)` slides the start to where it is zero"
+    )]
+    Hidden {
+        /// Which.
+        equation: usize,
+        /// {g, H}.
+        rate: f64,
+        /// How far along the fibre it would hold, relative to the coordinates.
+        share: f64,
+        /// The largest share allowed.
+        tolerance: f64,
+    },
+    /// Two equations do not commute.
+    #[error(
+        "equations {first} and {second} are not coisotropic: {{g{first}, g{second}}} = {bracket:.3e}, {share:.1e} of its terms, \
+         must vanish where both hold; equations that do not commute take away a degree of freedom instead: solve one for a variable"
+    )]
+    NotCoisotropic {
+        /// One.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// {gᵢ, gⱼ}.
+        bracket: f64,
+        /// |{gᵢ, gⱼ}| relative to the sizes of its terms.
+        share: f64,
+    },
+    /// The motion is not determined.
+    #[error("the motion is not determined here: {{g, {{g, H}}}} = {slopes:?} is singular; start elsewhere")]
+    Undetermined {
+        /// Nᵢⱼ, row by row.
+        slopes: Vec<f64>,
+    },
+    /// No point of the fibre satisfies the hidden constraint.
+    #[error(
+        "no point of the fibre with {{g, H}} = 0 was found for equation {equation}: residuals in roundings {residuals}; \
+         start nearer to one"
+    )]
+    NoSlide {
+        /// Which.
+        equation: usize,
+        /// The largest residual before each correction, in roundings of its terms.
+        residuals: History,
+    },
+}
+
 /// What is wrong with a start.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -408,6 +485,9 @@ pub enum StartFailure {
         /// Its momentum.
         momentum: Vec<f64>,
     },
+    /// A start in phase space.
+    #[error(transparent)]
+    Phase(PhaseMistake),
     /// The gradient is zero here or so near that it has no direction in floating point.
     #[error(
         "the gradient vanishes here (|∇g| = {gradient:.3e}, singular point about {distance:.1e} away); \
@@ -609,6 +689,39 @@ pub enum StepFailure {
         h: f64,
         /// What would pass.
         passing: Passing,
+    },
+    /// In phase space, no slide along the fibre was found that satisfies an equation.
+    #[error(
+        "no slide along the fibre satisfies equation {equation}: residuals in roundings {residuals} (h = {h:.3e}); try a \
+         smaller step; if none helps, the motion ends here"
+    )]
+    NoSlide {
+        /// Which, counted from 0.
+        equation: usize,
+        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of the
+        /// domain of g, or many times around.
+        residuals: History,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not determined.
+    #[error(
+        "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
+         the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
+    )]
+    Undetermined {
+        /// The largest entry of N⁻¹N′ − 1.
+        change: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved.
+    #[error("the step of H alone has no solution near q = {position:?} (h = {h:.3e}); try a smaller step")]
+    ImplicitStep {
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// The position at the start of the step.
+        position: Vec<f64>,
     },
     /// Normals that were independent at the start are no longer.
     #[error(

@@ -5,8 +5,9 @@ use crate::effect::{Effect, Effects, Field, Force, With};
 use crate::ensemble::group::Group;
 use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision};
 use crate::error::{Error, NetworkMistake, StartFailure};
-use crate::kernel::Constraint;
+use crate::kernel::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
+use crate::phase::PhaseSpace;
 use crate::real::Real;
 use crate::rigid::Rigid;
 use crate::simulation::Simulation;
@@ -179,6 +180,28 @@ impl Scene<(), (), One, 0> {
     /// One particle of unit mass on the surface g(q) = 0, or under several equations at once, and nothing else.
     pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
+    }
+
+    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by [`Rattle`](crate::rattle::Rattle), which
+    /// then is geometric RATTLE, or a composition of it. See [`phase`](crate::phase) for what g must be.
+    ///
+    /// ```text
+    /// phase_constraint! { struct Hopf {}        |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1 }
+    /// hamiltonian!      { struct Falling { g }  |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1] }
+    ///
+    /// let scene = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
+    /// let start = scene.project(&State::at([-0.55, -0.83]))?;         // onto g = 0, then along the fibre to {g, H} = 0
+    /// let mut simulation = scene.simulate(start, Rattle::new(0.05))?;
+    /// ```
+    pub fn in_phase_space<G, H, const D: usize, const M: usize>(
+        constraint: G,
+        hamiltonian: H,
+    ) -> Scene<PhaseSpace<G, H, M>, (), One, D>
+    where
+        G: PhaseConstraint<D, M>,
+        H: Hamiltonian<D>,
+    {
+        Scene { constraint: PhaseSpace { constraint, hamiltonian }, effects: (), count: One }
     }
 
     /// One rigid body that turns about its centre of mass.

@@ -41,7 +41,7 @@ pub trait Stepper: Clone + Send + Sync + 'static {
     }
 
     /// The lengths of the RATTLE steps that one step consists of, if it does: such methods go in the lanes of an
-    /// [ensemble](crate::ensemble).
+    /// [ensemble](crate::ensemble), and make sense in [phase space](crate::phase).
     fn rattle_steps(&self) -> Option<Vec<f64>> {
         None
     }

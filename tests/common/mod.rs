@@ -3,6 +3,7 @@
 
 pub mod lanes;
 pub mod linked;
+pub mod symplectic;
 
 use rattle::composition::{ALL, Coefficients};
 use rattle::prelude::*;

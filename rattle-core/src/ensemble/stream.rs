@@ -1,7 +1,7 @@
 //! All trajectories of an ensemble, from time to time, for a consumer that works while the ensemble goes on.
 
 use super::Ensemble;
-use super::group::Seen;
+use super::group::{Group, Seen};
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::sync::mpsc::sync_channel;
@@ -72,12 +72,12 @@ impl<const D: usize> Ensemble<D> {
     }
 
     fn fill(&self, snapshot: &mut Snapshot<D>) {
-        let look = |group: &Box<dyn super::Group<D>>| {
+        let look = |group: &dyn Group<D>| {
             let mut seen = Seen::default();
             group.look(&mut seen, self.set);
             seen
         };
-        let seen: Vec<Seen<D>> = self.groups.par_iter().map(look).collect();
+        let seen: Vec<Seen<D>> = self.groups.par_iter().map(|group| look(&**group)).collect();
         snapshot.steps = self.steps;
         snapshot.positions.clear();
         snapshot.momenta.clear();

@@ -1,0 +1,69 @@
+//! Ours against others: hand-written C and Rust, Numba and JAX, each in its best form, in one run.
+//!
+//! ```text
+//! cargo bench --bench baseline                      C needs a compiler `cc`, Python the network once
+//! cargo bench --bench baseline -- --rounds 3        quicker; 9 is usual
+//! cargo bench --bench baseline -- --callgrind       instructions per step instead, with valgrind
+//! ```
+//!
+//! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h = 0.01,
+//! |g| ≤ 1e-14; and the gas of 21 and of 1000 particles. Every opponent is a program that waits for requests; they take
+//! turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the median
+//! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once and
+//! the fastest go on. Before that, positions, energies and constraints are compared.
+
+mod by_hand;
+mod conversation;
+mod ours;
+mod programs;
+
+use by_hand::{ByHand, Kind};
+use conversation::{Run, serve};
+use programs::Task;
+use std::path::Path;
+
+const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
+
+fn main() -> Result<(), String> {
+    let arguments: Vec<String> = std::env::args().collect();
+    let after = |flag: &str| arguments.iter().skip_while(move |word| *word != flag).nth(1);
+    if let Some(what) = after("--serve") {
+        if what == "trajectories" {
+            serve(&[&ours::ROWS[..], &HANDS[..]].concat(), trajectories);
+        } else {
+            let (h, positions) = ours::read_gas(Path::new(what));
+            serve(&["gas"], |_, _, _| Some(ours::gas(h, &positions)));
+        }
+        return Ok(());
+    }
+    let programs = programs::Programs::make()?;
+    if arguments.iter().any(|word| word == "--callgrind") {
+        return programs.callgrind();
+    }
+    let rounds = after("--rounds")
+        .map_or(Ok(9), |number| number.parse())
+        .map_err(|why: std::num::ParseIntError| why.to_string())?;
+
+    let mut tasks = [
+        Task { name: "one after the other", n: 500, steps: 2000, entrants: programs.scalar()? },
+        Task { name: "side by side", n: 10_000, steps: 2000, entrants: programs.lanes()? },
+        Task { name: "gas of 21", n: 21, steps: 5000, entrants: programs.gas(21, 100, 0.01)? },
+        Task { name: "gas of 1000", n: 1000, steps: 20, entrants: programs.gas(1000, 2, 0.0025)? },
+    ];
+    for task in &mut tasks {
+        task.compare()?;
+        task.race(rounds)?;
+    }
+    for task in &tasks {
+        task.ratios();
+    }
+    Ok(())
+}
+
+fn trajectories(row: &str, n: usize, counted: bool) -> Option<Box<dyn Run>> {
+    match row {
+        "by_hand_previous" => Some(Box::new(ByHand::new(Kind::Previous, n))),
+        "by_hand_quadratic_chord" => Some(Box::new(ByHand::new(Kind::QuadraticChord, n))),
+        _ => ours::ours(row, n, counted),
+    }
+}

@@ -1,0 +1,154 @@
+//! What the library makes of the same tasks. This is the one place where it is plugged in.
+
+use crate::conversation::{H, Run, start};
+use rattle::Counted;
+use rattle::bodies::{Many, One};
+use rattle::counted::Counts;
+use rattle::prelude::*;
+use rattle::system::System;
+use std::path::Path;
+
+constraint! {
+    /// The lemniscate inflated into a surface of genus two.
+    pub struct Lemniscate { a, r }
+    |x, y, z| {
+        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
+        f^2 + z^2 - r^2
+    }
+}
+
+potential! {
+    /// Uniform gravity along −z.
+    pub struct Gravity { g }
+    |x, y, z| g * z
+}
+
+pair_potential! {
+    /// Repels inside `radius`, attracts outside, fades beyond; finite everywhere.
+    pub struct Ricker { depth, radius }
+    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
+}
+
+pub(crate) const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
+const GRAVITY: Gravity = Gravity { g: 1.0 };
+const RICKER: Ricker = Ricker { depth: 0.5, radius: 1.0 / 6.0 };
+
+/// The rows that there are.
+pub(crate) const ROWS: [&str; 1] = [SCALAR];
+/// One trajectory after the other …
+pub(crate) const SCALAR: &str = "scalar";
+/// … and the variant of `scalar.c` whose first guess is ours.
+pub(crate) const SCALAR_GUESS: &str = "curvature";
+/// All side by side.
+pub(crate) const ENSEMBLE: &str = SCALAR;
+/// The same on two threads.
+pub(crate) const THREADS_2: Option<&str> = None;
+
+/// The row of this name, with so many trajectories; counted if it is not timed.
+pub(crate) fn ours(row: &str, n: usize, counted: bool) -> Option<Box<dyn Run>> {
+    match row {
+        SCALAR if counted => {
+            let surface = Counted::new(SURFACE);
+            let counts = surface.counts();
+            Some(one_by_one(&Scene::on(surface).with(GRAVITY), n, Some(counts)))
+        }
+        SCALAR => Some(one_by_one(&Scene::on(SURFACE).with(GRAVITY), n, None)),
+        _ => None,
+    }
+}
+
+/// Trajectories one after the other.
+struct OneByOne<Y: System<f64, 3>> {
+    simulations: Vec<Simulation<Y, Rattle, 3>>,
+    counts: Option<Counts>,
+}
+
+fn one_by_one<C, E>(scene: &Scene<C, E, One, 3>, n: usize, counts: Option<Counts>) -> Box<dyn Run>
+where
+    C: Constraint<3, 1>,
+    E: rattle::effect::Effects<3> + 'static,
+{
+    let simulation = |i| {
+        let (q, p) = start(i, n);
+        scene.simulate(State::at(q).moving(p), Rattle::new(H)).expect("a start on the surface")
+    };
+    let simulations: Vec<_> = (0..n).map(simulation).collect();
+    if let Some(counts) = &counts {
+        counts.reset(); // what the starts evaluated
+    }
+    Box::new(OneByOne { simulations, counts })
+}
+
+impl<Y: System<f64, 3>> Run for OneByOne<Y> {
+    fn advance(&mut self, steps: u64) {
+        for simulation in &mut self.simulations {
+            simulation.run(steps).expect("steps within reach");
+        }
+    }
+
+    fn body(&self, i: usize) -> ([f64; 3], [f64; 3]) {
+        body(&self.simulations[i], 0)
+    }
+
+    fn evaluations(&self) -> [u64; 2] {
+        self.counts.as_ref().map_or([0; 2], |counts| [counts.values(), counts.gradients()])
+    }
+}
+
+/// A gas.
+struct Gas<Y: System<f64, 3>>(Simulation<Y, Rattle, 3>);
+
+/// The gas that starts at rest in these positions.
+pub(crate) fn gas(h: f64, positions: &[[f64; 3]]) -> Box<dyn Run> {
+    let scene: Scene<_, _, Many, 3> = Scene::on(SURFACE).particles(positions.len()).with(RICKER);
+    let start = State::of(positions.iter().copied());
+    Box::new(Gas(scene.simulate(start, Rattle::new(h)).expect("a start on the surface")))
+}
+
+impl<Y: System<f64, 3>> Run for Gas<Y> {
+    fn advance(&mut self, steps: u64) {
+        self.0.run(steps).expect("steps within reach");
+    }
+
+    fn body(&self, i: usize) -> ([f64; 3], [f64; 3]) {
+        body(&self.0, i)
+    }
+
+    fn evaluations(&self) -> [u64; 2] {
+        [0; 2]
+    }
+
+    fn energy(&self) -> Option<f64> {
+        Some(self.0.energy())
+    }
+}
+
+fn body<Y: System<f64, 3>>(simulation: &Simulation<Y, Rattle, 3>, i: usize) -> ([f64; 3], [f64; 3]) {
+    let q = simulation.positions().nth(i).expect("a body of that number");
+    let p = simulation.momenta().nth(i).expect("a body of that number");
+    (q.into(), p.into())
+}
+
+/// Writes where a gas starts: the step size, then points of one path, each so many steps after the one before.
+pub(crate) fn write_gas(file: &Path, particles: usize, every: u64, h: f64) -> std::io::Result<()> {
+    let angle = std::f64::consts::TAU * 3.0 / 24.0;
+    let start = State::at([0.0, 0.0, SURFACE.r]).moving([angle.cos(), angle.sin(), 0.0]);
+    let scene = Scene::on(SURFACE).with(GRAVITY);
+    let mut simulation = scene.simulate(start, Rattle::new(H)).expect("a start on the surface");
+    let mut text = format!("{h:?}\n");
+    for _ in 0..particles {
+        let [x, y, z]: [f64; 3] = simulation.position().into();
+        text += &format!("{x:?} {y:?} {z:?}\n");
+        simulation.run(every).expect("steps within reach");
+    }
+    std::fs::write(file, text)
+}
+
+/// Reads it.
+pub(crate) fn read_gas(file: &Path) -> (f64, Vec<[f64; 3]>) {
+    let text = std::fs::read_to_string(file).expect("a file that was written");
+    let mut numbers = text.split_whitespace().map(|word| word.parse::<f64>().expect("a number"));
+    let h = numbers.next().expect("a step size");
+    let positions: Vec<f64> = numbers.collect();
+    (h, positions.as_chunks().0.to_vec())
+}
