@@ -4,6 +4,7 @@ use crate::conversation::{H, Run, start};
 use rattle::Counted;
 use rattle::bodies::{Many, One};
 use rattle::counted::Counts;
+use rattle::ensemble::{Compensated, Ensemble};
 use rattle::prelude::*;
 use rattle::system::System;
 use std::path::Path;
@@ -34,26 +35,96 @@ const GRAVITY: Gravity = Gravity { g: 1.0 };
 const RICKER: Ricker = Ricker { depth: 0.5, radius: 1.0 / 6.0 };
 
 /// The rows that there are.
-pub(crate) const ROWS: [&str; 1] = [SCALAR];
-/// One trajectory after the other …
-pub(crate) const SCALAR: &str = "scalar";
-/// … and the variant of `scalar.c` whose first guess is ours.
-pub(crate) const SCALAR_GUESS: &str = "curvature";
+pub(crate) const ROWS: [&str; 5] = [SIMULATION, SCALAR, ENSEMBLE, COMPENSATED, THREADS_2];
+/// One simulation after the other: compensated sums, to the rounding floor, a first guess from the present state alone.
+pub(crate) const SIMULATION: &str = "simulation";
+/// Ensembles of one trajectory, one after the other …
+pub(crate) const SCALAR: &str = "one_lane";
+/// … and the variant of `scalar.c` whose first guess is theirs.
+pub(crate) const SCALAR_GUESS: &str = "linear";
 /// All side by side.
-pub(crate) const ENSEMBLE: &str = SCALAR;
+pub(crate) const ENSEMBLE: &str = "ensemble";
+/// The same with positions and momenta as compensated sums.
+pub(crate) const COMPENSATED: &str = "ensemble_compensated";
 /// The same on two threads.
-pub(crate) const THREADS_2: Option<&str> = None;
+pub(crate) const THREADS_2: &str = "ensemble_on_2_threads";
 
 /// The row of this name, with so many trajectories; counted if it is not timed.
 pub(crate) fn ours(row: &str, n: usize, counted: bool) -> Option<Box<dyn Run>> {
-    match row {
-        SCALAR if counted => {
-            let surface = Counted::new(SURFACE);
-            let counts = surface.counts();
-            Some(one_by_one(&Scene::on(surface).with(GRAVITY), n, Some(counts)))
-        }
-        SCALAR => Some(one_by_one(&Scene::on(SURFACE).with(GRAVITY), n, None)),
-        _ => None,
+    if counted {
+        let surface = Counted::new(SURFACE);
+        let counts = surface.counts();
+        of_scene(&Scene::on(surface).with(GRAVITY), row, n, Some(counts))
+    } else {
+        of_scene(&Scene::on(SURFACE).with(GRAVITY), row, n, None)
+    }
+}
+
+fn of_scene<C, E>(
+    scene: &Scene<C, E, One, 3>,
+    row: &str,
+    n: usize,
+    counts: Option<Counts>,
+) -> Option<Box<dyn Run>>
+where
+    C: Constraint<3, 1>,
+    E: rattle::effect::Effects<3> + 'static,
+{
+    let starts = (0..n).map(|i| {
+        let (q, p) = start(i, n);
+        State::at(q).moving(p)
+    });
+    let threads = if row == THREADS_2 { 2 } else { 1 };
+    let ensemble =
+        |ensemble: Result<Ensemble<3>, rattle::Error>| Some(vec![ensemble.expect("starts on the surface")]);
+    let ensembles = match row {
+        SIMULATION => None,
+        SCALAR => Some(
+            starts.clone().map(|start| scene.ensemble([start], Rattle::new(H)).expect("a start")).collect(),
+        ),
+        ENSEMBLE | THREADS_2 => ensemble(scene.ensemble(starts.clone(), Rattle::new(H))),
+        COMPENSATED => ensemble(scene.ensemble_in(Compensated, starts.clone(), Rattle::new(H))),
+        _ => return None,
+    };
+    if let Some(counts) = &counts {
+        counts.reset(); // what the starts evaluated
+    }
+    let Some(ensembles) = ensembles else { return Some(one_by_one(scene, starts, counts)) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    Some(Box::new(Together { ensembles, pool, threads, counts }))
+}
+
+/// Ensembles, one after the other.
+struct Together {
+    ensembles: Vec<Ensemble<3>>,
+    pool: rayon::ThreadPool,
+    threads: usize,
+    counts: Option<Counts>,
+}
+
+impl Run for Together {
+    fn advance(&mut self, steps: u64) {
+        let ensembles = &mut self.ensembles;
+        self.pool.install(|| ensembles.iter_mut().for_each(|ensemble| ensemble.run(steps)));
+        assert!(
+            self.ensembles.iter().all(|ensemble| ensemble.failures().next().is_none()),
+            "steps within reach"
+        );
+    }
+
+    fn body(&self, i: usize) -> ([f64; 3], [f64; 3]) {
+        let (ensemble, own) = if self.ensembles.len() == 1 { (0, i) } else { (i, 0) };
+        let state = self.ensembles[ensemble].state(own);
+        let (q, p) = (state.positions().next(), state.momenta().next());
+        (q.expect("a body").into(), p.expect("a body").into())
+    }
+
+    fn evaluations(&self) -> [u64; 2] {
+        self.counts.as_ref().map_or([0; 2], |counts| [counts.values(), counts.gradients()])
+    }
+
+    fn by_the_clock(&self) -> bool {
+        self.threads > 1
     }
 }
 
@@ -63,16 +134,17 @@ struct OneByOne<Y: System<f64, 3>> {
     counts: Option<Counts>,
 }
 
-fn one_by_one<C, E>(scene: &Scene<C, E, One, 3>, n: usize, counts: Option<Counts>) -> Box<dyn Run>
+fn one_by_one<C, E>(
+    scene: &Scene<C, E, One, 3>,
+    starts: impl Iterator<Item = State<3>>,
+    counts: Option<Counts>,
+) -> Box<dyn Run>
 where
     C: Constraint<3, 1>,
     E: rattle::effect::Effects<3> + 'static,
 {
-    let simulation = |i| {
-        let (q, p) = start(i, n);
-        scene.simulate(State::at(q).moving(p), Rattle::new(H)).expect("a start on the surface")
-    };
-    let simulations: Vec<_> = (0..n).map(simulation).collect();
+    let simulation = |start| scene.simulate(start, Rattle::new(H)).expect("a start on the surface");
+    let simulations: Vec<_> = starts.map(simulation).collect();
     if let Some(counts) = &counts {
         counts.reset(); // what the starts evaluated
     }

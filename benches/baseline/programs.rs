@@ -86,7 +86,14 @@ impl Programs {
         Ok(present([
             entrant("Rust by hand", Some("scalar_over_rust"), &crate::HANDS, us("trajectories")),
             entrant("ours", None, &[ours::SCALAR], us("trajectories")),
+            entrant(
+                "ours, a simulation",
+                Some("scalar_over_simulation"),
+                &[ours::SIMULATION],
+                us("trajectories"),
+            ),
             entrant("C, guess as ours", Some("scalar_over_c"), &[ours::SCALAR_GUESS], c()),
+            entrant("C, guess of a simulation", Some("scalar_over_c_curvature"), &["curvature"], c()),
             entrant("C, fastest", Some("scalar_over_fastest_c"), &[], c()),
         ]))
     }
@@ -96,7 +103,7 @@ impl Programs {
         let wide = "--xla_cpu_prefer_vector_width=512";
         let (arrays, one_array) =
             (["newton_32", "newton_64", "ostrowski_64"], ["one_array_newton_64", "one_array_ostrowski_64"]);
-        let mut entrants = present([
+        Ok(present([
             entrant(
                 "C, one after the other",
                 Some("ensemble_over_c_scalar"),
@@ -135,12 +142,14 @@ impl Programs {
                 &["newton_3_unrolled"],
                 self.script("jax_lanes.py", wide),
             ),
-        ]);
-        if let Some(row) = ours::THREADS_2 {
-            entrants
-                .extend(entrant("ours, 2 threads", Some("threads2_over_1"), &[row], us("trajectories")).ok());
-        }
-        Ok(entrants)
+            entrant(
+                "ours, compensated",
+                Some("ensemble_over_compensated"),
+                &[ours::COMPENSATED],
+                us("trajectories"),
+            ),
+            entrant("ours, 2 threads", Some("threads2_over_1"), &[ours::THREADS_2], us("trajectories")),
+        ]))
     }
 
     /// A gas; it starts from points of one path, `every` so many steps.
@@ -174,6 +183,7 @@ impl Programs {
             ("C", &c, &[], "quadratic_chord"),
             ("Rust by hand", &us, &serve, crate::HANDS[0]),
             ("Rust by hand", &us, &serve, crate::HANDS[1]),
+            ("ours", &us, &serve, ours::SIMULATION),
             ("ours", &us, &serve, ours::SCALAR),
         ];
         for (who, program, arguments, row) in rows {

@@ -1,7 +1,7 @@
 /* RATTLE on the lemniscate surface, one trajectory after the other. */
 #include "opponent.h"
 
-enum guess { PREVIOUS, QUADRATIC, CURVATURE };
+enum guess { PREVIOUS, LINEAR, QUADRATIC, CURVATURE };
 
 /* g and m = ∇g/2. */
 INLINE double value_and_half_gradient(double x, double y, double z, double m[3]) {
@@ -31,6 +31,7 @@ INLINE void advance(struct ensemble *e, long steps, enum guess guess, int chord)
     double inverse_square = 1 / (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (long step = 0; step < steps; step++) {
       double start = guess == PREVIOUS ? s
+                     : guess == LINEAR ? 2 * s - s1
                      : guess == QUADRATIC
                          ? 3 * (s - s1) + s2
                          : 0.5 * H * H * (half_bend(x, y, u, v, w) - n[2]) * inverse_square;
@@ -68,12 +69,14 @@ INLINE void advance(struct ensemble *e, long steps, enum guess guess, int chord)
 }
 
 static void previous(struct ensemble *e, long steps) { advance(e, steps, PREVIOUS, 0); }
+static void linear(struct ensemble *e, long steps) { advance(e, steps, LINEAR, 0); }
 static void quadratic(struct ensemble *e, long steps) { advance(e, steps, QUADRATIC, 0); }
 static void curvature(struct ensemble *e, long steps) { advance(e, steps, CURVATURE, 0); }
 static void quadratic_chord(struct ensemble *e, long steps) { advance(e, steps, QUADRATIC, 1); }
 
 int main(void) {
   const struct row rows[] = {{"previous", previous, 1},
+                             {"linear", linear, 1},
                              {"quadratic", quadratic, 1},
                              {"curvature", curvature, 1},
                              {"quadratic_chord", quadratic_chord, 1}};
