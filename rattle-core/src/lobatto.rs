@@ -27,6 +27,41 @@ pub struct Table<const S: usize> {
     pub weights: [f64; S],
     /// aᵢⱼ, row by row.
     pub positions: [[f64; S]; S],
+    /// The inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, its row j and column i where a has column j and row i.
+    pub(crate) inverse: [[f64; S]; S],
+}
+
+impl<const S: usize> Table<S> {
+    /// The table with these coefficients, the inverse by Gauss and Jordan without exchanges: minors are positive.
+    const fn new(nodes: [f64; S], weights: [f64; S], positions: [[f64; S]; S]) -> Self {
+        let (mut a, mut inverse) = (positions, [[0.0; S]; S]);
+        let mut k = 0;
+        while k + 1 < S {
+            inverse[k][k + 1] = 1.0;
+            k += 1;
+        }
+        k = 0;
+        while k + 1 < S {
+            let (pivot, mut i) = (a[k + 1][k], 0);
+            while i < S {
+                a[k + 1][i] /= pivot;
+                inverse[k][i] /= pivot;
+                i += 1;
+            }
+            i = 0;
+            while i + 1 < S {
+                let (factor, mut j) = (if i == k { 0.0 } else { a[i + 1][k] }, 0);
+                while j < S {
+                    a[i + 1][j] -= factor * a[k + 1][j];
+                    inverse[i][j] -= factor * inverse[k][j];
+                    j += 1;
+                }
+                i += 1;
+            }
+            k += 1;
+        }
+        Self { nodes, weights, positions, inverse }
+    }
 }
 
 /// Numbers of stages with a table.

@@ -194,7 +194,6 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         stages: &mut Stages<F::Force, D>,
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
-        let inverse = inverse(table);
         let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
         let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
         for iteration in 0..MAX_ITERATIONS {
@@ -244,7 +243,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             for j in 0..S - 1 {
                 stages.multipliers.fill(0.0);
                 for i in 1..S {
-                    let factor = -inverse[j][i] / (h * h);
+                    let factor = -table.inverse[j][i] / (h * h);
                     for (sum, answer) in stages.multipliers.iter_mut().zip(&stages.right[i * m..]) {
                         *sum += factor * answer;
                     }
@@ -371,25 +370,4 @@ fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force:
             force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
         }
     }
-}
-
-/// Rows j, columns i of the inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, by Gauss and Jordan; minors are positive.
-fn inverse<const S: usize>(table: &Table<S>) -> [[f64; S]; S] {
-    let (mut a, mut inverse) = (table.positions, [[0.0; S]; S]);
-    for k in 0..S - 1 {
-        inverse[k][k + 1] = 1.0;
-    }
-    for k in 0..S - 1 {
-        let pivot = a[k + 1][k];
-        a[k + 1] = a[k + 1].map(|x| x / pivot);
-        inverse[k] = inverse[k].map(|x| x / pivot);
-        for i in (0..S - 1).filter(|&i| i != k) {
-            let factor = a[i + 1][k];
-            for j in 0..S {
-                a[i + 1][j] -= factor * a[k + 1][j];
-                inverse[i][j] -= factor * inverse[k][j];
-            }
-        }
-    }
-    inverse
 }
