@@ -39,7 +39,7 @@ fn four_alone<S: Stepper>(method: &S) {
     );
     let mut alone = alone;
     for step in 0..1000 {
-        method.step(&system, &mut together, &mut ()).unwrap();
+        method.step(&system, &mut together, &mut [], &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);
@@ -78,7 +78,7 @@ fn parameters_can_differ_from_lane_to_lane() {
     let system = OnSurface { constraint, field: (), count: One };
     let mut together = system.bodies(place, 0.0);
     for _ in 0..500 {
-        Rattle::new(2e-3).step(&system, &mut together, &mut ()).unwrap();
+        Rattle::new(2e-3).step(&system, &mut together, &mut [], &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             assert_eq!(
@@ -124,7 +124,11 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
         );
         let mut alone = alone;
         let all = alone.each_mut().map(|simulation| simulation.step().is_ok()) == [true; 4];
-        assert_eq!(Rattle::new(0.2).step(&system, &mut together, &mut ()).is_ok(), all, "group {group}");
+        assert_eq!(
+            Rattle::new(0.2).step(&system, &mut together, &mut [], &mut ()).is_ok(),
+            all,
+            "group {group}"
+        );
         if all {
             compared += 1;
             for (lane, simulation) in alone.iter().enumerate() {
@@ -151,7 +155,7 @@ fn a_lane_that_fails_is_told() {
         },
         0.0,
     );
-    let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut ()).unwrap_err();
+    let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut [], &mut ()).unwrap_err();
     let rattle::error::StepFailure::StepTooLong { speed, .. } = failure.cause else { panic!("{failure:?}") };
     assert_eq!(speed, 30.0);
 }

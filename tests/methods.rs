@@ -46,6 +46,8 @@ macro_rules! delegate {
 }
 
 impl Stepper for Method {
+    type Memory<T: Real> = Vec<T>;
+
     fn step_size(&self) -> f64 {
         delegate!(self, method => method.step_size())
     }
@@ -86,9 +88,10 @@ impl Stepper for Method {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        delegate!(self, method => method.step(system, bodies, witness))
+        delegate!(self, method => method.step(system, bodies, memory, witness))
     }
 }
 

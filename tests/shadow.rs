@@ -143,6 +143,8 @@ impl Faulty {
 }
 
 impl Stepper for Faulty {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h()
     }
@@ -166,6 +168,7 @@ impl Stepper for Faulty {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let h = self.h();

@@ -76,6 +76,8 @@ impl<B: Stepper> Composition<B> {
 }
 
 impl<B: Stepper> Stepper for Composition<B> {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.base.step_size()
     }
@@ -113,10 +115,11 @@ impl<B: Stepper> Stepper for Composition<B> {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         for gamma in self.coefficients.gammas {
-            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, witness)?;
+            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, &mut [], witness)?;
         }
         Ok(())
     }

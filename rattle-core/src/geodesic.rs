@@ -45,6 +45,8 @@ impl Geodesic {
 }
 
 impl Stepper for Geodesic {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -66,6 +68,7 @@ impl Stepper for Geodesic {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let inner = self.h / f64::from(self.inner);

@@ -39,6 +39,8 @@ impl Leapfrog {
 }
 
 impl Stepper for Leapfrog {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -69,6 +71,7 @@ impl Stepper for Leapfrog {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         system.drift(0.0, self.h, bodies, witness)?;

@@ -102,6 +102,8 @@ impl<const S: usize> Stepper for Lobatto<S>
 where
     Table<S>: Tabulated,
 {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -126,6 +128,7 @@ where
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         system.collocate(&Table::<S>::TABLE, self.h, bodies, witness)

@@ -39,6 +39,8 @@ impl PositionVerlet {
 }
 
 impl Stepper for PositionVerlet {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -60,6 +62,7 @@ impl Stepper for PositionVerlet {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let half = 0.5 * self.h;

@@ -45,6 +45,8 @@ impl Rattle {
 }
 
 impl Stepper for Rattle {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -66,6 +68,7 @@ impl Stepper for Rattle {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         step(self.h, system, bodies, witness)

@@ -211,7 +211,7 @@ impl Hold<9> for Rigid {
     }
 
     fn project(&self, state: &State<9>) -> Result<State<9>, Error> {
-        let mut state = state.clone();
+        let mut state = State { remembered: None, ..state.clone() };
         for (number, body) in state.bodies.iter_mut().enumerate() {
             let nowhere = |cause| Error::Start { body: number, cause };
             finite("position", &body.q).and_then(|()| finite("momentum", &body.p)).map_err(nowhere)?;

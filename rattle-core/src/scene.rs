@@ -320,6 +320,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let change = add_scaled(&body.p_low, method.momentum_delay(), &pull);
             (body.p, body.p_low) = two_sum(&body.p, &change);
         }
+        state.remembered = None;
         state
     }
 
@@ -356,7 +357,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         system.reserve(&mut bodies, stepper.stages());
-        Ok(Simulation::new(system, self.count, bodies, (start.time, start.time_low), stepper))
+        let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
+        Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
     }
 
     fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {

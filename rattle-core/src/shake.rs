@@ -46,6 +46,8 @@ impl Shake {
 }
 
 impl Stepper for Shake {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -70,6 +72,7 @@ impl Stepper for Shake {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         system.settle(0.5 * self.h, self.h, bodies, witness)?;

@@ -5,7 +5,7 @@ use crate::effect::Field;
 use crate::error::Error;
 use crate::linked::{Counts, Linked};
 use crate::recorder::Recorder;
-use crate::state::State;
+use crate::state::{Remembered, State};
 use crate::stepper::{Stepper, Witness};
 use crate::system::System;
 use crate::vector::two_sum;
@@ -17,15 +17,18 @@ use std::marker::PhantomData;
 ///
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
 /// as it was before the step, bit for bit.
-pub struct Simulation<Y: System<f64, D>, S, const D: usize> {
+pub struct Simulation<Y: System<f64, D>, S: Stepper, const D: usize> {
     system: Y,
     stepper: S,
     pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
     before: Bodies<Y::Count, f64, (), D>,
+    /// What the method remembers, and remembered before the step under way.
+    memory: S::Memory<f64>,
+    memory_before: S::Memory<f64>,
     steps: u64,
-    /// The time of the start, and what rounding took from it.
-    start_time: (f64, f64),
+    /// The time of the start, or of now where steps differ in length, and what rounding took from it.
+    clock: (f64, f64),
     start_energy: f64,
 }
 
@@ -34,12 +37,21 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         system: Y,
         count: Y::Count,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
-        start_time: (f64, f64),
+        clock: (f64, f64),
+        remembered: Option<&Remembered>,
         stepper: S,
     ) -> Self {
         let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
+        let mut memory = stepper.memory(&system, &bodies);
+        if let Some(numbers) = remembered.and_then(|remembered| remembered.by(&stepper))
+            && numbers.len() == memory.as_ref().len()
+        {
+            memory.as_mut().copy_from_slice(numbers);
+        }
+        let memory_before = memory.clone();
+        let (steps, start_energy) = (0, 0.0);
         let mut simulation =
-            Self { system, stepper, bodies, before, steps: 0, start_time, start_energy: 0.0 };
+            Self { system, stepper, bodies, before, memory, memory_before, steps, clock, start_energy };
         simulation.start_energy = simulation.energy();
         simulation
     }
@@ -95,9 +107,13 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     #[inline(always)]
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
         self.before.copy_from(&self.bodies);
-        match self.stepper.step(&self.system, &mut self.bodies, witness) {
+        self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
+        match self.stepper.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
                 self.steps += 1;
+                if let Some(taken) = self.stepper.time_taken(self.memory.as_ref()) {
+                    self.clock = later(self.clock, (taken, 0.0));
+                }
                 if self.system.moves_with_time() {
                     let time = self.time();
                     self.system.set_time(&mut self.bodies, time);
@@ -106,6 +122,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
             }
             Err(failure) => {
                 self.bodies.copy_from(&self.before);
+                self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
                 self.system.refresh(&mut self.bodies);
                 let (step, time) = (self.steps + 1, self.time());
                 Err(Error::Step { step, time, body: failure.body, cause: failure.cause })
@@ -118,7 +135,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.steps
     }
 
-    /// The time: that of the start, 0 if none was given, and steps times step size.
+    /// The time: that of the start, 0 if none was given, and steps times step size, or the sum of the steps where they
+    /// differ in length.
     pub fn time(&self) -> f64 {
         self.exact_time().0
     }
@@ -126,12 +144,12 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     /// The time and what rounding took from it: the same after any number of stops and starts on the way.
     #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     fn exact_time(&self) -> (f64, f64) {
+        if self.stepper.time_taken(self.memory.as_ref()).is_some() {
+            return self.clock;
+        }
         let (steps, h) = (self.steps as f64, self.stepper.step_size());
         let passed = steps * h;
-        let ([time], [low]) = two_sum(&[self.start_time.0], &[passed]);
-        let passed_low = steps.mul_add(h, -passed);
-        let ([time], [low]) = two_sum(&[time], &[low + (self.start_time.1 + passed_low)]);
-        (time, low)
+        later(self.clock, (passed, steps.mul_add(h, -passed)))
     }
 
     /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
@@ -175,13 +193,14 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         (0..self.len()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
-    /// The present state, from which a new simulation goes on bit for bit; steps, work and energy errors are then counted
+    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
     /// from there. (Linked bodies whose equations have come to depend on each other may choose another
     /// [linear algebra](crate::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
-        State { bodies, time, time_low, surplus_momenta: None }
+        let remembered = Remembered::of(&self.stepper, self.memory.as_ref());
+        State { bodies, time, time_low, remembered, surplus_momenta: None }
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
@@ -253,6 +272,13 @@ impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F
     }
 }
 
+/// A time and what rounding took from it, and another, added.
+fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
+    let ([high], [low]) = two_sum(&[time.0], &[passed.0]);
+    let ([high], [low]) = two_sum(&[high], &[low + (time.1 + passed.1)]);
+    (high, low)
+}
+
 /// The largest |x|; NaN if one is.
 fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
@@ -281,13 +307,15 @@ impl<Y: System<f64, D, Count = One>, S: Stepper, const D: usize> Simulation<Y, S
     }
 }
 
-impl<Y: System<f64, D>, S: Clone, const D: usize> Clone for Simulation<Y, S, D> {
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Clone for Simulation<Y, S, D> {
     fn clone(&self) -> Self {
         Self {
             system: self.system.clone(),
             stepper: self.stepper.clone(),
             bodies: self.bodies.clone(),
             before: self.before.clone(),
+            memory: self.memory.clone(),
+            memory_before: self.memory_before.clone(),
             ..*self
         }
     }

@@ -75,7 +75,7 @@ pub(crate) fn project<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let bodies = state.bodies.iter().enumerate();
     let project = |(i, body)| project_body(constraint, body).map_err(|cause| Error::Start { body: i, cause });
     let bodies = bodies.map(project).collect::<Result<_, _>>()?;
-    Ok(State { bodies, ..*state })
+    Ok(State { bodies, remembered: None, ..*state })
 }
 
 /// Newton's iteration q ← q − ∇g g/|∇g|², to the rounding floor.

@@ -1,12 +1,36 @@
 //! Positions and momenta, as a user gives and gets them.
 
 use crate::bodies::Body;
+use crate::stepper::Stepper;
 use nalgebra::SVector;
+
+/// What a method remembered, and whose memory it is.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Remembered {
+    method: &'static str,
+    h: f64,
+    numbers: Box<[f64]>,
+}
+
+impl Remembered {
+    /// None for a method that remembers nothing.
+    pub(crate) fn of(method: &impl Stepper, numbers: &[f64]) -> Option<Self> {
+        let remembered = || Self { method: method.name(), h: method.step_size(), numbers: numbers.into() };
+        (!numbers.is_empty()).then(remembered)
+    }
+
+    /// The numbers, if they are the memory of this method with this step size.
+    pub(crate) fn by(&self, method: &impl Stepper) -> Option<&[f64]> {
+        let same = self.method == method.name() && self.h == method.step_size();
+        same.then_some(&self.numbers)
+    }
+}
 
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
 /// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
-/// took from positions and momenta: a simulation started from it goes on bit for bit.
+/// took from positions and momenta, and what the method remembered: a simulation started from it by the same method goes on
+/// bit for bit. Other momenta or another method start anew.
 ///
 /// ```
 /// use rattle_core::state::State;
@@ -21,6 +45,7 @@ pub struct State<const D: usize> {
     /// The time of the start, and what rounding took from it; matters to moving constraints.
     pub(crate) time: f64,
     pub(crate) time_low: f64,
+    pub(crate) remembered: Option<Remembered>,
     /// How many momenta were given, if more than there are bodies.
     pub(crate) surplus_momenta: Option<usize>,
 }
@@ -38,7 +63,7 @@ impl<const D: usize> State<D> {
         let zero = [0.0; D];
         let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
         let bodies = positions.into_iter().map(at_rest).collect();
-        Self { bodies, time: 0.0, time_low: 0.0, surplus_momenta: None }
+        Self { bodies, time: 0.0, time_low: 0.0, remembered: None, surplus_momenta: None }
     }
 
     /// The same, every body with this momentum.
@@ -48,6 +73,7 @@ impl<const D: usize> State<D> {
         for body in &mut self.bodies {
             (body.p, body.p_low) = (p, [0.0; D]);
         }
+        self.remembered = None;
         self
     }
 
@@ -59,6 +85,7 @@ impl<const D: usize> State<D> {
         for (body, p) in self.bodies.iter_mut().zip(&mut momenta) {
             (body.p, body.p_low) = (p.into().into(), [0.0; D]);
         }
+        self.remembered = None;
         let surplus = momenta.count();
         self.surplus_momenta = (surplus > 0).then_some(self.bodies.len() + surplus);
         self

@@ -9,9 +9,17 @@ use crate::solver::Departure;
 use crate::surface::Normal;
 use crate::system::System;
 use crate::vector::dot;
+use std::fmt::Debug;
 
-/// A one-step method.
+/// A method: a map of the bodies, and of what the method remembers.
+///
+/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a law
+/// of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation, put back
+/// bit for bit when a step fails, and part of a [`State`](crate::state::State) taken from it.
 pub trait Stepper: Clone {
+    /// The numbers carried from step to step: `[T; 0]` for a one-step method.
+    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug;
+
     /// The time that one step takes; negative to run backwards.
     fn step_size(&self) -> f64;
     /// The order p: errors fall like hᵖ.
@@ -22,7 +30,8 @@ pub trait Stepper: Clone {
     /// The same method with another step size, which may be negative.
     #[must_use]
     fn with_step(&self, h: f64) -> Self;
-    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1: what [compositions](crate::composition) are made of.
+    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1, with nothing remembered: what
+    /// [compositions](crate::composition) are made of.
     fn is_symmetric(&self) -> bool;
 
     /// How much later than positions momenta are, negative if earlier; 0 but for staggered methods. Only momenta of the
@@ -36,6 +45,20 @@ pub trait Stepper: Clone {
         0
     }
 
+    /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _system: &Y,
+        _bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Self::Memory<T> {
+        Self::Memory::default()
+    }
+
+    /// How long the step was that left this memory; none if each is of the step size, and the time steps × h.
+    fn time_taken<T: Real>(&self, _memory: &[T]) -> Option<T> {
+        None
+    }
+
     /// Whether the method makes sense for a system with so many equations, asked once before a run.
     ///
     /// # Errors
@@ -44,14 +67,15 @@ pub trait Stepper: Clone {
         check_step_size(self.step_size())
     }
 
-    /// Takes `bodies` one step on. Neither allocates nor panics.
+    /// Takes `bodies` one step on, and `memory` with them. Neither allocates nor panics.
     ///
     /// # Errors
-    /// Says which body cannot be moved and why; `bodies` are then left half way.
+    /// Says which body cannot be moved and why; `bodies` and `memory` are then left half way.
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
 }

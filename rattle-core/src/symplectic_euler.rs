@@ -40,6 +40,8 @@ impl SymplecticEuler {
 }
 
 impl Stepper for SymplecticEuler {
+    type Memory<T: Real> = [T; 0];
+
     fn step_size(&self) -> f64 {
         self.h
     }
@@ -61,6 +63,7 @@ impl Stepper for SymplecticEuler {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         system.drift(self.h, self.h, bodies, witness)?;

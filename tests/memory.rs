@@ -1,0 +1,139 @@
+//! What a method remembers: carried from step to step, put back with a failed step, cloned, and taken on by a restart.
+
+mod common;
+use common::*;
+use rattle::bodies::Bodies;
+use rattle::prelude::*;
+use rattle::real::Real;
+use rattle::stepper::{Failure, Witness};
+use rattle::system::System;
+
+/// RATTLE with steps that grow by an eighth each: the next step and the last one are remembered.
+#[derive(Debug, Clone, Copy)]
+struct Growing {
+    first: f64,
+}
+
+fn number<T: Real>(x: T) -> f64 {
+    x.lanes().next().unwrap()
+}
+
+impl Stepper for Growing {
+    type Memory<T: Real> = Vec<T>;
+
+    fn step_size(&self) -> f64 {
+        self.first
+    }
+    fn order(&self) -> u32 {
+        2
+    }
+    fn name(&self) -> &'static str {
+        "growing"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { first: h }
+    }
+    fn is_symmetric(&self) -> bool {
+        false
+    }
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _: &Y,
+        _: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Vec<T> {
+        vec![T::from_f64(self.first), T::from_f64(0.0)]
+    }
+    fn time_taken<T: Real>(&self, memory: &[T]) -> Option<T> {
+        Some(memory[1])
+    }
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let h = memory[0];
+        (memory[0], memory[1]) = (h * T::from_f64(1.125), h);
+        Rattle::new(number(h)).step(system, bodies, &mut [], witness)
+    }
+}
+
+type Ball = rattle::surfaces::Sphere;
+
+fn simulation(
+    method: Growing,
+) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One> + use<>, Growing, 3> {
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    Scene::on(Ball { r: 1.0 }).simulate(start, method).unwrap()
+}
+
+#[test]
+fn one_step_methods_remember_nothing() {
+    fn size<S: Stepper>() -> usize {
+        size_of::<S::Memory<f64>>()
+    }
+    assert_eq!([size::<Rattle>(), size::<Composition>(), size::<Lobatto<5>>(), size::<Leapfrog>()], [0; 4]);
+}
+
+#[test]
+fn time_is_the_sum_of_steps_of_different_lengths() {
+    let mut simulation = simulation(Growing { first: 0.01 });
+    simulation.run(20).unwrap();
+    let exact = 0.01 * (1.125_f64.powi(20) - 1.0) / 0.125;
+    assert!((simulation.time() - exact).abs() <= 4.0 * f64::EPSILON * exact, "{}", simulation.time());
+    // Each step of RATTLE at unit speed turns by asin h.
+    let (mut angle, mut h) = (0.0, 0.01_f64);
+    for _ in 0..20 {
+        angle += h.asin();
+        h *= 1.125;
+    }
+    let q = simulation.position();
+    assert!((q.y.atan2(q.x) - angle).abs() <= 1e-14, "{} {angle}", q.y.atan2(q.x));
+}
+
+#[test]
+fn a_failed_step_is_forgotten() {
+    let mut simulation = simulation(Growing { first: 0.5 });
+    simulation.run(6).unwrap();
+    let last = simulation.state(); // the seventh step would be of 0.5 × 1.125⁶ > 1
+    for _ in 0..2 {
+        let error = simulation.step().unwrap_err();
+        assert!(matches!(error, rattle::Error::Step { step: 7, .. }), "{error}");
+        assert_eq!(simulation.state(), last, "what is remembered is part of a state");
+    }
+}
+
+#[test]
+fn clones_and_restarts_go_on_bit_for_bit() {
+    let method = Growing { first: 0.01 };
+    let mut whole = simulation(method);
+    whole.run(10).unwrap();
+    let mut clone = whole.clone();
+    let scene = Scene::on(Ball { r: 1.0 });
+    let mut rest = scene.simulate(whole.state(), method).unwrap();
+    for simulation in [&mut whole, &mut clone] {
+        simulation.run(10).unwrap();
+    }
+    rest.run(10).unwrap();
+    assert_eq!(bits(&clone.state()), bits(&whole.state()));
+    assert_eq!(bits(&rest.state()), bits(&whole.state()));
+    assert_eq!((rest.time(), clone.time()), (whole.time(), whole.time()));
+
+    // Other momenta, and another step size, start anew.
+    let state = clone.state();
+    let p = state.momenta().next().unwrap();
+    let mut anew = scene.simulate(state.clone().with_momenta([p]), method).unwrap();
+    let mut other = scene.simulate(state.clone(), method.with_step(0.02)).unwrap();
+    anew.step().unwrap();
+    other.step().unwrap();
+    let after = |h: f64| (state.time() + h) - state.time();
+    assert_eq!((anew.time() - state.time(), other.time() - state.time()), (after(0.01), after(0.02)));
+}
+
+#[test]
+fn remembering_does_not_allocate() {
+    let mut simulation = simulation(Growing { first: 0.01 });
+    let allocated = allocation_counter::measure(|| simulation.run(20).unwrap());
+    assert_eq!((simulation.steps(), allocated.count_total), (20, 0));
+}
