@@ -49,8 +49,8 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, kernel, linked, lobatto, network, real, recorder,
-    scene, shadow, simulation, stepper, surface, system,
+    bodies, composition, counted, curvature, effect, error, guess, kernel, linked, lobatto, network, real,
+    recorder, scene, shadow, simulation, stepper, surface, system,
 };
 
 pub use rattle_core::composition::Composition;

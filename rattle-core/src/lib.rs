@@ -8,6 +8,7 @@ pub mod curvature;
 pub mod effect;
 pub mod error;
 pub mod geodesic;
+pub mod guess;
 pub mod kernel;
 pub mod leapfrog;
 pub mod linked;

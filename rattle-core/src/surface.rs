@@ -120,9 +120,10 @@ where
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, witness)
+        self.collocate(table, h, bodies, memory, witness)
     }
 
     fn equations(&self) -> usize {

@@ -82,7 +82,8 @@ pub trait System<T: Real, const D: usize>: Clone {
         None
     }
 
-    /// Takes one step of the collocation method with this table.
+    /// Takes one step of the collocation method with this table. `memory` is empty, or has room for a number and, for each
+    /// stage, f + Gᵀλ of each body and λ of each equation: the iteration then begins with what the last step left there.
     ///
     /// # Errors
     /// As [`drift`](Self::drift); and where the system has no collocation.
@@ -91,6 +92,7 @@ pub trait System<T: Real, const D: usize>: Clone {
         table: &Table<S>,
         h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
 

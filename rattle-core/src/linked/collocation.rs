@@ -17,10 +17,14 @@ use crate::error::StepFailure;
 use crate::lobatto::Table;
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
-use crate::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use std::array::from_fn;
 
-/// Iterations after which a step is given up.
+/// Iterations after which a step is given up …
 const MAX_ITERATIONS: usize = 100;
+
+/// … and after which it is begun again with the acceleration at its start.
+const PATIENCE: usize = 20;
 
 /// Room for the stages: stage by stage; within a stage by body, or by row and block of all components.
 #[derive(Debug, Clone)]
@@ -58,6 +62,28 @@ impl<F: Force<f64, D>, const D: usize> Stages<F, D> {
             multipliers: vec![0.0; equations],
         }
     }
+
+    /// What the polynomials through the stages of the step before and the start of this one lead to.
+    fn extrapolate<const S: usize>(&mut self, table: &Table<S>, past: &[f64], n: usize, m: usize) {
+        let (total, lambda) = past.split_at(S * n * D);
+        let last = S - 1;
+        for stage in 1..S {
+            let weights = &table.ahead[stage];
+            for body in 0..n {
+                let mut sum = scaled(weights[last], &self.total[body]);
+                for j in 0..last {
+                    let total = &total[(j * n + body) * D..][..D];
+                    sum = from_fn(|d| sum[d] + weights[j] * total[d]);
+                }
+                self.total[stage * n + body] = sum;
+            }
+            for equation in 0..m {
+                let before = (0..last).map(|j| weights[j] * lambda[j * m + equation]);
+                self.lambda[stage * m + equation] =
+                    weights[last] * self.lambda[equation] + before.sum::<f64>();
+            }
+        }
+    }
 }
 
 impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
@@ -67,6 +93,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
+        memory: &mut [f64],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
@@ -79,7 +106,22 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             _ => Box::new(Stages::new(S, n, m, shape.blocks)),
         };
         self.guess::<S>(bodies, &mut stages);
-        let solved = self.iterate(table, h, bodies, &mut stages);
+        let past = memory.split_first().filter(|(filled, _)| **filled == 1.0);
+        let near = past.is_some_and(|(_, past)| {
+            stages.extrapolate(table, past, n, m);
+            self.iterate(table, h, bodies, &mut stages, PATIENCE).is_ok()
+        });
+        let mut solved = Ok(());
+        if !near {
+            self.guess::<S>(bodies, &mut stages);
+            solved = self.iterate(table, h, bodies, &mut stages, MAX_ITERATIONS);
+        }
+        if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
+            *filled = 1.0;
+            let (total, lambda) = past.split_at_mut(S * n * D);
+            total.copy_from_slice(stages.total.as_flattened());
+            lambda.copy_from_slice(&stages.lambda);
+        }
         if solved.is_ok() {
             self.arrive(table, h, bodies, &stages, witness);
         }
@@ -192,11 +234,12 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
         stages: &mut Stages<F::Force, D>,
+        patience: usize,
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
         let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
-        for iteration in 0..MAX_ITERATIONS {
+        for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
                     let increment = self.increment(table, h, bodies, stages, stage, body);
@@ -296,7 +339,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             (last, last_contraction) = (worst, contraction);
         }
-        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: MAX_ITERATIONS, left: last };
+        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last };
         Err(Failure { body: 0, cause })
     }
 
