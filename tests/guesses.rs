@@ -2,9 +2,8 @@
 
 mod common;
 use common::*;
+use rattle::Counted;
 use rattle::prelude::*;
-use rattle::system::System;
-use rattle::{Counted, Error};
 
 /// The largest difference of positions after so many steps by two methods.
 fn apart<A: Stepper, B: Stepper>(one: A, other: B, steps: u64) -> f64 {
@@ -17,10 +16,11 @@ fn apart<A: Stepper, B: Stepper>(one: A, other: B, steps: u64) -> f64 {
 }
 
 #[test]
-fn extrapolated_stages_give_the_same_motion() {
+fn extrapolated_guesses_give_the_same_motion() {
     // Until t = 1, where a rounding has grown tenfold; goldens agree to 1e-15 as well.
     assert!(apart(Lobatto::<3>::new(0.01), Lobatto::<3>::new(0.01).extrapolated(), 100) <= 2e-15);
     assert!(apart(Lobatto::<5>::new(0.02), Lobatto::<5>::new(0.02).extrapolated(), 50) <= 2e-15);
+    assert!(apart(Rattle::new(0.01), Rattle::new(0.01).extrapolated(), 100) <= 2e-15);
     assert!(apart(Lobatto::<9>::new(0.05), Lobatto::<9>::new(0.05).extrapolated(), 20) <= 2e-15);
     let (linked, start) = double();
     let mut pure = linked.simulate(start.clone(), Lobatto::<5>::new(0.02)).unwrap();
@@ -67,8 +67,45 @@ fn extrapolated_stages_take_fewer_iterations() {
 }
 
 #[test]
-fn a_restart_remembers_the_stages() {
+fn extrapolated_multipliers_take_few_evaluations_and_no_second_derivative() {
+    let (mut total, mut steps) = ([0.0; 3], 0.0);
+    for theta in directions() {
+        let surface = Counted::new(SURFACE);
+        let counts = surface.counts();
+        let method = Rattle::new(0.01).extrapolated();
+        let mut simulation =
+            Scene::on(surface).with(Gravity { g: 1.0 }).simulate(billiard(theta), method).unwrap();
+        counts.reset();
+        simulation.run(2000).unwrap();
+        let found = [counts.values(), counts.gradients(), counts.curvatures()];
+        total = std::array::from_fn(|i| total[i] + found[i] as f64);
+        steps += 2000.0;
+    }
+    let [values, gradients, curvatures] = total.map(|count| count / steps);
+    println!("{values:.3} evaluations of g, {gradients:.3} of ∇g, {curvatures:.3} of vᵀ∇²g v per step");
+    assert!((2.0..=2.2).contains(&values) && (2.0..=2.1).contains(&gradients) && curvatures <= 0.1);
+}
+
+/// Where multipliers change from step to step by more than a guess can follow, steps are those without one.
+#[test]
+fn guesses_that_mislead_are_not_followed() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    for theta in [0.3, 0.7, 1.2] {
+        let mut pure = scene.simulate(billiard(theta), Rattle::new(0.025)).unwrap();
+        let mut extrapolated = scene.simulate(billiard(theta), Rattle::new(0.025).extrapolated()).unwrap();
+        for step in 0..160 {
+            pure.step().unwrap();
+            extrapolated.step().unwrap();
+            let apart = distance(pure.position(), extrapolated.position());
+            assert!(apart <= 1e-11, "θ = {theta}, step {step}: {apart:e}"); // until t = 4 roundings grow by 1e4
+        }
+    }
+}
+
+#[test]
+fn a_restart_remembers_the_guess() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    restart(&scene, billiard(0.7), Rattle::new(0.02).extrapolated());
     let method = Lobatto::<5>::new(0.02).extrapolated();
     restart(&scene, billiard(0.7), method);
     let (linked, start) = double();

@@ -58,6 +58,23 @@ pub trait System<T: Real, const D: usize>: Clone {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// The same, begun with these multipliers as a guess, on the scale of those that `witness` is told; where that is no
+    /// help, [`drift`](Self::drift) itself. The result is the same but in the last bits.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift).
+    #[inline(always)]
+    fn drift_near<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        _guess: &[T],
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.drift(kick, h, bodies, witness)
+    }
+
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
 
