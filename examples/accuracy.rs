@@ -1,17 +1,20 @@
-//! What accuracy costs in time: error against time for RATTLE, compositions of it and Lobatto methods.
+//! What accuracy costs in time: error against time for RATTLE, compositions of it, Lobatto methods, and methods without
+//! structure.
 //!
 //! ```text
 //! cargo run --release --example accuracy
 //! ```
 //!
 //! The billiard under gravity at θ = 45° until t = 5, against a reference with 30 digits. Prints a table, and
-//! draws error over time into `out/accuracy/accuracy.svg`.
+//! draws error over time into `out/accuracy/accuracy.svg`. Then a torus, a pendulum and a double pendulum in short.
 
 use rattle::Counted;
-use rattle::bodies::One;
+use rattle::bodies::{Count, One};
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
+use rattle::effect::Effects;
 use rattle::plot::Chart;
 use rattle::prelude::*;
+use rattle::scene::Hold;
 use rattle::system::System;
 use std::error::Error;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -41,7 +44,7 @@ const RUNS: usize = 15;
 fn main() -> Result<(), Box<dyn Error>> {
     let exact = reference()?;
     let kahan_li = |h| Composition::new(KAHAN_LI_1997_ORDER_8, h);
-    let methods: [(&str, Vec<Point>); 7] = [
+    let methods: [(&str, Vec<Point>); 10] = [
         ("RATTLE, order 2", measure(Rattle::new, 0.02, exact)?),
         ("Suzuki, order 4", measure(|h| Composition::new(SUZUKI_1990_ORDER_4, h), 0.02, exact)?),
         ("Kahan–Li, order 8", measure(kahan_li, 0.04, exact)?),
@@ -49,6 +52,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("Lobatto, order 8", measure(Lobatto::<5>::new, 0.05, exact)?),
         ("… extrapolated", measure(|h| Lobatto::<5>::new(h).extrapolated(), 0.05, exact)?),
         ("Lobatto, order 16", measure(Lobatto::<9>::new, 0.1, exact)?),
+        ("DOP853", measure(Dop853::new, 0.05, exact)?),
+        ("DOP853, adaptive", measure_tolerances(|tolerance| Dop853::adaptive(T, tolerance), exact)?),
+        ("Taylor, adaptive", measure_tolerances(|tolerance| Taylor::adaptive(18, T, tolerance), exact)?),
     ];
     println!(
         "billiard at θ = 45° until t = {T}; time is the median of {RUNS} runs, evaluations are per run\n"
@@ -56,15 +62,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, points) in &methods {
         println!(
             "{name:18} {:>9} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9}",
-            "h", "error", "order", "ms", "g", "∇g", "∇U"
+            if name.contains("adaptive") { "tolerance" } else { "h" },
+            "error",
+            "order",
+            "ms",
+            "g",
+            "∇g",
+            "∇U"
         );
         let mut last: Option<&Point> = None;
         for point in points {
-            let order = last.map_or(String::new(), |last| {
+            let last_of_steps = last.filter(|_| !name.contains("adaptive"));
+            let order = last_of_steps.map_or(String::new(), |last| {
                 format!("{:.2}", (last.error / point.error).ln() / (last.h / point.h).ln())
             });
             println!(
-                "{:18} {:9.5} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
+                "{:18} {:9.1e} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
                 "", point.h, point.error, point.milliseconds, point.values, point.gradients, point.forces
             );
             last = Some(point);
@@ -73,9 +86,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     println!("\nmilliseconds to an error of      1e-4     1e-6     1e-8    1e-10    1e-12");
     for (name, points) in &methods {
-        let times = [1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
-            .map(|error| time_to(points, error).map_or("       –".into(), |time| format!("{time:8.3}")));
-        println!("{name:28} {}", times.join(" "));
+        print_times(name, points);
     }
     let steps = |method: usize| steps_to(&methods[method].1, 1e-8);
     if let (Some(composed), Some(pure), Some(extrapolated)) = (steps(2), steps(4), steps(5)) {
@@ -102,7 +113,153 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     chart.save("out/accuracy/accuracy.svg")?;
     println!("\nWritten to out/accuracy/accuracy.svg");
+    others()
+}
+
+fn print_times(name: &str, points: &[Point]) {
+    let times =
+        [1e-4, 1e-6, 1e-8, 1e-10, 1e-12].map(|error| match (time_to(points, error), points.first()) {
+            (Some(time), _) => format!("{time:8.3}"),
+            (None, Some(first)) if first.error < error => {
+                format!("{:>8}", format!("<{:.3}", first.milliseconds))
+            }
+            _ => "       –".into(),
+        });
+    println!("{name:28} {}", times.join(" "));
+}
+
+constraint! {
+    /// A torus about the z axis.
+    struct Torus { major, minor }
+    |x, y, z| (sqrt(x^2 + y^2) - major)^2 + z^2 - minor^2
+}
+
+constraint! {
+    /// A rod about the origin.
+    struct Pendulum { length }
+    |x, y| x^2 + y^2 - length^2
+}
+
+constraint! {
+    /// Two points at a distance.
+    struct Rod { length }
+    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
+}
+
+potential! {
+    /// Uniform gravity along −y.
+    struct Weight { g }
+    |_x, y| g * y
+}
+
+/// Three more systems at t = 5, in short.
+fn others() -> Result<(), Box<dyn Error>> {
+    let angle = std::f64::consts::FRAC_PI_6;
+    let along = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
+    let exact = row(include_str!("../tests/data/torus_geodesic.csv"), &[("t", "5")], &["x", "y", "z"])?;
+    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 });
+    println!(
+        "\na geodesic on a torus until t = {T}: milliseconds to an error as above, < at the longest step"
+    );
+    structured(&torus, &along, &exact, 0.1)?;
+    print_times("Taylor, adaptive", &tolerances(&torus, &along, &exact, |x| Taylor::adaptive(18, T, x))?);
+
+    let exact = row(
+        include_str!("../tests/data/planar_pendulum.csv"),
+        &[("theta0", "pi/2"), ("t", "5")],
+        &["x", "y"],
+    )?;
+    let pendulum = Scene::on(Pendulum { length: 1.0 }).with(Weight { g: 1.0 });
+    let start = State::at([1.0, 0.0]);
+    println!("\na pendulum from 90° until t = {T}");
+    structured(&pendulum, &start, &exact, 0.2)?;
+    print_times("Taylor, adaptive", &tolerances(&pendulum, &start, &exact, |x| Taylor::adaptive(18, T, x))?);
+
+    let columns = ["x1", "y1", "x2", "y2"];
+    let exact = row(include_str!("../tests/data/double_pendulum.csv"), &[("t", "5")], &columns)?;
+    let double = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
+    println!("\na double pendulum until t = {T}");
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    structured(&double.with(Weight { g: 1.0 }), &start, &exact, 0.1)
+}
+
+/// Prints a line for each method that moves every system.
+fn structured<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    exact: &[f64],
+    longest: f64,
+) -> Result<(), Box<dyn Error>> {
+    let kahan_li = |h| Composition::new(KAHAN_LI_1997_ORDER_8, h);
+    let suzuki = |h| Composition::new(SUZUKI_1990_ORDER_4, h);
+    print_times("RATTLE, order 2", &steps(scene, start, exact, 0.2 * longest, Rattle::new));
+    print_times("Suzuki, order 4", &steps(scene, start, exact, longest, suzuki));
+    print_times("Kahan–Li, order 8", &steps(scene, start, exact, longest, kahan_li));
+    print_times("Lobatto, order 4", &steps(scene, start, exact, longest, Lobatto::<3>::new));
+    print_times("Lobatto, order 8", &steps(scene, start, exact, 2.0 * longest, Lobatto::<5>::new));
+    print_times("Lobatto, order 16", &steps(scene, start, exact, 5.0 * longest, Lobatto::<9>::new));
+    print_times("DOP853", &steps(scene, start, exact, 4.0 * longest, Dop853::new));
+    print_times("DOP853, adaptive", &tolerances(scene, start, exact, |x| Dop853::adaptive(T, x))?);
     Ok(())
+}
+
+/// Error and time from the longest step to a thirty-second of it; steps that are too long are left out.
+fn steps<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    exact: &[f64],
+    longest: f64,
+    method: impl Fn(f64) -> S,
+) -> Vec<Point> {
+    let steps = (0..11).map(|shorter| (T / longest * 2_f64.powf(0.5 * f64::from(shorter))).round());
+    steps.filter_map(|n| point(scene, start, exact, T / n, method(T / n)).ok()).collect()
+}
+
+/// Error and time with tolerances of 1e-4 to 1e-15.
+fn tolerances<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    exact: &[f64],
+    method: impl Fn(f64) -> S,
+) -> Result<Vec<Point>, rattle::Error> {
+    (2..16)
+        .map(|digits| {
+            let tolerance = 10_f64.powi(-digits);
+            point(scene, start, exact, tolerance, method(tolerance))
+        })
+        .collect()
+}
+
+fn point<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    exact: &[f64],
+    h: f64,
+    method: impl Stepper,
+) -> Result<Point, rattle::Error> {
+    let steps = (T / method.step_size()).round() as u64;
+    let fresh = scene.simulate(start.clone(), method)?;
+    let mut run = fresh.clone();
+    run.run(steps)?;
+    let found: Vec<f64> = run.positions().flat_map(<[f64; D]>::from).collect();
+    let moving = &found[found.len() - exact.len()..]; // pinned bodies come first
+    let error = moving.iter().zip(exact).map(|(q, exact)| (q - exact).abs()).fold(0.0, f64::max);
+    let milliseconds = median_time(&fresh, steps)?;
+    Ok(Point { h, error, milliseconds, values: 0, gradients: 0, forces: 0 })
+}
+
+/// The numbers of the first row with these texts.
+fn row(table: &str, having: &[(&str, &str)], wanted: &[&str]) -> Result<Vec<f64>, Box<dyn Error>> {
+    let mut table = csv::Reader::from_reader(table.as_bytes());
+    let columns = table.headers()?.clone();
+    for row in table.records() {
+        let row = row?;
+        let text = |name: &str| columns.iter().position(|column| column == name).map_or("", |i| &row[i]);
+        if having.iter().all(|&(name, value)| text(name) == value) {
+            return Ok(wanted.iter().map(|name| text(name).parse()).collect::<Result<_, _>>()?);
+        }
+    }
+    Err(format!("no row has {having:?}").into())
 }
 
 /// The time to this error, between the points that have more and less, both on logarithmic scales.
@@ -146,27 +303,37 @@ fn measure<S: Stepper>(
     longest: f64,
     exact: [f64; 3],
 ) -> Result<Vec<Point>, rattle::Error> {
-    let mut points: Vec<Point> = Vec::new();
-    for shorter in 0..if method(longest).order() < 8 { 11 } else { 9 } {
-        let steps = (T / longest * 2_f64.powf(0.5 * f64::from(shorter))).round();
-        let (h, steps) = (T / steps, steps as u64);
+    let rungs = 0..if method(longest).order() < 8 { 11 } else { 9 };
+    let steps = rungs.map(|shorter| (T / longest * 2_f64.powf(0.5 * f64::from(shorter))).round());
+    steps.map(|steps| counted(T / steps, method(T / steps), exact)).collect()
+}
 
-        let (surface, gravity) = (Counted::new(SURFACE), Counted::new(GRAVITY));
-        let (on_surface, on_gravity) = (surface.counts(), gravity.counts());
-        let mut counted = Scene::on(surface).with(gravity).simulate(start(), method(h))?;
-        counted.run(steps)?;
+/// With tolerances of 1e-2 to 1e-15, one step to the end.
+fn measure_tolerances<S: Stepper>(
+    method: impl Fn(f64) -> S,
+    exact: [f64; 3],
+) -> Result<Vec<Point>, rattle::Error> {
+    let tolerances = (2..16).map(|digits| 10_f64.powi(-digits));
+    tolerances.map(|tolerance| counted(tolerance, method(tolerance), exact)).collect()
+}
 
-        let fresh = Scene::on(SURFACE).with(GRAVITY).simulate(start(), method(h))?;
-        points.push(Point {
-            h,
-            error: error(&counted, exact),
-            milliseconds: median_time(&fresh, steps)?,
-            values: on_surface.values(),
-            gradients: on_surface.gradients(),
-            forces: on_gravity.gradients(),
-        });
-    }
-    Ok(points)
+/// One run of the billiard, with what it evaluates.
+fn counted(h: f64, method: impl Stepper, exact: [f64; 3]) -> Result<Point, rattle::Error> {
+    let steps = (T / method.step_size()).round() as u64;
+    let (surface, gravity) = (Counted::new(SURFACE), Counted::new(GRAVITY));
+    let (on_surface, on_gravity) = (surface.counts(), gravity.counts());
+    let mut counted = Scene::on(surface).with(gravity).simulate(start(), method.clone())?;
+    counted.run(steps)?;
+
+    let fresh = Scene::on(SURFACE).with(GRAVITY).simulate(start(), method)?;
+    Ok(Point {
+        h,
+        error: error(&counted, exact),
+        milliseconds: median_time(&fresh, steps)?,
+        values: on_surface.values(),
+        gradients: on_surface.gradients(),
+        forces: on_gravity.gradients(),
+    })
 }
 
 /// cos and sin of 45° as the reference has them, rounded from the rounded angle.
@@ -181,8 +348,8 @@ fn error<Y: System<f64, 3, Count = One>, S: Stepper>(
     simulation.position().iter().zip(exact).map(|(q, exact)| (q - exact).abs()).fold(0.0, f64::max)
 }
 
-fn median_time<Y: System<f64, 3>, S: Stepper>(
-    fresh: &Simulation<Y, S, 3>,
+fn median_time<Y: System<f64, D>, S: Stepper, const D: usize>(
+    fresh: &Simulation<Y, S, D>,
     steps: u64,
 ) -> Result<f64, rattle::Error> {
     let mut times = Vec::with_capacity(RUNS);
@@ -193,8 +360,8 @@ fn median_time<Y: System<f64, 3>, S: Stepper>(
 }
 
 /// Milliseconds.
-fn time_of<Y: System<f64, 3>, S: Stepper>(
-    fresh: &Simulation<Y, S, 3>,
+fn time_of<Y: System<f64, D>, S: Stepper, const D: usize>(
+    fresh: &Simulation<Y, S, D>,
     steps: u64,
 ) -> Result<f64, rattle::Error> {
     let mut simulation = fresh.clone();
@@ -210,14 +377,7 @@ fn median(mut numbers: Vec<f64>) -> f64 {
 
 /// The position at t = 5 for the start in double precision.
 fn reference() -> Result<[f64; 3], Box<dyn Error>> {
-    let mut table = csv::Reader::from_reader(include_str!("../tests/data/lemniscate_gravity.csv").as_bytes());
-    let columns = table.headers()?.clone();
-    for row in table.records() {
-        let row = row?;
-        let text = |name: &str| columns.iter().position(|column| column == name).map_or("", |i| &row[i]);
-        if text("theta_deg") == "45" && text("ic") == "f64" && text("t") == "5.0" {
-            return Ok([text("x").parse()?, text("y").parse()?, text("z").parse()?]);
-        }
-    }
-    Err("the reference has no row for θ = 45° and t = 5".into())
+    let having = [("theta_deg", "45"), ("ic", "f64"), ("t", "5.0")];
+    let found = row(include_str!("../tests/data/lemniscate_gravity.csv"), &having, &["x", "y", "z"])?;
+    Ok(std::array::from_fn(|i| found[i]))
 }

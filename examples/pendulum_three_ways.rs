@@ -1,4 +1,5 @@
-//! The pendulum three ways: by its angle, with a multiplier, and with a multiplier that acts on x alone.
+//! The pendulum three ways: by its angle, with a multiplier by RATTLE, and with a multiplier by BDF2. And once more, with a
+//! multiplier that acts on x alone.
 //!
 //! ```text
 //! cargo run --release --example pendulum_three_ways
@@ -7,11 +8,14 @@
 //! x alone      ẍ = λ ∂c/∂x,   ÿ = −g,      c = 0
 //! ```
 //!
-//! The first two are one motion, and come together like h². λ is positive where the rod pushes outwards; texts that
+//! The first two equations are one motion, and the three ways come together like h². BDF2 is what general solvers of
+//! differential-algebraic equations do: it loses energy in every swing, and from 0.9 π, where a little energy changes the
+//! period much, it soon runs ahead. RATTLE keeps energy at the same step. λ is positive where the rod pushes outwards; texts that
 //! write the force as −λ∇c have the tension −λ of here, and that is drawn. The third is not mechanics: the mass falls
 //! freely in y, and at the bottom no force along x can hold the rod: the error says so.
 //!
-//! Draws φ(t), the tension, and the kinetic energy into `out/pendulum_three_ways/`.
+//! Draws φ(t) and the tension as texts on multipliers do, energy errors, and the fall with a multiplier on x alone, into
+//! `out/pendulum_three_ways/`.
 
 use rattle::plot::Chart;
 use rattle::prelude::*;
@@ -57,72 +61,118 @@ fn by_angle(h: f64) -> Result<(Curve, Curve), rattle::Error> {
     Ok((angle, kinetic))
 }
 
-/// φ, tension and kinetic energy in x and y, and why the run ended. The multiplier acts on these coordinates; on both is
-/// what `link` or `Scene::on` would do.
-fn by_multiplier(h: f64, acting: [bool; 2]) -> Result<([Curve; 3], Option<rattle::Error>), rattle::Error> {
+/// What a run in x and y shows.
+#[derive(Default)]
+struct Run {
+    angle: Curve,
+    tension: Curve,
+    kinetic: Curve,
+    energy_error: Curve,
+    /// Why it ended before its time.
+    ended: Option<rattle::Error>,
+}
+
+/// The pendulum in x and y. The multiplier acts on these coordinates; on both is what `link` or `Scene::on` would do.
+fn by_multiplier(method: impl Stepper, acting: [bool; 2]) -> Result<Run, rattle::Error> {
     let rod = Rod { length: LENGTH };
     let scene = Scene::point().link_acting(rod, [[0]], [acting]).with(Weight { g: G });
     let start = State::at([LENGTH * START.sin(), -LENGTH * START.cos()]);
-    let mut simulation = scene.simulate(start, Rattle::new(h))?;
-    let mut curves = [Vec::new(), Vec::new(), Vec::new()];
+    let steps = (T / method.step_size()).round() as u64;
+    let mut simulation = scene.simulate(start, method)?;
+    let mut run = Run::default();
     let mut see = |now: &Simulation<_, _, 2>| {
         let (q, t) = (now.position(), now.time());
-        curves[0].push((t, q.x.atan2(-q.y)));
-        curves[1].push((t, -now.multiplier()));
-        curves[2].push((t, now.kinetic_energy()));
+        run.angle.push((t, q.x.atan2(-q.y)));
+        run.tension.push((t, -now.multiplier()));
+        run.kinetic.push((t, now.kinetic_energy()));
+        run.energy_error.push((t, now.energy_error()));
     };
     see(&simulation);
-    let ended = simulation.run_with((T / h).round() as u64, see);
-    Ok((curves, ended.err()))
+    run.ended = simulation.run_with(steps, see).err();
+    Ok(run)
+}
+
+/// The largest difference of two curves at the same times.
+fn apart(a: &Curve, b: &Curve) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("     h    largest |φ − φ'| of angle and multiplier, to t = {T}");
-    let mut last = None;
+    const BOTH: [bool; 2] = [true, true];
+    println!(
+        "largest |φ − φ'| from the motion by its angle at h = 0.000625, and energy error at the end, t = {T}"
+    );
+    println!(
+        "     h       angle   ratio      RATTLE   ratio        BDF2   ratio  energy, RATTLE  energy, BDF2"
+    );
+    let fine = by_angle(0.000_625)?.0;
+    let mut last = [None; 3];
     for h in [0.01, 0.005, 0.0025] {
-        let ((angle, _), ([same, ..], _)) = (by_angle(h)?, by_multiplier(h, [true, true])?);
-        let apart = angle.iter().zip(&same).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max);
-        let ratio = last.map_or(String::new(), |last: f64| format!("ratio {:.2}", last / apart));
-        println!("{h:8.4} {apart:14.2e}   {ratio}");
-        last = Some(apart);
+        let every = (h / 0.000_625_f64).round() as usize;
+        let exact: Curve = fine.iter().step_by(every).copied().collect();
+        let (rattle, bdf2) = (by_multiplier(Rattle::new(h), BOTH)?, by_multiplier(Bdf2::new(h), BOTH)?);
+        let errors = [&by_angle(h)?.0, &rattle.angle, &bdf2.angle].map(|angle| apart(angle, &exact));
+        let mut line = format!("{h:6.4}");
+        for (error, last) in errors.into_iter().zip(&mut last) {
+            let ratio = last.map_or(String::new(), |last: f64| format!("{:.2}", last / error));
+            line += &format!(" {error:11.2e} {ratio:>7}");
+            *last = Some(error);
+        }
+        let [kept, lost] = [&rattle, &bdf2].map(|run| run.energy_error.last().map_or(f64::NAN, |p| p.1));
+        println!("{line} {kept:15.2e} {lost:13.2e}");
     }
 
     let h = 0.01;
     let (angle, kinetic) = by_angle(h)?;
-    let ([same, tension, _], _) = by_multiplier(h, [true, true])?;
-    let ([falling, push, falling_kinetic], ended) = by_multiplier(h, [true, false])?;
-    let largest = tension.iter().map(|p| p.1).fold(f64::MIN, f64::max);
-    let smallest = tension.iter().map(|p| p.1).fold(f64::MAX, f64::min);
+    let (rattle, bdf2) = (by_multiplier(Rattle::new(h), BOTH)?, by_multiplier(Bdf2::new(h), BOTH)?);
+    let falling = by_multiplier(Rattle::new(h), [true, false])?;
+    let largest = rattle.tension.iter().map(|p| p.1).fold(f64::MIN, f64::max);
+    let smallest = rattle.tension.iter().map(|p| p.1).fold(f64::MAX, f64::min);
     println!("\nTension of the rod from {smallest:.4} to {largest:.4}; exact, 3 cos φ − 2 cos φ₀ times m g:");
     println!("                   from {:.4} to {:.4}", START.cos(), 3.0 - 2.0 * START.cos());
-    if let Some(error) = ended {
+    if let Some(error) = falling.ended {
         let bottom = (2.0 * LENGTH * (1.0 - START.cos()) / G).sqrt();
         println!("\nMultiplier on x alone; free fall reaches the bottom at t = {bottom:.4}:\n  {error}");
     }
 
     let time = "time t / √(l/g)";
-    Chart::new("A pendulum from 0.9 π: angle and multiplier coincide, on x alone it falls freely")
+    // As texts draw it: angle and multiplier in one picture.
+    for (name, title, of) in [
+        ("angle", "A pendulum from 0.9 π, three ways, h = 0.01", None),
+        ("rattle", "RATTLE: angle and tension of the rod, negative where it pushes outwards", Some(&rattle)),
+        ("bdf2", "BDF2: angle and tension of the rod, negative where it pushes outwards", Some(&bdf2)),
+    ] {
+        let chart = Chart::new(title).x(time).y("angle φ / rad, tension −λ / m g");
+        let chart = match of {
+            Some(run) => chart
+                .line("angle φ", run.angle.iter().copied())
+                .line("tension −λ", run.tension.iter().copied()),
+            None => chart
+                .y("angle φ from the bottom / rad")
+                .line("by the angle", angle.iter().copied())
+                .line("RATTLE", rattle.angle.iter().copied())
+                .line("BDF2", bdf2.angle.iter().copied()),
+        };
+        chart.save(format!("out/pendulum_three_ways/{name}.svg"))?;
+    }
+    Chart::new("Energy error: RATTLE swings, BDF2 loses")
         .x(time)
-        .y("angle φ from the bottom / rad")
-        .line("angle", angle)
-        .line("multiplier", same.iter().copied())
-        .line("on x alone", falling)
-        .save("out/pendulum_three_ways/angle.svg")?;
-    Chart::new("Tension of the rod: negative where it pushes the mass outwards")
-        .x(time)
-        .y("tension −λ / m g")
-        .line("", tension.iter().copied())
-        .save("out/pendulum_three_ways/tension.svg")?;
+        .y("energy error / m g l")
+        .line("RATTLE", rattle.energy_error.iter().copied())
+        .line("BDF2", bdf2.energy_error.iter().copied())
+        .save("out/pendulum_three_ways/energy.svg")?;
     // What grows without bound at the bottom, t = 1.98, would flatten all else.
     let early = |curve: Curve| curve.into_iter().filter(|p| p.0 <= 1.6).collect::<Vec<_>>();
     Chart::new("The first moments, whole multiplier and on x alone")
         .x(time)
         .y("tension −λ / m g, kinetic energy / m g l")
-        .line("tension", early(tension))
-        .line("tension, on x", early(push))
+        .line("tension", early(rattle.tension))
+        .line("tension, on x", early(falling.tension))
         .line("energy", early(kinetic))
-        .line("energy, on x", early(falling_kinetic))
+        .line("energy, on x", early(falling.kinetic))
         .save("out/pendulum_three_ways/first_moments.svg")?;
-    println!("\nWritten to out/pendulum_three_ways: angle.svg, tension.svg, first_moments.svg");
+    println!(
+        "\nWritten to out/pendulum_three_ways: angle.svg, rattle.svg, bdf2.svg, energy.svg, first_moments.svg"
+    );
     Ok(())
 }

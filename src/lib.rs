@@ -49,12 +49,14 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bodies, composition, counted, curvature, effect, error, guess, kernel, linked, lobatto, network, real,
-    recorder, scene, shadow, simulation, stepper, surface, system,
+    bdf2, bodies, composition, counted, curvature, dop853, effect, error, guess, kernel, linked, lobatto,
+    network, real, recorder, scene, shadow, simulation, stepper, surface, system, taylor, variable,
 };
 
+pub use rattle_core::bdf2::Bdf2;
 pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
+pub use rattle_core::dop853::Dop853;
 pub use rattle_core::error::Error;
 pub use rattle_core::geodesic::Geodesic;
 pub use rattle_core::leapfrog::Leapfrog;
@@ -70,6 +72,8 @@ pub use rattle_core::simulation::Simulation;
 pub use rattle_core::state::State;
 pub use rattle_core::stepper::Stepper;
 pub use rattle_core::symplectic_euler::SymplecticEuler;
+pub use rattle_core::taylor::Taylor;
+pub use rattle_core::variable::Variable;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
@@ -79,7 +83,9 @@ pub mod prelude {
     pub use crate::effect::Over;
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
-    pub use crate::{Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler};
+    pub use crate::{
+        Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
+    };
     pub use crate::{LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }

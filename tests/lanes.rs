@@ -19,6 +19,7 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Geodesic::new(0.02, 3));
     four_alone(&PositionVerlet::new(0.01));
     four_alone(&Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    four_alone(&Dop853::new(0.02));
 }
 
 fn four_alone<S: Stepper>(method: &S) {
@@ -37,9 +38,10 @@ fn four_alone<S: Stepper>(method: &S) {
         },
         0.0,
     );
+    let mut memory = method.memory(&system, &together);
     let mut alone = alone;
     for step in 0..1000 {
-        method.step(&system, &mut together, &mut [], &mut ()).unwrap();
+        method.step(&system, &mut together, memory.as_mut(), &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);
@@ -75,7 +77,7 @@ fn parameters_can_differ_from_lane_to_lane() {
         p: [same(0.6), same(0.8), same(0.0)],
         p_low: [same(0.0); 3],
     };
-    let system = OnSurface { constraint, field: (), count: One };
+    let system = OnSurface::new(constraint, (), One);
     let mut together = system.bodies(place, 0.0);
     for _ in 0..500 {
         Rattle::new(2e-3).step(&system, &mut together, &mut [], &mut ()).unwrap();

@@ -8,7 +8,7 @@ use rattle::effect::Effects;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
-use rattle::stepper::{Failure, Witness};
+use rattle::stepper::{Failure, Need, Witness};
 use rattle::system::System;
 
 /// A method of the table, whichever it is.
@@ -25,6 +25,9 @@ enum Method {
     Lobatto3(Lobatto<3>),
     Lobatto5(Lobatto<5>),
     Lobatto6(Lobatto<6>),
+    Dop853(Dop853),
+    Bdf2(Bdf2),
+    Taylor(Taylor),
 }
 
 macro_rules! delegate {
@@ -41,6 +44,9 @@ macro_rules! delegate {
             Self::Lobatto3($method) => $call,
             Self::Lobatto5($method) => $call,
             Self::Lobatto6($method) => $call,
+            Self::Dop853($method) => $call,
+            Self::Bdf2($method) => $call,
+            Self::Taylor($method) => $call,
         }
     };
 }
@@ -70,6 +76,9 @@ impl Stepper for Method {
             Self::Lobatto3(method) => Self::Lobatto3(method.with_step(h)),
             Self::Lobatto5(method) => Self::Lobatto5(method.with_step(h)),
             Self::Lobatto6(method) => Self::Lobatto6(method.with_step(h)),
+            Self::Dop853(method) => Self::Dop853(method.with_step(h)),
+            Self::Bdf2(method) => Self::Bdf2(method.with_step(h)),
+            Self::Taylor(method) => Self::Taylor(method.with_step(h)),
         }
     }
     fn is_symmetric(&self) -> bool {
@@ -80,6 +89,22 @@ impl Stepper for Method {
     }
     fn stages(&self) -> usize {
         delegate!(self, method => method.stages())
+    }
+    fn need(&self) -> Need {
+        delegate!(self, method => method.need())
+    }
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Vec<T> {
+        match self {
+            Self::Bdf2(method) => method.memory(system, bodies),
+            _ => Vec::new(),
+        }
+    }
+    fn room(&self) -> usize {
+        delegate!(self, method => method.room())
     }
     fn check(&self, equations: usize) -> Result<(), rattle::Error> {
         delegate!(self, method => method.check(equations))
@@ -104,7 +129,8 @@ constraint! {
 /// Numbers of steps between which errors show the order, and only it.
 type Window = [u32; 2];
 
-/// Where errors fall below rounding before they show any order.
+/// Where errors fall below rounding before they show any order; DOP853 on the double pendulum as h⁹, so small is the term
+/// of its order there.
 const NONE: Window = [0; 2];
 
 /// A row of the table: a method, and windows for the lemniscate, the spherical and the double pendulum.
@@ -113,11 +139,15 @@ struct Row {
     order: u32,
     method: Method,
     windows: [Window; 3],
+    /// Steps on the lemniscate and of the double pendulum at which it shows that the method is not symplectic and does not
+    /// go back; none if it is symplectic.
+    unstructured: Option<[f64; 2]>,
 }
 
 /// The table. Methods with the largest |γ| need the shortest steps.
 fn rows() -> Vec<Row> {
-    let row = |name, order, method, windows| Row { name, order, method, windows };
+    let row = |name, order, method, windows| Row { name, order, method, windows, unstructured: None };
+    let free = |name, order, method, windows, h| Row { name, order, method, windows, unstructured: Some(h) };
     let composed = |coefficients: Coefficients, windows| {
         let method = Method::Composed(Composition::new(coefficients, 1.0));
         row(coefficients.name, coefficients.order, method, windows)
@@ -153,6 +183,16 @@ fn rows() -> Vec<Row> {
         row("Lobatto, 3 stages", 4, Method::Lobatto3(Lobatto::new(1.0)), [[64, 256], [8, 64], [16, 128]]),
         row("Lobatto, 5 stages", 8, Method::Lobatto5(Lobatto::new(1.0)), [[64, 128], [3, 10], [12, 28]]),
         row("Lobatto, 6 stages", 10, Method::Lobatto6(Lobatto::new(1.0)), [NONE, [2, 5], [10, 18]]),
+        free("DOP853", 8, Method::Dop853(Dop853::new(1.0)), [[128, 200], [3, 10], NONE], [0.1, 0.3]),
+        free("BDF2", 2, Method::Bdf2(Bdf2::new(1.0)), [[400, 3200], [64, 512], [64, 512]], [0.01, 0.01]),
+        free(
+            "Taylor, order 6",
+            6,
+            Method::Taylor(Taylor::new(6, 1.0)),
+            [[512, 1600], [32, 90], NONE],
+            [0.05; 2],
+        ),
+        free("Taylor, order 10", 10, Method::Taylor(Taylor::new(10, 1.0)), [NONE, [6, 14], NONE], [0.06; 2]),
     ]
 }
 
@@ -246,7 +286,7 @@ fn errors_fall_with_the_order_of_the_method() {
         ("double pendulum", double_at_2),
     ];
     let mut wrong = Vec::new();
-    for Row { name, order, method, windows } in rows() {
+    for Row { name, order, method, windows, .. } in rows() {
         assert_eq!(method.order(), order, "{name}");
         for ((problem, at), [first, last]) in problems.into_iter().zip(windows) {
             if [first, last] == NONE {
@@ -314,17 +354,32 @@ fn largest_difference<const D: usize>(a: &State<D>, b: &State<D>) -> (f64, f64) 
     (q, largest(a.momenta().collect(), b.momenta().collect()))
 }
 
-/// How far a step forth and one back lead from the start.
+/// What a law is off by where it does not hold: hundreds of times what rounding would make of it.
+const BROKEN: f64 = 1e-9;
+
+/// Steps after which that is seen: the first step of BDF2 is another method's.
+const SOME: u32 = 3;
+
+/// Whether the method moves linked bodies.
+fn links(method: Method) -> bool {
+    method.need() != Need::Series
+}
+
+/// How far so many steps forth and back lead from the start.
 fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     method: Method,
+    steps: u32,
 ) -> (f64, f64) {
     let mut forth = scene.simulate(start.clone(), method).unwrap();
-    forth.step().unwrap();
+    forth.run(steps.into()).unwrap();
     assert!(largest_difference(&forth.state(), start).0 > 1e-3, "nothing moved");
-    let mut back = scene.simulate(forth.state(), method.with_step(-method.step_size())).unwrap();
-    back.step().unwrap();
+    let back = method.with_step(-method.step_size());
+    let along = method.need() != Need::Differences; // otherwise momenta are not those of motion along the constraint
+    let turn = if along { forth.state() } else { scene.project(&forth.state()).unwrap() };
+    let mut back = scene.simulate(turn, back).unwrap();
+    back.run(steps.into()).unwrap();
     largest_difference(&back.state(), start)
 }
 
@@ -333,19 +388,20 @@ fn symmetric_methods_go_back_and_others_do_not() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, _) = uneven_pendulum();
     let mut symmetric = 0;
-    for Row { name, method, .. } in rows() {
-        let method = method.with_step(0.01);
-        for (dq, dp) in [
-            there_and_back(&surface, &on_the_way(77), method),
-            there_and_back(&linked, &both_swinging(), method),
-        ] {
+    for Row { name, method, unstructured, .. } in rows() {
+        let steps = if unstructured.is_some() { SOME } else { 1 };
+        let [one, two] = unstructured.unwrap_or([0.01; 2]).map(|h| method.with_step(h));
+        let on_surface = there_and_back(&surface, &on_the_way(77), one, steps);
+        let on_links = links(two).then(|| there_and_back(&linked, &both_swinging(), two, steps));
+        for (dq, dp) in [Some(on_surface), on_links].into_iter().flatten() {
             println!("{name:40} {dq:.1e} {dp:.1e}");
             if method.is_symmetric() {
                 // A rounding or two of q and p, which low parts keep from adding up.
                 assert!(dq <= 4e-16 && dp <= 2e-15, "{name}: {dq:e}, {dp:e}");
                 symmetric += 1;
             } else {
-                assert!(dq.max(dp) > 1e-5, "{name}: {dq:e}, {dp:e}");
+                let shows = if unstructured.is_some() { BROKEN } else { 1e-5 };
+                assert!(dq.max(dp) > shows, "{name}: {dq:e}, {dp:e}");
             }
         }
     }
@@ -423,16 +479,25 @@ fn symplectic_defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 }
 
 #[test]
-fn every_method_is_symplectic() {
+fn methods_are_symplectic_or_shown_not_to_be() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, _) = uneven_pendulum();
-    for Row { name, method, .. } in rows() {
-        let method = method.with_step(0.02);
+    for Row { name, method, unstructured, .. } in rows() {
+        let steps = if unstructured.is_some() { SOME } else { 1 };
+        let [one, two] = unstructured.unwrap_or([0.02; 2]).map(|h| method.with_step(h));
         let on_surface =
-            symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, method, 1));
-        let on_links = symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, method, 1));
+            symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, one, steps));
+        let on_links = if links(two) {
+            symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, two, steps))
+        } else {
+            on_surface
+        };
         println!("{name:40} {on_surface:.1e} {on_links:.1e}");
-        assert!(on_surface <= 2e-11 && on_links <= 2e-11, "{name}: {on_surface:e}, {on_links:e}");
+        if unstructured.is_some() {
+            assert!(on_surface > BROKEN && on_links > BROKEN, "{name}: {on_surface:e}, {on_links:e}");
+        } else {
+            assert!(on_surface <= 2e-11 && on_links <= 2e-11, "{name}: {on_surface:e}, {on_links:e}");
+        }
     }
     // The law sees a part in 10⁹ of the momentum that goes astray.
     let slowed = |state: State<3>| {
@@ -449,23 +514,28 @@ fn every_method_stays_on_the_constraint() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let mut rods =
+            links(method).then(|| linked.simulate(linked.staggered(&start, &method), method).unwrap());
         let mut worst = [0.0_f64; 4];
         for _ in 0..2000 {
             particle.step().unwrap();
-            rods.step().unwrap();
+            if let Some(rods) = &mut rods {
+                rods.step().unwrap();
+            }
             let found = [
                 particle.constraint_residual(),
                 particle.cotangent_residual(),
-                rods.constraint_residual(),
-                rods.cotangent_residual(),
+                rods.as_ref().map_or(0.0, Simulation::constraint_residual),
+                rods.as_ref().map_or(0.0, Simulation::cotangent_residual),
             ];
             worst = std::array::from_fn(|i| worst[i].max(found[i]));
         }
         println!("{name:40} {worst:?}");
         let [g, gp, rod, rod_p] = worst;
         assert!(g <= 1e-15 && rod <= 4e-15, "{name}: {worst:?}");
-        if method.momentum_delay() == 0.0 {
+        if method.need() == Need::Differences {
+            assert!(gp > 1e-3 && rod_p > 1e-3, "{name}: momenta of differences are not tangent: {worst:?}");
+        } else if method.momentum_delay() == 0.0 {
             assert!(gp <= 2e-15 && rod_p <= 2e-14, "{name}: {worst:?}");
         } else {
             assert!(gp > 1e-3 && rod_p > 1e-3, "{name}: momenta half a step away are not tangent: {worst:?}");
@@ -500,7 +570,7 @@ fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 #[test]
 fn energy_does_not_drift() {
     let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
-    for Row { name, order, method, windows } in rows() {
+    for Row { name, order, method, windows, unstructured } in rows() {
         let method = method.with_step(if order == 1 { 0.01 } else { 1.0 / f64::from(windows[1][0]) });
         // 500 swings: the means differ by where in a swing a quarter ends.
         let quarters = energy_errors(&scene, &swinging(), method, 2000.0);
@@ -508,7 +578,11 @@ fn energy_does_not_drift() {
         let drift = (quarters[3].0 - quarters[0].0).abs();
         println!("{name:40} h = {:.4}: {amplitude:.1e}, drift {drift:.1e}", method.step_size());
         assert!(amplitude > 1e-13, "{name}: too small to see a drift in");
-        assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+        if unstructured.is_some() {
+            assert!(drift > 0.1 * amplitude, "{name}: {drift:e} of {amplitude:e}");
+        } else {
+            assert!(drift <= 1e-3 * amplitude + 6e-14, "{name}: {drift:e} of {amplitude:e}");
+        }
     }
 }
 
@@ -518,10 +592,12 @@ fn energy_stays_bounded_in_chaos() {
     let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
+        let on_links = links(method).then(|| energy_errors(&linked, &start, method, 200.0));
         for (problem, quarters) in [
-            ("lemniscate", energy_errors(&surface, &billiard_45(), method, 200.0)),
-            ("double pendulum", energy_errors(&linked, &start, method, 200.0)),
+            ("lemniscate", Some(energy_errors(&surface, &billiard_45(), method, 200.0))),
+            ("double pendulum", on_links),
         ] {
+            let Some(quarters) = quarters else { continue };
             let [a, b, c, d] = quarters.map(|quarter| quarter.1);
             let (first, last) = (a.max(b), c.max(d));
             println!("{name:40} {problem:16} {first:.1e} {last:.1e}");
@@ -606,7 +682,9 @@ fn a_saved_state_goes_on_bit_for_bit() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method), method);
-        goes_on(name, &linked, &linked.staggered(&start, &method), method);
+        if links(method) {
+            goes_on(name, &linked, &linked.staggered(&start, &method), method);
+        }
     }
 }
 
@@ -633,12 +711,16 @@ fn no_step_allocates() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let mut rods =
+            links(method).then(|| linked.simulate(linked.staggered(&start, &method), method).unwrap());
         let allocated = allocation_counter::measure(|| {
             particle.run(50).unwrap();
-            rods.run(50).unwrap();
+            if let Some(rods) = &mut rods {
+                rods.run(50).unwrap();
+            }
         });
-        assert_eq!((particle.steps(), rods.steps(), allocated.count_total), (50, 50, 0), "{name}");
+        assert_eq!((particle.steps(), allocated.count_total), (50, 0), "{name}");
+        assert!(rods.is_none_or(|rods| rods.steps() == 50), "{name}");
     }
 }
 

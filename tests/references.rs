@@ -152,3 +152,100 @@ fn two_ricker_particles() {
     let slope = order(&errors);
     assert!((slope - 2.0).abs() < 0.1, "order {slope:.3}, errors {errors:?}");
 }
+
+/// Every high-order method at every reference up to t = 5, positions and momenta.
+#[test]
+fn high_order_methods_meet_every_reference() {
+    let mut met = 0;
+    let billiards = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    for row in table("lemniscate_gravity") {
+        let theta = row.number("theta_deg");
+        if row.text("ic") == "f64" && row.number("t") <= 5.0 {
+            let start = if theta == 45.0 { billiard_45() } else { billiard(theta.to_radians()) };
+            met += meets("lemniscate, gravity", &billiards, &start, 800, &row, ["x", "y", "z"]);
+        }
+    }
+    let geodesics = Scene::on(SURFACE);
+    for row in table("lemniscate_geodesic") {
+        if row.text("ic") == "f64" && row.number("t") <= 5.0 {
+            let theta = row.number("theta_deg");
+            let start = if theta == 45.0 { billiard_45() } else { billiard(theta.to_radians()) };
+            met += meets("lemniscate", &geodesics, &start, 400, &row, ["x", "y", "z"]);
+        }
+    }
+    let angle = std::f64::consts::PI / 6.0;
+    let along = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
+    for row in table("torus_geodesic").iter().filter(|row| row.number("t") <= 5.0) {
+        let quartic = Scene::on(QuarticTorus { major: 1.0, minor: 0.3 });
+        met += meets("quartic torus", &quartic, &along, 60, row, ["x", "y", "z"]);
+        let root = Scene::on(Torus { major: 1.0, minor: 0.3 });
+        met += meets("torus", &root, &along, 60, row, ["x", "y", "z"]);
+    }
+    for row in table("sphere_geodesic").iter().filter(|row| row.number("t") <= 5.0) {
+        let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+        met += meets("sphere", &Scene::on(Sphere { radius: 2.0 }), &start, 20, row, ["x", "y", "z"]);
+    }
+    for row in table("spherical_pendulum").iter().filter(|row| row.number("t") <= 5.0) {
+        let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
+        let start = State::at([sin, 0.0, -cos]).moving([0.0, 1.5, 0.0]);
+        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        met += meets("spherical pendulum", &scene, &start, 30, row, ["x", "y", "z"]);
+    }
+    let quarter = |row: &&Row| row.text("theta0") == "pi/2" && row.number("t") <= 5.0;
+    for row in table("planar_pendulum").iter().filter(quarter) {
+        let scene = Scene::on(Pendulum { length: 1.0 }).with(PlanarGravity { g: 1.0 });
+        met += meets("pendulum", &scene, &State::at([1.0, 0.0]), 30, row, ["x", "y"]);
+    }
+    assert_eq!(met, 19);
+}
+
+/// Runs every method to a row's time, with so many steps per unit of time of the shortest kind, and compares.
+fn meets<C, E, const D: usize>(
+    what: &str,
+    scene: &rattle::Scene<C, E, rattle::bodies::One, D>,
+    start: &State<D>,
+    steps: u32,
+    row: &Row,
+    columns: [&str; D],
+) -> u32
+where
+    C: Constraint<D, 1>,
+    E: rattle::effect::Effects<D>,
+{
+    let t = row.number("t");
+    let (q, p) = (row.numbers(columns), columns.map(|column| row.number(&format!("v{column}"))));
+    let check = |name: &str, (found_q, found_p): ([f64; D], [f64; D])| {
+        let error = distance(found_q, q).max(distance(found_p, p));
+        println!("{what:20} t = {t}: {name:24} {error:.1e}");
+        assert!(error <= 1e-12, "{what}, t = {t}, {name}: {error:e}");
+    };
+    let kahan_li = |h| Composition::new(rattle::composition::KAHAN_LI_1997_ORDER_8, h);
+    let sofroniou = |h| Composition::new(rattle::composition::SOFRONIOU_SPALETTA_2005_ORDER_10, h);
+    check("Kahan–Li, order 8", end(scene, start, t, steps, kahan_li));
+    check("Sofroniou–Spaletta", end(scene, start, t, steps, sofroniou));
+    check("Lobatto, order 8", end(scene, start, t, steps, Lobatto::<5>::new));
+    check("Lobatto, order 16", end(scene, start, t, steps / 4, Lobatto::<9>::new));
+    check("DOP853", end(scene, start, t, steps, Dop853::new));
+    check("DOP853, adaptive", end(scene, start, t, 1, |h| Dop853::adaptive(h, 1e-15)));
+    check("Taylor, order 18", end(scene, start, t, steps / 2, |h| Taylor::new(18, h)));
+    check("Taylor, adaptive", end(scene, start, t, 1, |h| Taylor::adaptive(18, h, 1e-16)));
+    1
+}
+
+/// Position and momentum at `t`.
+fn end<C, E, S: Stepper, const D: usize>(
+    scene: &rattle::Scene<C, E, rattle::bodies::One, D>,
+    start: &State<D>,
+    t: f64,
+    per_time: u32,
+    method: impl Fn(f64) -> S,
+) -> ([f64; D], [f64; D])
+where
+    C: Constraint<D, 1>,
+    E: rattle::effect::Effects<D>,
+{
+    let steps = (t * f64::from(per_time)).round();
+    let mut simulation = scene.simulate(start.clone(), method(t / steps)).unwrap();
+    simulation.run(steps as u64).unwrap();
+    (simulation.position().into(), simulation.momentum().into())
+}

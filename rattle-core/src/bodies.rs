@@ -79,6 +79,8 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub work: T,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
+    /// Room for a [method](crate::stepper::Stepper::room) to work in: whole sets of one vector per body.
+    pub room: Vec<[T; D]>,
 }
 
 impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
@@ -86,7 +88,7 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     pub fn new(count: N, kept: X, place: impl Fn(usize) -> Body<T, D>, time: f64) -> Self {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
-        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept };
+        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept, room: Vec::new() };
         for i in 0..count.number() {
             let Body { q, q_low, p, p_low } = place(i);
             (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);

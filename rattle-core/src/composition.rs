@@ -26,7 +26,7 @@ use crate::bodies::Bodies;
 use crate::error::Error;
 use crate::rattle::Rattle;
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
 
 /// Coefficients of a symmetric composition.
@@ -93,8 +93,14 @@ impl<B: Stepper> Stepper for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
+    fn need(&self) -> Need {
+        self.base.need()
+    }
     fn stages(&self) -> usize {
         self.base.stages()
+    }
+    fn room(&self) -> usize {
+        self.base.room()
     }
     fn check(&self, equations: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;

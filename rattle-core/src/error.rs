@@ -34,9 +34,9 @@ pub enum Error {
         method: &'static str,
     },
 
-    /// A method with inner stages was given a system that has no collocation.
+    /// A method was given a system that has not what it needs.
     #[error("{method} cannot move {system} yet; use `Rattle` or a composition of it")]
-    NoCollocation {
+    CannotMove {
         /// The method.
         method: &'static str,
         /// The kind of system.
@@ -46,6 +46,14 @@ pub enum Error {
     /// The time of the start is NaN or infinite.
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
+
+    /// A power series of fewer than two or more than 64 terms.
+    #[error("the order of a Taylor method is 2 to 64, found {0}")]
+    Order(u32),
+
+    /// A tolerance that is not a positive length.
+    #[error("a tolerance is a positive length, found {0}")]
+    Tolerance(f64),
 
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
@@ -545,6 +553,54 @@ pub enum StepFailure {
         /// The last displacement, in roundings of the position.
         left: f64,
     },
+    /// A step without structure ended too far from the constraints to be brought back to them.
+    #[error(
+        "the step leads {distance:.3e} off the constraint, on a way of {path:.3e}, and cannot be brought back; try a smaller \
+         step or tolerance"
+    )]
+    NotProjected {
+        /// The distance, to first order.
+        distance: f64,
+        /// The way h|v|.
+        path: f64,
+    },
+    /// The equations of an implicit step were not solved to the rounding floor.
+    #[error(
+        "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
+         move by {left:.1e} roundings; try a smaller step"
+    )]
+    ImplicitNotSolved {
+        /// The step size.
+        h: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
+    },
+    /// A stage of an explicit method came to where a force, a normal or λ is not finite.
+    #[error(
+        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}, or, of a power series, has a \
+         kink where it begins; try a smaller step"
+    )]
+    StageNotFinite {
+        /// The step size.
+        h: f64,
+    },
+    /// Inner steps that keep the tolerance have become too short.
+    #[error(
+        "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
+         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
+    )]
+    StepsCollapse {
+        /// The inner step that failed.
+        inner: f64,
+        /// The step size.
+        h: f64,
+        /// Its estimated error; NaN if a stage was not finite.
+        error: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
     /// Normals of successive stages are turned over: the step jumps over a bend.
     #[error(
         "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
@@ -555,6 +611,11 @@ pub enum StepFailure {
         /// The number of stages.
         stages: usize,
     },
+    /// The system has no power series.
+    #[error(
+        "these bodies have no power series of their motion; simulate them by `Taylor` on a surface, or use another method"
+    )]
+    NoSeries,
     /// The system has no collocation.
     #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
     NoCollocation {

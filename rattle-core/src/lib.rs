@@ -1,10 +1,12 @@
 //! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and what is kept
 //! of a run. Draws in nothing for files, plots or progress.
 
+pub mod bdf2;
 pub mod bodies;
 pub mod composition;
 pub mod counted;
 pub mod curvature;
+pub mod dop853;
 pub mod effect;
 pub mod error;
 pub mod geodesic;
@@ -20,6 +22,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
+mod series;
 pub mod shadow;
 pub mod shake;
 pub mod simulation;
@@ -30,6 +33,8 @@ pub mod stepper;
 pub mod surface;
 pub mod symplectic_euler;
 pub mod system;
+pub mod taylor;
+pub mod variable;
 mod vector;
 
 pub use nalgebra;

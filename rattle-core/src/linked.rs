@@ -26,7 +26,7 @@ use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
 use collocation::Stages;
@@ -215,9 +215,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         self.evaluate_forces(bodies);
     }
 
-    fn refuses_stages(&self) -> Option<&'static str> {
+    fn refuses(&self, need: Need) -> Option<&'static str> {
         let acting = self.shape.components.iter().any(|component| component.rows.acting);
-        acting.then_some("a network whose multipliers act on chosen coordinates")
+        match need {
+            Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
+            Need::Differences => self.moves_with_time().then_some("a network whose links move"),
+            Need::Series => Some("a network"),
+            Need::Verbs => None,
+        }
     }
 
     fn moves_with_time(&self) -> bool {
@@ -358,6 +363,91 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         Ok(())
     }
 
+    fn rates<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        rates: &mut [[f64; D]],
+        witness: &mut W,
+    ) -> f64 {
+        let shape = &*self.shape;
+        let Kept { force, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
+        for (body, root) in shape.roots.iter().enumerate() {
+            rates[body] = force[body].components();
+            room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+            room.push[body] = root.velocity(&rates[body]);
+        }
+        let mut power = 0.0;
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
+            let m = rows.equations();
+            let (blocks, x) = (&blocks[block..block + rows.blocks()], &mut room.x[row..row + m]);
+            let (bends, turns) = (&mut room.g[..m], &mut room.dx);
+            shape.bends(c, bodies.time, bodies.q.as_ref(), &room.velocity, bends, turns);
+            for (i, bend) in bends.iter_mut().enumerate() {
+                *bend = -*bend - along(rows, i, blocks, &room.push);
+            }
+            solver.respond(rows, blocks, &shape.roots, bends, x);
+            solver.push(rows, &shape.roots, 1.0, x, rates);
+            if W::LISTENS || rows.moving {
+                solver.multipliers(x, &mut room.dx[..m]);
+                for (i, lambda) in room.dx[..m].iter().enumerate() {
+                    power -= lambda * moving[row + i];
+                    witness.position_multiplier(rows.equation(i), *lambda);
+                }
+            }
+        }
+        power
+    }
+
+    fn project(&self, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        for (body, root) in shape.roots.iter().enumerate() {
+            bodies.kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.room.velocity[body]));
+            let path = h.abs() * moves.fold(0.0, f64::max);
+            let long = 64.0 * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
+            let mut nearest = f64::INFINITY;
+            loop {
+                let (q, time) = (bodies.q.as_ref(), bodies.time);
+                let (sine, row) = bodies.kept.normals(shape, c, time, q);
+                let (distance, roundings, worst) = self.furthest(c, h, bodies);
+                let stalled = roundings <= long && distance >= 0.5 * nearest;
+                if roundings <= 1.0 || stalled {
+                    self.check_rank(c, bodies, sine, row)?;
+                    break;
+                }
+                // False for NaN.
+                let nearer = distance < nearest && (distance <= 0.5 * path || roundings <= long);
+                if !nearer {
+                    let body = shape.equation_at(c, worst).bodies[0];
+                    return Err(if distance.is_finite() {
+                        Failure { body, cause: StepFailure::NotProjected { distance, path } }
+                    } else {
+                        let position = bodies.q.as_ref()[body].to_vec();
+                        Failure { body, cause: StepFailure::ConstraintNotFinite { position } }
+                    });
+                }
+                nearest = distance;
+                let (m, (_, block)) = (rows.equations(), component.first);
+                let Kept { blocks, solvers, room, .. } = &mut bodies.kept;
+                let blocks = &blocks[block..block + rows.blocks()];
+                room.g[..m].iter_mut().for_each(|g| *g = -*g);
+                solvers[c].respond(rows, blocks, &shape.roots, &mut room.g[..m], &mut room.x[..m]);
+                rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
+                solvers[c].displace(rows, &shape.roots, &room.x[..m], &mut room.lift);
+                let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
+                for &body in &rows.bodies {
+                    (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &room.lift[body]));
+                }
+            }
+        }
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
     fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
         let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
         bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
@@ -486,6 +576,30 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 out[component.rows.equation(row)] = number;
             }
         }
+    }
+
+    /// The largest residual of a component, just evaluated with its gradients: as a length, in roundings of the coordinates
+    /// it depends on or of their way in the time h, and its row. NaN if one is.
+    fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> (f64, f64, usize) {
+        let component = &self.shape.components[c];
+        let (rows, (_, block)) = (&component.rows, component.first);
+        let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+        let room = &bodies.kept.room;
+        let mut furthest = (0.0, 0.0, 0);
+        for row in 0..rows.equations() {
+            let (mut square, mut size) = (0.0, 0.0_f64);
+            for (block, body) in rows.touched_by(row) {
+                square += dot(&blocks[block], &blocks[block]);
+                size = size.max(largest(&bodies.q.as_ref()[body]));
+                size = size.max(h.abs() * largest(&room.velocity[body]));
+            }
+            let distance = if room.g[row] == 0.0 { 0.0 } else { room.g[row].abs() / square.sqrt() };
+            let roundings = if distance == 0.0 { 0.0 } else { distance / (f64::EPSILON * size) };
+            if roundings > furthest.1 || roundings.is_nan() {
+                furthest = (distance, roundings, row);
+            }
+        }
+        furthest
     }
 
     /// Whether the normals at the new positions are as independent as they were at the start.

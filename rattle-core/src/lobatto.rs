@@ -16,7 +16,7 @@ mod tables;
 use crate::bodies::Bodies;
 use crate::guess::{Extrapolated, FromState, Guess};
 use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
 
 /// Nodes c, weights b, and a, whose first row and last column are zero.
@@ -153,6 +153,9 @@ where
     }
     fn is_symmetric(&self) -> bool {
         true
+    }
+    fn need(&self) -> Need {
+        Need::Stages
     }
     fn stages(&self) -> usize {
         S

@@ -21,7 +21,7 @@ use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
 use crate::state::State;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
 use crate::vector::{sum, two_sum};
 use nalgebra::{Matrix3, Vector3};
@@ -159,6 +159,11 @@ impl Place {
         self.attitude = Rigid::attitude(q);
     }
 
+    /// Q(3 − QᵀQ)/2 (Å. Björck, C. Bowie 1971), from 1 − QᵀQ.
+    fn straighten(&mut self, deviation: &Matrix3<f64>) {
+        self.move_by(&(self.attitude * deviation * 0.5), &Vector3::zeros());
+    }
+
     fn put<N: Count, X>(self, bodies: &mut Bodies<N, f64, X, 9>, number: usize) {
         (bodies.q.as_mut()[number], bodies.q_low.as_mut()[number]) = (self.body.q, self.body.q_low);
         (bodies.p.as_mut()[number], bodies.p_low.as_mut()[number]) = (self.body.p, self.body.p_low);
@@ -284,8 +289,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             place.move_by(&turn, &change);
             let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
             if deviation.amax() > CROOKED {
-                // Q(3 − QᵀQ)/2 (Å. Björck, C. Bowie 1971).
-                place.move_by(&(place.attitude * deviation * 0.5), &Vector3::zeros());
+                place.straighten(&deviation);
             }
             place.put(bodies, number);
         }
@@ -324,6 +328,39 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Ok(())
     }
 
+    fn rates<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, rates: &mut [[f64; 9]], _: &mut W) -> f64 {
+        for (number, rate) in rates.iter_mut().enumerate() {
+            let Place { m, torque, .. } = Place::of(bodies, number);
+            *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
+        }
+        0.0
+    }
+
+    fn project(&self, h: f64, bodies: &mut BodiesOf<F, N>) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let mut place = Place::of(bodies, number);
+            let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
+            let mut nearest = 0.5 * path + CROOKED;
+            loop {
+                let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
+                let distance = deviation.amax();
+                if distance <= CROOKED {
+                    break;
+                }
+                let nearer = distance < nearest; // false for NaN
+                if !nearer {
+                    let cause = StepFailure::NotProjected { distance, path };
+                    return Err(Failure { body: number, cause });
+                }
+                nearest = distance;
+                place.straighten(&deviation);
+            }
+            place.put(bodies, number);
+        }
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
     fn collocate<W: Witness<f64>, const S: usize>(
         &self,
         _: &Table<S>,
@@ -335,8 +372,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
     }
 
-    fn refuses_stages(&self) -> Option<&'static str> {
-        Some(REDUCED)
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        (need != Need::Verbs).then_some(REDUCED)
     }
 
     fn equations(&self) -> usize {

@@ -10,12 +10,13 @@ use crate::rigid::Rigid;
 use crate::simulation::Simulation;
 use crate::start;
 use crate::state::State;
-use crate::stepper::{Stepper, check_step_size};
-use crate::surface::OnSurface;
+use crate::stepper::{Need, Stepper, check_step_size};
+use crate::surface::{Motion, OnSurface};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, two_sum};
 use nalgebra::SVector;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
 ///
@@ -90,10 +91,12 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
             let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path, method.momentum_delay() == 0.0)
+            start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(OnSurface { constraint, field: effects.field(), count })
+        let motion = (method.need() == Need::Series).then(|| Motion::of(self, effects, count.number()));
+        let motion = motion.flatten().map(Arc::new);
+        Ok(OnSurface { motion, ..OnSurface::new(constraint, effects.field(), count) })
     }
 
     fn particles(self, _: usize) -> Self {
@@ -288,7 +291,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
     pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N> {
-        OnSurface { constraint: self.constraint.kernel(), field: self.effects.field(), count: self.count }
+        OnSurface::new(self.constraint.kernel(), self.effects.field(), self.count)
     }
 }
 
@@ -351,12 +354,16 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
         stepper.check(system.equations())?;
-        if let (true, Some(system)) = (stepper.stages() > 0, system.refuses_stages()) {
-            return Err(Error::NoCollocation { method: stepper.name(), system });
+        if let Some(system) = system.refuses(stepper.need()) {
+            return Err(Error::CannotMove { method: stepper.name(), system });
         }
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        system.reserve(&mut bodies, stepper.stages());
+        match stepper.need() {
+            Need::Series => system.reserve_series(&mut bodies, stepper.stages()),
+            _ => system.reserve(&mut bodies, stepper.stages()),
+        }
+        bodies.room = vec![[0.0; D]; stepper.room() * self.count.number()];
         let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
         Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
     }

@@ -51,6 +51,13 @@ pub struct State<const D: usize> {
 }
 
 impl<const D: usize> State<D> {
+    /// Whether momenta must be along the constraints: not where a method has them at another time than positions, or goes
+    /// on from its own state.
+    pub(crate) fn must_be_tangent(&self, method: &impl Stepper) -> bool {
+        let goes_on = self.remembered.as_ref().is_some_and(|remembered| remembered.by(method).is_some());
+        method.momentum_delay() == 0.0 && !goes_on
+    }
+
     /// One body at rest at `position`.
     #[must_use]
     pub fn at(position: impl Into<SVector<f64, D>>) -> Self {

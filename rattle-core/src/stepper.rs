@@ -40,8 +40,18 @@ pub trait Stepper: Clone {
         0.0
     }
 
-    /// Inner stages that need room, 0 for methods without.
+    /// What the method asks of a system, which may refuse it before the run.
+    fn need(&self) -> Need {
+        Need::Verbs
+    }
+
+    /// Stages of a collocation method, or coefficients of a power series, for which a system makes room.
     fn stages(&self) -> usize {
+        0
+    }
+
+    /// Vectors per body that a step writes to [`Bodies::room`].
+    fn room(&self) -> usize {
         0
     }
 
@@ -80,6 +90,20 @@ pub trait Stepper: Clone {
     ) -> Result<(), Failure>;
 }
 
+/// What a method asks of a system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Need {
+    /// Drifts, forces and kicks, or rates of change and projection: every system has them.
+    Verbs,
+    /// Inner stages solved together.
+    Stages,
+    /// Momenta that are mass times velocity, and constraints that do not move.
+    Differences,
+    /// The motion as a power series in time.
+    Series,
+}
+
 /// Refuses a step size that is zero or not finite.
 pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
@@ -103,6 +127,18 @@ impl<T> Witness<T> for () {
     #[inline(always)]
     fn position_multiplier(&mut self, _: usize, _: T) {}
     #[inline(always)]
+    fn momentum_multiplier(&mut self, _: usize, _: T) {}
+}
+
+/// Tells λ as that of the end of a step.
+pub(crate) struct AtEnd<'a, W>(pub(crate) &'a mut W);
+
+impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
+    const LISTENS: bool = W::LISTENS;
+
+    fn position_multiplier(&mut self, equation: usize, lambda: T) {
+        self.0.momentum_multiplier(equation, lambda);
+    }
     fn momentum_multiplier(&mut self, _: usize, _: T) {}
 }
 
@@ -148,6 +184,22 @@ impl FailureAt {
     #[cold]
     pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
         self.because(StepFailure::StagesTurnOver { h, stages })
+    }
+
+    /// The end of the step is too far from the constraint.
+    #[cold]
+    pub(crate) fn not_projected<T: Real, const D: usize>(
+        &self,
+        distance: T,
+        path: &[T; D],
+        q: &[T; D],
+    ) -> Failure {
+        let (distance, path) = (self.number(distance), self.number(dot(path, path)).sqrt());
+        self.because(if distance.is_finite() {
+            StepFailure::NotProjected { distance, path }
+        } else {
+            StepFailure::ConstraintNotFinite { position: self.numbers(q) }
+        })
     }
 
     fn because(&self, cause: StepFailure) -> Failure {

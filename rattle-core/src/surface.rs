@@ -3,6 +3,7 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 mod collocation;
+mod series;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
@@ -10,10 +11,15 @@ use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
-use crate::stepper::{Failure, Witness};
+use crate::start::MAX_PROJECTION_STEPS;
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
-use crate::vector::{dot, scaled, sum, two_sum};
+use crate::vector::{dot, largest, scaled, sum, two_sum};
 use collocation::Stages;
+use series::Tapes;
+use std::sync::Arc;
+
+pub(crate) use series::Motion;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
@@ -24,6 +30,15 @@ pub struct OnSurface<K, F, N> {
     pub field: F,
     /// How many bodies there are.
     pub count: N,
+    /// g and U recorded, for methods that ask for power series.
+    pub(crate) motion: Option<Arc<Motion>>,
+}
+
+impl<K, F, N> OnSurface<K, F, N> {
+    /// So many bodies on this surface in this field.
+    pub fn new(constraint: K, field: F, count: N) -> Self {
+        Self { constraint, field, count, motion: None }
+    }
 }
 
 /// ∇g and 1/|∇g|² at a body's position.
@@ -44,6 +59,8 @@ pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
     pub force: N::Of<F>,
     /// Room for a method with inner stages.
     stages: Option<Box<Stages<T, F, D>>>,
+    /// Room for power series.
+    tapes: Option<Box<Tapes<T>>>,
 }
 
 type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
@@ -60,7 +77,7 @@ where
 
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None };
+        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, tapes: None };
         let mut bodies = Bodies::new(self.count, kept, place, 0.0);
         self.refresh(&mut bodies);
         bodies
@@ -128,8 +145,51 @@ where
         Ok(())
     }
 
+    #[inline(always)]
+    fn rates<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        rates: &mut [[T; D]],
+        witness: &mut W,
+    ) -> T {
+        for (body, rate) in rates.iter_mut().enumerate() {
+            let (lambda, pull) = pull(&self.constraint, bodies, body);
+            witness.position_multiplier(body, lambda);
+            *rate = pull;
+        }
+        T::from_f64(0.0)
+    }
+
+    #[inline(always)]
+    fn project(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        for body in 0..bodies.q.as_ref().len() {
+            project(h, &self.constraint, bodies, body)?;
+        }
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
     fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
         bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
+    }
+
+    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
+        let tapes = |motion: &Arc<Motion>| Box::new(Tapes::new(motion, self.count.number(), orders));
+        bodies.kept.tapes = self.motion.as_ref().map(tapes);
+    }
+
+    fn expand<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        series: &mut [[T; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series, witness)
+    }
+
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        let unknown = need == Need::Series && self.motion.is_none();
+        unknown.then_some("functions that go different ways by their values")
     }
 
     fn collocate<W: Witness<T>, const S: usize>(
@@ -379,6 +439,70 @@ where
     witness.momentum_multiplier(body, eta / T::from_f64(0.5 * h));
     (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
     dot(p, p).le(T::from_f64(f64::MAX))
+}
+
+/// λ at a body's place, and the sum of force and constraint.
+#[inline(always)]
+fn pull<T, K, F, N, const D: usize>(
+    constraint: &K,
+    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> (T, [T; D])
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+{
+    let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
+    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
+    let [bend] = constraint.jet(q, p).2;
+    let along = force.dot(&normal.gradient, T::from_f64(1.0));
+    let lambda = multiplier_from_curvature(bend, along, normal);
+    (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
+}
+
+/// Newton's iteration q ← q − ∇g g/|∇g|² until it no longer gets nearer; lanes that are there wait for the others.
+#[inline(always)]
+fn project<T, K, F, N, const D: usize>(
+    h: f64,
+    constraint: &K,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> Result<(), Failure>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+{
+    let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+    let zero = T::from_f64(0.0);
+    let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
+    let rounding = T::from_f64(f64::EPSILON) * largest(q).max(largest(&path));
+    let allowed = T::from_f64(0.5) * dot(&path, &path).sqrt() + T::from_f64(64.0) * rounding;
+    let mut nearest = T::from_f64(f64::INFINITY);
+    for _ in 0..MAX_PROJECTION_STEPS {
+        let ([g], [gradient]) = constraint.value_and_jacobian(q);
+        let normal = Normal::new(gradient);
+        let shift = scaled(-g * normal.inverse_square, &gradient);
+        let distance = dot(&shift, &shift).sqrt();
+        // At the rounding of q, or at that of g, where steps no longer shrink.
+        let stalled = nearest.le(distance + distance).and(distance.le(T::from_f64(64.0) * rounding));
+        let arrived = distance.le(rounding).or(stalled);
+        if arrived.all() {
+            bodies.kept.normal.as_mut()[body] = normal;
+            return Ok(());
+        }
+        let nearer = distance.lt(nearest).and(distance.le(allowed));
+        if !arrived.or(nearer).all() {
+            return Err(Failure::at(body, arrived.or(nearer)).not_projected(distance, &path, q));
+        }
+        let shift = shift.map(|shift| T::select(arrived, zero, shift));
+        (*q, *q_low) = two_sum(q, &sum(q_low, &shift));
+        nearest = distance;
+    }
+    Err(Failure::at(body, false).not_projected(nearest, &path, q))
 }
 
 impl<T: Real, const D: usize> Normal<T, D> {

@@ -10,9 +10,11 @@
 //! surface of its own, in lanes if wanted; [`Linked`](crate::linked::Linked) is for everything else.
 
 use crate::bodies::{Bodies, Body, Count};
+use crate::error::StepFailure;
 use crate::lobatto::Table;
 use crate::real::Real;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
+use std::array::from_fn;
 use std::fmt::Debug;
 
 /// A mechanical system with D coordinates per body, made ready for the scalar `T`.
@@ -91,11 +93,29 @@ pub trait System<T: Real, const D: usize>: Clone {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there. Places
+    /// and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t. `witness` is
+    /// told λ as that of the start of a step. Neither allocates nor panics.
+    fn rates<W: Witness<T>>(
+        &self,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        rates: &mut [[T; D]],
+        witness: &mut W,
+    ) -> T;
+
+    /// Moves positions that a time `h` has brought a little off the constraints back to them, the least way as masses
+    /// measure it, to rounding; evaluates there what is kept. Momenta stay; [`settle`](Self::settle) with kick 0 moves them.
+    /// Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift); where the constraints are further than half of the way h|v|.
+    fn project(&self, h: f64, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>) -> Result<(), Failure>;
+
     /// Makes room for a method of so many inner stages, so that its steps need not allocate.
     fn reserve(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _stages: usize) {}
 
-    /// What keeps the system from being moved by methods with inner stages, if anything does.
-    fn refuses_stages(&self) -> Option<&'static str> {
+    /// What keeps the system from being moved by methods with this need, if anything does.
+    fn refuses(&self, _need: Need) -> Option<&'static str> {
         None
     }
 
@@ -113,12 +133,36 @@ pub trait System<T: Real, const D: usize>: Clone {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// Makes room for power series of so many coefficients.
+    fn reserve_series(&self, _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>, _orders: usize) {}
+
+    /// Writes the power series of the motion in time from the present state on, into as many coefficients as there is
+    /// room for: q₀ of all bodies, q₁ of all, … `witness` is told λ at the start. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// Where the system has none.
+    fn expand<W: Witness<T>>(
+        &self,
+        _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        _series: &mut [[T; D]],
+        _witness: &mut W,
+    ) -> Result<(), Failure> {
+        Err(Failure { body: 0, cause: StepFailure::NoSeries })
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
     fn velocity(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, body: usize) -> [T; D];
     /// aᵀM b, for changes of position of a body; 0 for one that is pinned.
     fn mass_product(&self, body: usize, a: &[T; D], b: &[T; D]) -> T;
+    /// M v of a body; 0 for one that is pinned.
+    fn momentum(&self, body: usize, v: &[T; D]) -> [T; D] {
+        from_fn(|i| {
+            let unit = from_fn(|k| T::from_f64(if k == i { 1.0 } else { 0.0 }));
+            self.mass_product(body, &unit, v)
+        })
+    }
     /// Writes q̈ = M⁻¹(f + Gᵀλ) of each body, from the present state alone.
     fn accelerations(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, accelerations: &mut [[T; D]]);
     /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers); zeros where there are no equations.

@@ -15,9 +15,9 @@ use crate::bodies::Count;
 use crate::effect::{Field, Force};
 use crate::error::StepFailure;
 use crate::lobatto::Table;
-use crate::stepper::{Failure, Witness};
+use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
-use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::vector::{add_scaled, largest, scaled, sum, two_sum};
 use std::array::from_fn;
 
 /// Iterations after which a step is given up …
@@ -97,7 +97,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        if let Some(system) = self.refuses_stages() {
+        if let Some(system) = self.refuses(Need::Stages) {
             return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
         }
         let (n, m) = (self.count.number(), shape.equations);
@@ -147,56 +147,30 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         stages: usize,
         bodies: &BodiesOf<F, N, D>,
     ) -> Result<(), Failure> {
-        let component = &self.shape.components[c];
-        let (rows, (_, block)) = (&component.rows, component.first);
-        let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
-        let room = &bodies.kept.room;
-        let allowed = 1024.0 * f64::EPSILON * (rows.equations() as f64).sqrt();
-        for row in 0..rows.equations() {
-            let (mut square, mut size) = (0.0, 0.0_f64);
-            for (block, body) in rows.touched_by(row) {
-                square += dot(&blocks[block], &blocks[block]);
-                size = size.max(largest(&bodies.q.as_ref()[body]));
-                size = size.max(h.abs() * largest(&room.velocity[body]));
-            }
-            let off = room.g[row].abs() / square.sqrt();
-            if off > allowed * size {
-                let equation = self.shape.equation_at(c, row);
-                let body = equation.bodies[0];
-                let cause = if bodies.kept.solvers[c].rank(rows) < rows.equations() {
-                    StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
-                } else {
-                    let left = off / (f64::EPSILON * size);
-                    StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
-                };
-                return Err(Failure { body, cause });
-            }
+        let rows = &self.shape.components[c].rows;
+        let (off, left, row) = self.furthest(c, h, bodies);
+        if left <= 1024.0 * (rows.equations() as f64).sqrt() {
+            return Ok(());
         }
-        Ok(())
+        let equation = self.shape.equation_at(c, row);
+        let body = equation.bodies[0];
+        let cause = if bodies.kept.solvers[c].rank(rows) < rows.equations() {
+            StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
+        } else {
+            StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
+        };
+        Err(Failure { body, cause })
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.
     fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F::Force, D>) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
-        let (kept, room) = (&mut bodies.kept, &mut stages.change);
-        for (body, root) in shape.roots.iter().enumerate() {
-            kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
-            kept.room.push[body] = root.velocity(&kept.force[body].components());
-            stages.total[body] = kept.force[body].components();
-            room[body] = [0.0; D];
-        }
+        self.rates(bodies, &mut stages.total[..n], &mut ());
+        let kept = &mut bodies.kept;
         for (c, component) in shape.components.iter().enumerate() {
-            let (rows, (row, block)) = (&component.rows, component.first);
-            let blocks = &kept.blocks[block..block + rows.blocks()];
-            let (bends, turns) = (&mut kept.room.g[..rows.equations()], &mut kept.room.dx);
-            shape.bends(c, bodies.time, bodies.q.as_ref(), &kept.room.velocity, bends, turns);
-            for (i, bend) in bends.iter_mut().enumerate() {
-                *bend = -*bend - along(rows, i, blocks, &kept.room.push);
-            }
-            let x = &mut stages.x[..rows.equations()];
-            kept.solvers[c].respond(rows, blocks, &shape.roots, bends, x);
-            kept.solvers[c].multipliers(x, &mut stages.lambda[row..row + rows.equations()]);
-            pull(rows, blocks, &stages.lambda[row..], &mut stages.total[..n]);
+            let row = component.first.0;
+            let rows = row..row + component.rows.equations();
+            kept.solvers[c].multipliers(&kept.room.x[rows.clone()], &mut stages.lambda[rows]);
         }
         for stage in 1..S {
             stages.total.copy_within(..n, stage * n);

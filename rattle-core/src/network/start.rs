@@ -68,8 +68,7 @@ pub(crate) fn check<const D: usize>(
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
         for row in 0..shape.components[c].rows.equations() {
-            check_row(shape, c, row, &mut start, state.time, method)
-                .map_err(|cause| at(shape, c, row, cause))?;
+            check_row(shape, c, row, &mut start, state, method).map_err(|cause| at(shape, c, row, cause))?;
         }
         check_normals(shape, c, algebra, &start)?;
     }
@@ -103,7 +102,7 @@ fn check_row<const D: usize>(
     c: usize,
     row: usize,
     start: &mut Start<D>,
-    time: f64,
+    state: &State<D>,
     method: &impl Stepper,
 ) -> Result<(), StartFailure> {
     let rows = &shape.components[c].rows;
@@ -129,7 +128,7 @@ fn check_row<const D: usize>(
     let (group, member, equation) = rows.find(&shape.groups, row);
     let equations = shape.groups[group].equations();
     let (mut bends, mut turns) = (vec![0.0; equations], vec![0.0; equations]);
-    shape.groups[group].bends(member..member + 1, time, &start.q, &start.v, &mut bends, &mut turns);
+    shape.groups[group].bends(member..member + 1, state.time, &start.q, &start.v, &mut bends, &mut turns);
     for ((_, body), v) in rows.blocks_of(row).zip(saved) {
         start.v[rows.bodies[body]] = v;
     }
@@ -148,7 +147,7 @@ fn check_row<const D: usize>(
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    if method.momentum_delay() == 0.0 && rate.abs() > START_TOLERANCE * scale {
+    if state.must_be_tangent(method) && rate.abs() > START_TOLERANCE * scale {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
     }

@@ -14,13 +14,12 @@
 //! ends once the next would be below 1/256 of the rounding of the positions (with 1/16 energy drifts by 1e-16 a step, with
 //! 1/256 by 1e-17 at most). **Which root.** Normals of successive stages must not be turned over.
 
-use super::{BodiesOf, Kept, Normal, OnSurface};
-use crate::bodies::{Bodies, Count};
+use super::{BodiesOf, Normal, OnSurface, pull};
+use crate::bodies::Count;
 use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
-use crate::solver::multiplier_from_curvature;
 use crate::stepper::{Failure, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
@@ -94,27 +93,6 @@ impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
             }
         }
     }
-}
-
-/// What λ is at a body's place, and the sum of force and constraint.
-#[inline(always)]
-fn pull<T, K, F, N, const D: usize>(
-    constraint: &K,
-    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
-    body: usize,
-) -> (T, [T; D])
-where
-    T: Real,
-    K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
-    N: Count,
-{
-    let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
-    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
-    let [bend] = constraint.jet(q, p).2;
-    let along = force.dot(&normal.gradient, T::from_f64(1.0));
-    let lambda = multiplier_from_curvature(bend, along, normal);
-    (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
 }
 
 impl<K, F, N: Count> OnSurface<K, F, N> {
