@@ -94,8 +94,11 @@ fn check_shadow(steps: u64) {
     println!("{quarters:?}");
     let spread = quarters.iter().fold(0.0_f64, |most, quarter| most.max(quarter.1));
     let drift = (quarters[3].0 - quarters[0].0).abs();
-    // Bounded: the rare passes over the sharpest ends make the spread, and means stay within a part of it.
-    assert!(spread < 2e-3 && drift < 0.02 * spread, "{spread:e}, {drift:e}");
+    let rate = drift / (0.75 * 0.01 * steps as f64) / quarters[0].0;
+    // The rare passes over the sharpest ends make the spread, and in chaos their sum walks: 2e-9 per unit of time. Solved to
+    // |g| < 1e-6 instead of to rounding it drifts by 1e-6 and more.
+    println!("spread {spread:.1e}, drift per time {rate:.1e}");
+    assert!(spread < 1e-3 && rate < 5e-9, "{spread:e}, {rate:e}");
 }
 
 #[test]
