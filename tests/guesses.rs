@@ -62,6 +62,7 @@ fn extrapolated_stages_take_fewer_iterations() {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).extrapolated());
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
+        assert!(pure <= 16.0, "h = {h}: {pure}"); // 18 with the matrix of the first iteration alone
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
 }
@@ -133,4 +134,17 @@ where
         bits(&whole.state()),
         "roundings tell whether stages were remembered"
     );
+}
+
+/// Where a guess is given up, the step is begun again as without one: of 200 such runs 3 end at a step without a solution,
+/// and 1 of those without a memory.
+#[test]
+fn long_steps_survive_bad_guesses() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let lost = (0..40).filter(|&k| {
+        let start = billiard(std::f64::consts::FRAC_PI_4 + 1e-13 * f64::from(k));
+        scene.simulate(start, Lobatto::<5>::new(0.1).extrapolated()).unwrap().run(2000).is_err()
+    });
+    let lost = lost.count();
+    assert!(lost <= 3, "{lost} of 40");
 }

@@ -85,3 +85,22 @@ fn what_cannot_be_taken_in_parts_either_is_an_error_and_leaves_no_trace() {
     let error = falling(method).retry(3).run(1000).unwrap_err();
     assert!(matches!(error, Error::Step { .. }), "{error}");
 }
+
+potential! {
+    /// Not a number beyond x = 0.95.
+    struct Edge {}
+    |x, _y, _z| sqrt(0.95 - x)
+}
+
+/// Parts that were taken before one failed are taken back.
+#[test]
+fn parts_before_the_one_that_fails_leave_no_trace() {
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Edge {});
+    let start = scene.project(&State::at([0.9, 0.4, 0.0]).moving([0.4, -0.9, 0.0])).unwrap();
+    let mut simulation = scene.simulate(start, Rattle::new(0.3)).unwrap().retry(3);
+    let was = simulation.state();
+    let error = simulation.step().unwrap_err();
+    assert!(matches!(error, Error::Retried { .. }), "{error}");
+    assert_eq!(bits(&simulation.state()), bits(&was));
+    assert_eq!(simulation.step().unwrap_err().to_string(), error.to_string());
+}
