@@ -44,12 +44,13 @@ const RUNS: usize = 15;
 fn main() -> Result<(), Box<dyn Error>> {
     let exact = reference()?;
     let kahan_li = |h| Composition::new(KAHAN_LI_1997_ORDER_8, h);
-    let methods: [(&str, Vec<Point>); 9] = [
+    let methods: [(&str, Vec<Point>); 10] = [
         ("RATTLE, order 2", measure(Rattle::new, 0.02, exact)?),
         ("Suzuki, order 4", measure(|h| Composition::new(SUZUKI_1990_ORDER_4, h), 0.02, exact)?),
         ("Kahan–Li, order 8", measure(kahan_li, 0.04, exact)?),
         ("Lobatto, order 4", measure(Lobatto::<3>::new, 0.05, exact)?),
         ("Lobatto, order 8", measure(Lobatto::<5>::new, 0.05, exact)?),
+        ("… extrapolated", measure(|h| Lobatto::<5>::new(h).extrapolated(), 0.05, exact)?),
         ("Lobatto, order 16", measure(Lobatto::<9>::new, 0.1, exact)?),
         ("DOP853", measure(Dop853::new, 0.05, exact)?),
         ("DOP853, adaptive", measure_tolerances(|tolerance| Dop853::adaptive(T, tolerance), exact)?),
@@ -87,12 +88,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (name, points) in &methods {
         print_times(name, points);
     }
-    let at = |method: usize| time_to(&methods[method].1, 1e-8);
-    if let (Some(composition), Some(lobatto)) = (at(2), at(4)) {
-        println!(
-            "\nratio composition_over_lobatto {:.2}    # time to 1e-8, Kahan–Li over Lobatto of order 8",
-            composition / lobatto
-        );
+    let steps = |method: usize| steps_to(&methods[method].1, 1e-8);
+    if let (Some(composed), Some(pure), Some(extrapolated)) = (steps(2), steps(4), steps(5)) {
+        let (mut over_pure, mut over_extrapolated) = (Vec::new(), Vec::new());
+        let composed = run_of(composed, kahan_li)?;
+        let pure = run_of(pure, Lobatto::<5>::new)?;
+        let extrapolated = run_of(extrapolated, |h| Lobatto::<5>::new(h).extrapolated())?;
+        for _ in 0..10 * RUNS {
+            let time = composed()?; // in turns: a slow moment of the machine is one of all three
+            over_pure.push(time / pure()?);
+            over_extrapolated.push(time / extrapolated()?);
+        }
+        println!("\ntime to 1e-8, Kahan–Li over Lobatto of order 8, median of {} turns", 10 * RUNS);
+        println!("ratio composition_over_lobatto {:.2}", median(over_pure));
+        println!("ratio composition_over_lobatto_extrapolated {:.2}", median(over_extrapolated));
     }
 
     let mut chart = Chart::new("What accuracy costs: billiard at θ = 45° until t = 5")
@@ -261,6 +270,23 @@ fn time_to(points: &[Point], error: f64) -> Option<f64> {
     })
 }
 
+/// The number of steps to this error, likewise.
+fn steps_to(points: &[Point], error: f64) -> Option<u64> {
+    points.windows(2).find(|pair| pair[0].error >= error && pair[1].error < error).map(|pair| {
+        let part = (pair[0].error / error).ln() / (pair[0].error / pair[1].error).ln();
+        (T / (pair[0].h * (pair[1].h / pair[0].h).powf(part))).round() as u64
+    })
+}
+
+/// The time that a whole run in so many steps takes, every time it is called.
+fn run_of<S: Stepper>(
+    steps: u64,
+    method: impl Fn(f64) -> S,
+) -> Result<impl Fn() -> Result<f64, rattle::Error>, rattle::Error> {
+    let fresh = Scene::on(SURFACE).with(GRAVITY).simulate(start(), method(T / steps as f64))?;
+    Ok(move || time_of(&fresh, steps))
+}
+
 /// One step size: what it costs and what it gives.
 struct Point {
     h: f64,
@@ -328,13 +354,25 @@ fn median_time<Y: System<f64, D>, S: Stepper, const D: usize>(
 ) -> Result<f64, rattle::Error> {
     let mut times = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
-        let mut simulation = fresh.clone();
-        let clock = Instant::now();
-        simulation.run(steps)?;
-        times.push(1e3 * clock.elapsed().as_secs_f64());
+        times.push(time_of(fresh, steps)?);
     }
-    times.sort_by(f64::total_cmp);
-    Ok(times[RUNS / 2])
+    Ok(median(times))
+}
+
+/// Milliseconds.
+fn time_of<Y: System<f64, D>, S: Stepper, const D: usize>(
+    fresh: &Simulation<Y, S, D>,
+    steps: u64,
+) -> Result<f64, rattle::Error> {
+    let mut simulation = fresh.clone();
+    let clock = Instant::now();
+    simulation.run(steps)?;
+    Ok(1e3 * clock.elapsed().as_secs_f64())
+}
+
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
 }
 
 /// The position at t = 5 for the start in double precision.

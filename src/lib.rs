@@ -49,8 +49,9 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, kernel, lanes, linked,
-    lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface, system, taylor,
+    bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, guess, kernel, lanes,
+    linked, lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface, system,
+    taylor, variable,
 };
 
 pub use rattle_core::bdf2::Bdf2;
@@ -73,6 +74,7 @@ pub use rattle_core::state::State;
 pub use rattle_core::stepper::Stepper;
 pub use rattle_core::symplectic_euler::SymplecticEuler;
 pub use rattle_core::taylor::Taylor;
+pub use rattle_core::variable::Variable;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 

@@ -128,6 +128,40 @@ pub enum Error {
         /// What stopped it.
         cause: StepFailure,
     },
+
+    /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::simulation::Simulation::retry).
+    #[error(
+        "step {step} (t = {time}), particle {body}: halved {halvings} times, and its parts still fail: {cause}"
+    )]
+    Retried {
+        /// Which step, counted from 1.
+        step: u64,
+        /// The time before it.
+        time: f64,
+        /// Which body, counted from 0, in the shortest parts.
+        body: usize,
+        /// How often the step was halved.
+        halvings: u32,
+        /// What stopped the shortest parts.
+        cause: StepFailure,
+    },
+
+    /// A step that does not lead back: see [`Simulation::check_reversal`](crate::simulation::Simulation::check_reversal).
+    #[error(
+        "step {step} (t = {time}), particle {body}: taken back it misses where it came from by {off:.1e}, and {tolerance:.1e} is allowed; try a smaller step"
+    )]
+    NotReversed {
+        /// Which step, counted from 1.
+        step: u64,
+        /// The time before it.
+        time: f64,
+        /// Which body, counted from 0.
+        body: usize,
+        /// By how much, relative to the largest coordinate or momentum; NaN if there is no way back.
+        off: f64,
+        /// What is allowed.
+        tolerance: f64,
+    },
 }
 
 impl fmt::Debug for Error {

@@ -11,6 +11,7 @@ pub mod effect;
 pub mod ensemble;
 pub mod error;
 pub mod geodesic;
+pub mod guess;
 pub mod kernel;
 pub mod lanes;
 pub mod leapfrog;
@@ -36,6 +37,7 @@ pub mod surface;
 pub mod symplectic_euler;
 pub mod system;
 pub mod taylor;
+pub mod variable;
 mod vector;
 
 pub use nalgebra;

@@ -458,9 +458,10 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
+        memory: &mut [f64],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, witness)
+        self.collocate(table, h, bodies, memory, witness)
     }
 
     fn equations(&self) -> usize {

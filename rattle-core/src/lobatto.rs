@@ -14,6 +14,7 @@
 mod tables;
 
 use crate::bodies::Bodies;
+use crate::guess::{Extrapolated, FromState, Guess};
 use crate::real::Real;
 use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
@@ -27,6 +28,59 @@ pub struct Table<const S: usize> {
     pub weights: [f64; S],
     /// aᵢⱼ, row by row.
     pub positions: [[f64; S]; S],
+    /// The inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, its row j and column i where a has column j and row i.
+    pub(crate) inverse: [[f64; S]; S],
+    /// Row i, column j: the polynomial that is 1 at cⱼ and 0 at the other nodes, at 1 + cᵢ.
+    pub(crate) ahead: [[f64; S]; S],
+}
+
+impl<const S: usize> Table<S> {
+    /// The table with these coefficients, the inverse by Gauss and Jordan without exchanges: minors are positive.
+    const fn new(nodes: [f64; S], weights: [f64; S], positions: [[f64; S]; S]) -> Self {
+        let (mut a, mut inverse) = (positions, [[0.0; S]; S]);
+        let mut k = 0;
+        while k + 1 < S {
+            inverse[k][k + 1] = 1.0;
+            k += 1;
+        }
+        k = 0;
+        while k + 1 < S {
+            let (pivot, mut i) = (a[k + 1][k], 0);
+            while i < S {
+                a[k + 1][i] /= pivot;
+                inverse[k][i] /= pivot;
+                i += 1;
+            }
+            i = 0;
+            while i + 1 < S {
+                let (factor, mut j) = (if i == k { 0.0 } else { a[i + 1][k] }, 0);
+                while j < S {
+                    a[i + 1][j] -= factor * a[k + 1][j];
+                    inverse[i][j] -= factor * inverse[k][j];
+                    j += 1;
+                }
+                i += 1;
+            }
+            k += 1;
+        }
+        let mut ahead = [[1.0; S]; S];
+        let mut i = 0;
+        while i < S {
+            let mut j = 0;
+            while j < S {
+                k = 0;
+                while k < S {
+                    if k != j {
+                        ahead[i][j] *= (1.0 + nodes[i] - nodes[k]) / (nodes[j] - nodes[k]);
+                    }
+                    k += 1;
+                }
+                j += 1;
+            }
+            i += 1;
+        }
+        Self { nodes, weights, positions, inverse, ahead }
+    }
 }
 
 /// Numbers of stages with a table.
@@ -47,9 +101,13 @@ pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
 /// # use rattle_core::{lobatto::Lobatto, stepper::Stepper};
 /// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
 /// ```
+///
+/// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is then
+/// a pure function of the state. [`extrapolated`](Self::extrapolated) begins with what the stages of the step before lead to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lobatto<const S: usize> {
+pub struct Lobatto<const S: usize, G = FromState> {
     h: f64,
+    guess: G,
 }
 
 impl<const S: usize> Lobatto<S>
@@ -59,15 +117,27 @@ where
     /// The method with step size `h`, in the unit of time.
     #[must_use]
     pub fn new(h: f64) -> Self {
-        Self { h }
+        Self { h, guess: FromState }
+    }
+
+    /// The same method, its iteration begun with the polynomial through the stages of the step before: fewer iterations
+    /// where steps are short, and the same motion to rounding. A state taken from a simulation carries the stages.
+    ///
+    /// ```
+    /// # use rattle_core::lobatto::Lobatto;
+    /// let method = Lobatto::<5>::new(0.02).extrapolated();
+    /// ```
+    #[must_use]
+    pub fn extrapolated(self) -> Lobatto<S, Extrapolated> {
+        Lobatto { h: self.h, guess: Extrapolated }
     }
 }
 
-impl<const S: usize> Stepper for Lobatto<S>
+impl<const S: usize, G: Guess> Stepper for Lobatto<S, G>
 where
     Table<S>: Tabulated,
 {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Real> = G::Memory<T>;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -79,7 +149,7 @@ where
         Table::<S>::NAME
     }
     fn with_step(&self, h: f64) -> Self {
-        Self { h }
+        Self { h, ..*self }
     }
     fn is_symmetric(&self) -> bool {
         true
@@ -91,14 +161,23 @@ where
         S
     }
 
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> G::Memory<T> {
+        // Whether there was a step; f + Gᵀλ and λ of its stages.
+        G::numbers(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
+    }
+
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.collocate(&Table::<S>::TABLE, self.h, bodies, witness)
+        system.collocate(&Table::<S>::TABLE, self.h, bodies, memory, witness)
     }
 }

@@ -366,6 +366,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         _: &Table<S>,
         _: f64,
         _: &mut BodiesOf<F, N>,
+        _: &mut [f64],
         _: &mut W,
     ) -> Result<(), Failure> {
         Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })

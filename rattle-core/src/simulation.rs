@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::linked::{Counts, Linked};
 use crate::recorder::Recorder;
 use crate::state::{Remembered, State};
-use crate::stepper::{Stepper, Witness};
+use crate::stepper::{Failure, Stepper, Witness};
 use crate::system::System;
 use crate::vector::two_sum;
 use nalgebra::SVector;
@@ -30,6 +30,20 @@ pub struct Simulation<Y: System<f64, D>, S: Stepper, const D: usize> {
     /// The time of the start, or of now where steps differ in length, and what rounding took from it.
     clock: (f64, f64),
     start_energy: f64,
+    /// How often a step that cannot be taken is halved.
+    halvings: u32,
+    /// If every step is to be taken back and compared.
+    reversal: Option<Box<Reversal<Y, S, D>>>,
+}
+
+/// What it takes to take a step back and go on as if it had not been.
+struct Reversal<Y: System<f64, D>, S: Stepper, const D: usize> {
+    tolerance: f64,
+    backwards: S,
+    after: Bodies<Y::Count, f64, (), D>,
+    /// That of a method that has not made a step.
+    blank: S::Memory<f64>,
+    memory: S::Memory<f64>,
 }
 
 impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
@@ -50,10 +64,52 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         }
         let memory_before = memory.clone();
         let (steps, start_energy) = (0, 0.0);
-        let mut simulation =
-            Self { system, stepper, bodies, before, memory, memory_before, steps, clock, start_energy };
+        let mut simulation = Self {
+            system,
+            stepper,
+            bodies,
+            before,
+            memory,
+            memory_before,
+            steps,
+            clock,
+            start_energy,
+            halvings: 0,
+            reversal: None,
+        };
         simulation.start_energy = simulation.energy();
         simulation
+    }
+
+    /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
+    /// step alone; time goes on in whole steps. Without this no step is ever shortened: a run with parts is no longer the
+    /// iteration of one map, and neither symplectic nor reversible there. A method that remembers starts anew before
+    /// the parts and after them, which allocates. Staggered methods are not divided: their momenta belong to one step size.
+    ///
+    /// ```
+    /// # use rattle_core::{rattle::Rattle, scene::Scene, state::State};
+    /// let free = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+    /// let mut simulation = free.retry(6);
+    /// # simulation.step()?;
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    #[must_use]
+    pub fn retry(mut self, halvings: u32) -> Self {
+        self.halvings = halvings.min(30);
+        self
+    }
+
+    /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
+    /// `tolerance`, relative to the largest coordinate or momentum: else the step fails. What is symmetric reverses to rounding,
+    /// 1e-14, unless a step found another root than the way back does. For symmetric methods with steps of one length; a
+    /// step then costs two, and what is kept at its end is evaluated again.
+    #[must_use]
+    pub fn check_reversal(mut self, tolerance: f64) -> Self {
+        let backwards = self.stepper.with_step(-self.stepper.step_size());
+        let memory = backwards.memory(&self.system, &self.bodies);
+        let (after, blank) = (self.before.clone(), memory.clone());
+        self.reversal = Some(Box::new(Reversal { tolerance, backwards, after, blank, memory }));
+        self
     }
 
     /// Takes one step.
@@ -110,24 +166,99 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         match self.stepper.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
-                self.steps += 1;
                 if let Some(taken) = self.stepper.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
                 }
-                if self.system.moves_with_time() {
-                    let time = self.time();
-                    self.system.set_time(&mut self.bodies, time);
-                }
-                Ok(())
             }
-            Err(failure) => {
-                self.bodies.copy_from(&self.before);
-                self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
-                self.system.refresh(&mut self.bodies);
-                let (step, time) = (self.steps + 1, self.time());
-                Err(Error::Step { step, time, body: failure.body, cause: failure.cause })
+            Err(failure) => self.take_in_parts(failure, witness)?,
+        }
+        if self.reversal.is_some() {
+            self.take_back()?;
+        }
+        self.steps += 1;
+        if self.system.moves_with_time() {
+            let time = self.time();
+            self.system.set_time(&mut self.bodies, time);
+        }
+        Ok(())
+    }
+
+    /// Takes the step that failed in parts, as often halved as is allowed.
+    #[cold]
+    #[inline(never)]
+    fn take_in_parts(&mut self, failure: Failure, witness: &mut impl Witness<f64>) -> Result<(), Error> {
+        let (clock, mut failure) = (self.clock, failure);
+        self.put_back();
+        let halvings = if self.stepper.momentum_delay() == 0.0 { self.halvings } else { 0 };
+        for halved in 1..=halvings {
+            match self.parts(1 << halved, witness) {
+                Ok(()) => return Ok(()),
+                Err(again) => failure = again,
+            }
+            self.clock = clock;
+            self.put_back();
+        }
+        let (step, time, Failure { body, cause }) = (self.steps + 1, self.time(), failure);
+        Err(match halvings {
+            0 => Error::Step { step, time, body, cause },
+            _ => Error::Retried { step, time, body, halvings, cause },
+        })
+    }
+
+    /// Takes a step in so many parts.
+    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Failure> {
+        let method = self.stepper.with_step(self.stepper.step_size() / f64::from(parts));
+        let mut memory = method.memory(&self.system, &self.bodies);
+        for _ in 0..parts {
+            method.step(&self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            if let Some(taken) = method.time_taken(memory.as_ref()) {
+                self.clock = later(self.clock, (taken, 0.0));
             }
         }
+        self.memory = self.stepper.memory(&self.system, &self.bodies);
+        Ok(())
+    }
+
+    /// Takes the step just made back, compares, and makes it again.
+    #[cold]
+    #[inline(never)]
+    fn take_back(&mut self) -> Result<(), Error> {
+        let Some(reversal) = &mut self.reversal else { return Ok(()) };
+        reversal.after.copy_from(&self.bodies);
+        reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
+        let memory = reversal.memory.as_mut();
+        let back = reversal.backwards.step(&self.system, &mut self.bodies, memory, &mut ());
+        let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
+        for i in 0..self.bodies.q.as_ref().len() {
+            let (was, is) = (self.before.body(i), self.bodies.body(i));
+            let off = larger(farthest(&was.q, &is.q), farthest(&was.p, &is.p));
+            size = size.max(farthest(&was.q, &[0.0; D])).max(farthest(&was.p, &[0.0; D]));
+            if off > worst || off.is_nan() {
+                (worst, body) = (off, i);
+            }
+        }
+        if back.is_ok() && worst <= reversal.tolerance * size {
+            self.bodies.copy_from(&reversal.after);
+            self.system.refresh(&mut self.bodies);
+            return Ok(());
+        }
+        let tolerance = reversal.tolerance;
+        self.put_back();
+        let (step, time) = (self.steps + 1, self.time());
+        Err(Error::NotReversed {
+            step,
+            time,
+            body,
+            off: if back.is_ok() { worst / size } else { f64::NAN },
+            tolerance,
+        })
+    }
+
+    /// Everything as it was before the step under way.
+    fn put_back(&mut self) {
+        self.bodies.copy_from(&self.before);
+        self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
+        self.system.refresh(&mut self.bodies);
     }
 
     /// Steps taken so far.
@@ -279,6 +410,16 @@ fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
     (high, low)
 }
 
+/// The larger one; NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The largest difference of a coordinate; NaN if one is.
+fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    a.iter().zip(b).fold(0.0, |most, (a, b)| larger((a - b).abs(), most))
+}
+
 /// The largest |x|; NaN if one is.
 fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
@@ -307,6 +448,13 @@ impl<Y: System<f64, D, Count = One>, S: Stepper, const D: usize> Simulation<Y, S
     }
 }
 
+impl<Y: System<f64, D>, S: Stepper, const D: usize> Clone for Reversal<Y, S, D> {
+    fn clone(&self) -> Self {
+        let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
+        Self { tolerance: self.tolerance, backwards: self.backwards.clone(), after, blank, memory }
+    }
+}
+
 impl<Y: System<f64, D>, S: Stepper, const D: usize> Clone for Simulation<Y, S, D> {
     fn clone(&self) -> Self {
         Self {
@@ -316,6 +464,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Clone for Simulation<Y, S, D
             before: self.before.clone(),
             memory: self.memory.clone(),
             memory_before: self.memory_before.clone(),
+            reversal: self.reversal.clone(),
             ..*self
         }
     }

@@ -106,6 +106,23 @@ where
     }
 
     #[inline(always)]
+    fn drift_near<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        guess: &[T],
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for (body, &lambda) in guess.iter().enumerate() {
+            if !drift_near(kick, h, lambda, &self.constraint, bodies, body, witness) {
+                drift_again(kick, h, &self.constraint, bodies, body, witness)?;
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
     fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
         self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
     }
@@ -180,9 +197,10 @@ where
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, witness)
+        self.collocate(table, h, bodies, memory, witness)
     }
 
     fn equations(&self) -> usize {
@@ -271,12 +289,12 @@ where
     N: Count,
     W: Witness<T>,
 {
-    let (step, kicked) = (T::from_f64(h), T::from_f64(kick));
+    let step = T::from_f64(h);
     let (pushed, half_square) = (T::from_f64(h * kick), T::from_f64(0.5 * h * h));
     let share = T::from_f64(2.0 * kick / h); // of the force in the motion: 1 for RATTLE
-    let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
-    let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
-    let normal = &mut bodies.kept.normal.as_mut()[body];
+    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+    let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+    let normal = &bodies.kept.normal.as_ref()[body];
     let force = bodies.kept.force.as_ref()[body];
 
     let (_, _, [bend]) = constraint.jet(q, p); // pᵀ∇²g p = ∓κ |∇g| |p|²
@@ -290,13 +308,98 @@ where
     };
     let landing = land(constraint, h, body, &departure, p, bend, &path, &force, pushed)?;
 
-    let per_step = landing.multiplier / step;
+    arrive(kick, h, bodies, body, &landing, witness);
+    Ok(())
+}
+
+/// The same without second derivatives: λ is guessed, and h·κ·|v| known from it. Nothing is changed, and false, where
+/// the guess is not good enough to tell that the root is the right one.
+#[inline(always)]
+fn drift_near<T, K, F, N, W, const D: usize>(
+    kick: f64,
+    h: f64,
+    lambda: T,
+    constraint: &K,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    witness: &mut W,
+) -> bool
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    let (step, pushed) = (T::from_f64(h), T::from_f64(h * kick));
+    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+    let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
+    let square = dot(&normal.gradient, &normal.gradient);
+    let bend = lambda * square + force.dot(&normal.gradient, T::from_f64(2.0 * kick / h));
+    let speed_square = dot(p, p);
+    let gentle = (T::from_f64(4.0) * step * step * bend * bend * normal.inverse_square).le(speed_square);
+    let departure = Departure {
+        q,
+        q_low,
+        normal,
+        free: force.add_to(sum(&scaled(step, p), &scaled(step, p_low)), pushed),
+        guess: T::from_f64(0.5 * h * h) * lambda,
+    };
+    let landing = departure.land(constraint, |_| ());
+    let path_square = step * step * speed_square + force.square(pushed);
+    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS)).all();
+    if trusted {
+        arrive(kick, h, bodies, body, &landing, witness);
+    }
+    trusted
+}
+
+/// [`drift`], out of the way of what is hoped for.
+#[cold]
+#[inline(never)]
+fn drift_again<T, K, F, N, W, const D: usize>(
+    kick: f64,
+    h: f64,
+    constraint: &K,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    witness: &mut W,
+) -> Result<(), Failure>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    drift(kick, h, constraint, bodies, body, witness)
+}
+
+/// Takes a body to where it lands.
+#[inline(always)]
+fn arrive<T, F, N, W, const D: usize>(
+    kick: f64,
+    h: f64,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    landing: &Landing<T, D>,
+    witness: &mut W,
+) where
+    T: Real,
+    F: Force<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+    let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+    let (normal, force) = (&mut bodies.kept.normal.as_mut()[body], bodies.kept.force.as_ref()[body]);
+    let per_step = landing.multiplier / T::from_f64(h);
     witness.position_multiplier(body, per_step / T::from_f64(0.5 * h));
-    let change = force.add_to(sum(p_low, &scaled(per_step, &normal.gradient)), kicked);
+    let change = force.add_to(sum(p_low, &scaled(per_step, &normal.gradient)), T::from_f64(kick));
     (*p, *p_low) = two_sum(p, &change);
     (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
     *normal = Normal::new(landing.gradient);
-    Ok(())
 }
 
 /// Where the departing body lands: on the root that its motion, by `path` and under `pushed` times the force, leads to.

@@ -60,6 +60,23 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// The same, begun with these multipliers as a guess, on the scale of those that `witness` is told; where that is no
+    /// help, [`drift`](Self::drift) itself. The result is the same but in the last bits.
+    ///
+    /// # Errors
+    /// As [`drift`](Self::drift).
+    #[inline(always)]
+    fn drift_near<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        _guess: &[T],
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.drift(kick, h, bodies, witness)
+    }
+
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>);
 
@@ -102,7 +119,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// Takes one step of the collocation method with this table.
+    /// Takes one step of the collocation method with this table. `memory` is empty, or has room for a number and, for each
+    /// stage, f + Gᵀλ of each body and λ of each equation: the iteration then begins with what the last step left there.
     ///
     /// # Errors
     /// As [`drift`](Self::drift); and where the system has no collocation.
@@ -111,6 +129,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         table: &Table<S>,
         h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
 

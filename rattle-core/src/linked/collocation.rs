@@ -17,10 +17,14 @@ use crate::error::StepFailure;
 use crate::lobatto::Table;
 use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
-use crate::vector::{add_scaled, largest, sum, two_sum};
+use crate::vector::{add_scaled, largest, scaled, sum, two_sum};
+use std::array::from_fn;
 
-/// Iterations after which a step is given up.
+/// Iterations after which a step is given up …
 const MAX_ITERATIONS: usize = 100;
+
+/// … and after which it is begun again with the acceleration at its start.
+const PATIENCE: usize = 20;
 
 /// Room for the stages: stage by stage; within a stage by body, or by row and block of all components.
 #[derive(Debug, Clone)]
@@ -58,6 +62,28 @@ impl<F: Force<f64, D>, const D: usize> Stages<F, D> {
             multipliers: vec![0.0; equations],
         }
     }
+
+    /// What the polynomials through the stages of the step before and the start of this one lead to.
+    fn extrapolate<const S: usize>(&mut self, table: &Table<S>, past: &[f64], n: usize, m: usize) {
+        let (total, lambda) = past.split_at(S * n * D);
+        let last = S - 1;
+        for stage in 1..S {
+            let weights = &table.ahead[stage];
+            for body in 0..n {
+                let mut sum = scaled(weights[last], &self.total[body]);
+                for j in 0..last {
+                    let total = &total[(j * n + body) * D..][..D];
+                    sum = from_fn(|d| sum[d] + weights[j] * total[d]);
+                }
+                self.total[stage * n + body] = sum;
+            }
+            for equation in 0..m {
+                let before = (0..last).map(|j| weights[j] * lambda[j * m + equation]);
+                self.lambda[stage * m + equation] =
+                    weights[last] * self.lambda[equation] + before.sum::<f64>();
+            }
+        }
+    }
 }
 
 impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
@@ -67,6 +93,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
+        memory: &mut [f64],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
@@ -79,7 +106,22 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             _ => Box::new(Stages::new(S, n, m, shape.blocks)),
         };
         self.guess::<S>(bodies, &mut stages);
-        let solved = self.iterate(table, h, bodies, &mut stages);
+        let past = memory.split_first().filter(|(filled, _)| **filled == 1.0);
+        let near = past.is_some_and(|(_, past)| {
+            stages.extrapolate(table, past, n, m);
+            self.iterate(table, h, bodies, &mut stages, PATIENCE).is_ok()
+        });
+        let mut solved = Ok(());
+        if !near {
+            self.guess::<S>(bodies, &mut stages);
+            solved = self.iterate(table, h, bodies, &mut stages, MAX_ITERATIONS);
+        }
+        if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
+            *filled = 1.0;
+            let (total, lambda) = past.split_at_mut(S * n * D);
+            total.copy_from_slice(stages.total.as_flattened());
+            lambda.copy_from_slice(&stages.lambda);
+        }
         if solved.is_ok() {
             self.arrive(table, h, bodies, &stages, witness);
         }
@@ -166,12 +208,12 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
         stages: &mut Stages<F::Force, D>,
+        patience: usize,
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
-        let inverse = inverse(table);
         let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
         let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
-        for iteration in 0..MAX_ITERATIONS {
+        for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
                     let increment = self.increment(table, h, bodies, stages, stage, body);
@@ -218,7 +260,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             for j in 0..S - 1 {
                 stages.multipliers.fill(0.0);
                 for i in 1..S {
-                    let factor = -inverse[j][i] / (h * h);
+                    let factor = -table.inverse[j][i] / (h * h);
                     for (sum, answer) in stages.multipliers.iter_mut().zip(&stages.right[i * m..]) {
                         *sum += factor * answer;
                     }
@@ -271,7 +313,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             (last, last_contraction) = (worst, contraction);
         }
-        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: MAX_ITERATIONS, left: last };
+        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last };
         Err(Failure { body: 0, cause })
     }
 
@@ -345,25 +387,4 @@ fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force:
             force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
         }
     }
-}
-
-/// Rows j, columns i of the inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, by Gauss and Jordan; minors are positive.
-fn inverse<const S: usize>(table: &Table<S>) -> [[f64; S]; S] {
-    let (mut a, mut inverse) = (table.positions, [[0.0; S]; S]);
-    for k in 0..S - 1 {
-        inverse[k][k + 1] = 1.0;
-    }
-    for k in 0..S - 1 {
-        let pivot = a[k + 1][k];
-        a[k + 1] = a[k + 1].map(|x| x / pivot);
-        inverse[k] = inverse[k].map(|x| x / pivot);
-        for i in (0..S - 1).filter(|&i| i != k) {
-            let factor = a[i + 1][k];
-            for j in 0..S {
-                a[i + 1][j] -= factor * a[k + 1][j];
-                inverse[i][j] -= factor * inverse[k][j];
-            }
-        }
-    }
-    inverse
 }

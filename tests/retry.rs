@@ -1,0 +1,106 @@
+//! A step that cannot be taken is taken in parts, if that is asked for.
+
+mod common;
+use common::*;
+use rattle::error::StepFailure;
+use rattle::prelude::*;
+use rattle::{Error, Geodesic};
+
+/// A ball that falls from the top of a unit sphere: h·κ·|v| is h|v|, and |v| grows to 2 at the bottom.
+fn falling<S: Stepper>(
+    method: S,
+) -> Simulation<impl rattle::system::System<f64, 3, Count = rattle::bodies::One>, S, 3> {
+    let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
+    Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
+}
+
+/// Steps until the first that fails.
+fn until_failure<S: Stepper>(method: S) -> u64 {
+    let mut simulation = falling(method);
+    let error = simulation.run(1000).unwrap_err();
+    assert!(matches!(error, Error::Step { .. }), "{error}");
+    simulation.steps()
+}
+
+#[test]
+fn only_the_step_that_fails_is_divided() {
+    check(Rattle::new(0.7));
+    check(Rattle::new(0.7).extrapolated());
+    check(Geodesic::new(1.6, 2));
+    check(Composition::new(SUZUKI_1990_ORDER_4, 1.0));
+    check(PositionVerlet::new(1.3));
+}
+
+/// Places and momenta, without what is remembered of the steps before.
+fn bodies(state: &State<3>) -> String {
+    let all = bits(state);
+    all[..all.find("time").unwrap()].to_owned()
+}
+
+fn check<S: Stepper>(method: S) {
+    let (name, h) = (method.name(), method.step_size());
+    let before = until_failure(method.clone());
+    let mut simulation = falling(method.clone()).retry(4);
+    simulation.run(before).unwrap();
+    let mut plain = falling(method.clone());
+    plain.run(before).unwrap();
+    assert_eq!(bits(&simulation.state()), bits(&plain.state()), "{name}: steps that can be taken are whole");
+
+    // The next one is that of two halves, or of four quarters …, bit for bit.
+    simulation.step().unwrap();
+    let parts = [2, 4, 8, 16].map(|parts: u32| {
+        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let mut inner = scene.simulate(plain.state(), method.with_step(h / f64::from(parts))).unwrap();
+        inner.run(parts.into()).is_ok().then(|| bodies(&inner.state()))
+    });
+    let first = parts.into_iter().flatten().next().expect("some parts can be taken");
+    assert_eq!(bodies(&simulation.state()), first, "{name}");
+    assert_eq!((simulation.steps(), simulation.time()), (before + 1, (before + 1) as f64 * h), "{name}");
+
+    simulation.run(100).unwrap();
+    assert!(simulation.constraint_residual() <= 1e-15);
+}
+
+#[test]
+fn what_cannot_be_taken_in_parts_either_is_an_error_and_leaves_no_trace() {
+    let before = until_failure(Rattle::new(0.7));
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 100.0, 0.0]);
+    let mut simulation =
+        Scene::on(Sphere { radius: 1.0 }).simulate(start, Rattle::new(0.7)).unwrap().retry(3);
+    let was = simulation.state();
+    let error = simulation.step().unwrap_err();
+    let Error::Retried { step: 1, halvings: 3, body: 0, cause: StepFailure::StepTooLong { h, .. }, .. } =
+        error
+    else {
+        panic!("{error}")
+    };
+    assert_eq!(h, 0.7 / 8.0, "the cause is that of the shortest parts");
+    assert_eq!(bits(&simulation.state()), bits(&was));
+    assert_eq!((simulation.steps(), simulation.time()), (0, 0.0));
+    assert!(error.to_string().contains("halved 3 times"), "{error}");
+    assert!(before > 0);
+
+    // Staggered momenta belong to one step size.
+    let method = Shake::new(0.7);
+    let error = falling(method).retry(3).run(1000).unwrap_err();
+    assert!(matches!(error, Error::Step { .. }), "{error}");
+}
+
+potential! {
+    /// Not a number beyond x = 0.95.
+    struct Edge {}
+    |x, _y, _z| sqrt(0.95 - x)
+}
+
+/// Parts that were taken before one failed are taken back.
+#[test]
+fn parts_before_the_one_that_fails_leave_no_trace() {
+    let scene = Scene::on(Sphere { radius: 1.0 }).with(Edge {});
+    let start = scene.project(&State::at([0.9, 0.4, 0.0]).moving([0.4, -0.9, 0.0])).unwrap();
+    let mut simulation = scene.simulate(start, Rattle::new(0.3)).unwrap().retry(3);
+    let was = simulation.state();
+    let error = simulation.step().unwrap_err();
+    assert!(matches!(error, Error::Retried { .. }), "{error}");
+    assert_eq!(bits(&simulation.state()), bits(&was));
+    assert_eq!(simulation.step().unwrap_err().to_string(), error.to_string());
+}

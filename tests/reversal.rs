@@ -1,0 +1,112 @@
+//! Steps taken back: on request after every step, and over long ways.
+
+mod common;
+use common::*;
+use rattle::prelude::*;
+use rattle::{Error, Geodesic, nalgebra};
+
+#[test]
+fn symmetric_methods_pass_and_go_on_as_without_the_check() {
+    fn check<S: Stepper>(method: S) {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut plain = scene.simulate(billiard(0.7), method.clone()).unwrap();
+        let mut checked = scene.simulate(billiard(0.7), method.clone()).unwrap().check_reversal(1e-14);
+        plain.run(300).unwrap();
+        let allocated = allocation_counter::measure(|| checked.run(300).unwrap());
+        assert_eq!(bits(&checked.state()), bits(&plain.state()), "{}", method.name());
+        assert_eq!((checked.steps(), checked.time(), allocated.count_total), (300, plain.time(), 0));
+    }
+    check(Rattle::new(0.01));
+    check(Rattle::new(0.01).extrapolated());
+    check(Geodesic::new(0.01, 3));
+    check(PositionVerlet::new(0.01));
+    check(Composition::new(SUZUKI_1990_ORDER_4, 0.01));
+    check(Lobatto::<5>::new(0.02));
+    check(Lobatto::<5>::new(0.02).extrapolated());
+}
+
+#[test]
+fn steps_that_do_not_reverse_are_refused_and_leave_no_trace() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let mut simulation =
+        scene.simulate(billiard(0.7), SymplecticEuler::new(0.01)).unwrap().check_reversal(1e-14);
+    let was = simulation.state();
+    let error = simulation.step().unwrap_err();
+    let Error::NotReversed { step: 1, body: 0, off, tolerance: 1e-14, .. } = error else { panic!("{error}") };
+    assert!((1e-9..1e-3).contains(&off), "{error}"); // of the size of an error of the step; the start is a flat point
+    assert_eq!(bits(&simulation.state()), bits(&was));
+    assert_eq!(simulation.step().unwrap_err().to_string(), error.to_string(), "and again");
+
+    // A tolerance below rounding refuses what is right.
+    let mut strict = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap().check_reversal(0.0);
+    assert!(matches!(strict.run(100), Err(Error::NotReversed { .. })));
+}
+
+/// How much a small change of the state at the turning point has grown at most on the way back: what the roundings of
+/// the way may have grown by.
+fn growth<S: Stepper>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let small = 1e-7;
+    let mut most = 1.0_f64;
+    let back = method.with_step(-method.step_size());
+    for direction in 0..6 {
+        let shifted = |x: nalgebra::SVector<f64, 3>, first: usize| {
+            nalgebra::SVector::<f64, 3>::from_fn(|d, _| {
+                x[d] + if first + d == direction { small } else { 0.0 }
+            })
+        };
+        let moved = State::of(at_turn.positions().map(|q| shifted(q, 0)))
+            .with_momenta(at_turn.momenta().map(|p| shifted(p, 3)));
+        let moved = scene.project(&moved).unwrap();
+        let mut one = scene.simulate(at_turn.clone(), back.clone()).unwrap();
+        let mut other = scene.simulate(moved, back.clone()).unwrap();
+        for _ in 0..n {
+            one.step().unwrap();
+            other.step().unwrap();
+            let apart =
+                distance(one.position(), other.position()).max(distance(one.momentum(), other.momentum()));
+            most = most.max(apart / small);
+        }
+    }
+    most
+}
+
+/// After n steps forth and n back every reversible method is where it began, up to two roundings of three momenta (4ε) and those of
+/// the way, √n of them, that have grown as small changes of the state do. Low parts leave of each rounding that of a
+/// step's increment, well below a tenth.
+#[test]
+fn long_ways_lead_back() {
+    fn check<S: Stepper>(name: &str, method: S) {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let mut on_the_way = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
+        on_the_way.run(77).unwrap(); // where nothing is symmetric
+        let start = on_the_way.state();
+        for n in [1, 5, 20, 1000] {
+            let mut forth = scene.simulate(start.clone(), method.clone()).unwrap();
+            forth.run(n).unwrap();
+            let turn = forth.state();
+            let mut back = scene.simulate(turn.clone(), method.with_step(-method.step_size())).unwrap();
+            back.run(n).unwrap();
+            let (q, p) = (start.positions().next().unwrap(), start.momenta().next().unwrap());
+            let off = distance(back.position(), q).max(distance(back.momentum(), p));
+            let growth = growth(&turn, &method, n);
+            let allowed = f64::EPSILON * (4.0 + 0.1 * (n as f64).sqrt() * growth);
+            println!("{name:40} {n:5}: {off:.1e}, allowed {allowed:.1e}, growth {growth:.1e}");
+            assert!(off <= allowed, "{name}, {n} steps: {off:e}, allowed {allowed:e}");
+        }
+    }
+    check("RATTLE", Rattle::new(0.01));
+    check("RATTLE, extrapolated", Rattle::new(0.01).extrapolated());
+    check("geodesic RATTLE", Geodesic::new(0.01, 4));
+    check("position Verlet", PositionVerlet::new(0.01));
+    for coefficients in rattle::composition::ALL {
+        check(coefficients.name, Composition::new(coefficients, 0.01));
+    }
+    check("geodesic RATTLE, Suzuki", Composition::of(Geodesic::new(0.01, 4), SUZUKI_1990_ORDER_4));
+    check("position Verlet, Suzuki", Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    check("Lobatto, 2 stages", Lobatto::<2>::new(0.01));
+    check("Lobatto, 3 stages", Lobatto::<3>::new(0.01));
+    check("Lobatto, 5 stages", Lobatto::<5>::new(0.01));
+    check("Lobatto, 5 stages, extrapolated", Lobatto::<5>::new(0.01).extrapolated());
+    check("Lobatto, 9 stages", Lobatto::<9>::new(0.01));
+}
