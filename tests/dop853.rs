@@ -210,18 +210,17 @@ fn a_tolerance_is_a_positive_length() {
     }
 }
 
-/// A step that ends far from the surface is an error, not a jump to another sheet.
+/// A step that ends where Newton's iteration does not lead to the surface is an error.
 #[test]
 fn a_step_that_leaves_the_surface_is_an_error() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    let mut simulation = scene.simulate(billiard_45(), Dop853::new(2.0)).unwrap();
-    let (before, error) = (simulation.state(), simulation.step().unwrap_err());
-    let expected = matches!(
-        error,
-        Error::Step { cause: StepFailure::NotProjected { .. } | StepFailure::StageNotFinite { .. }, .. }
-    );
-    assert!(expected, "{error}");
-    assert_eq!(simulation.state(), before);
+    for h in [0.9, 1.5, 2.0] {
+        let mut simulation = scene.simulate(billiard_45(), Dop853::new(h)).unwrap();
+        let (before, error) = (simulation.state(), simulation.step().unwrap_err());
+        let expected = matches!(error, Error::Step { cause: StepFailure::NotProjected { .. }, .. });
+        assert!(expected, "{error}");
+        assert_eq!(simulation.state(), before);
+    }
 }
 
 /// The multipliers that a recorder hears are those of the motion at the two ends of the step.
@@ -308,7 +307,7 @@ fn a_heavy_top() {
     let [(coarse, ..), (fine, kinetic, attitude)] = [20, 80].map(after);
     assert!(fine.abs() <= 1e-13 && coarse.abs() > 8.0 * fine.abs(), "{coarse:e} {fine:e}");
     let mut other = top.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 1e-3)).unwrap();
-    assert!((kinetic - other.kinetic_energy()).abs() > 0.1, "the weight does something");
+    assert!((kinetic - other.kinetic_energy()).abs() > 0.01, "the weight does something");
     other.run(2000).unwrap();
     assert!(distance(attitude, other.position()) <= 1e-10, "{:e}", distance(attitude, other.position()));
 }

@@ -419,8 +419,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                     self.check_rank(c, bodies, sine, row)?;
                     break;
                 }
-                // False for NaN.
-                let nearer = distance < nearest && (distance <= 0.5 * path || roundings <= long);
+                let nearer = distance < nearest; // false for NaN
                 if !nearer {
                     let body = shape.equation_at(c, worst).bodies[0];
                     return Err(if distance.is_finite() {

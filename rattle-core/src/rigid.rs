@@ -340,7 +340,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
-            let mut nearest = 0.5 * path + CROOKED;
+            let mut nearest = f64::INFINITY;
             loop {
                 let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
                 let distance = deviation.amax();

@@ -500,7 +500,6 @@ where
     let zero = T::from_f64(0.0);
     let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
     let rounding = T::from_f64(f64::EPSILON) * largest(q).max(largest(&path));
-    let allowed = T::from_f64(0.5) * dot(&path, &path).sqrt() + T::from_f64(64.0) * rounding;
     let mut nearest = T::from_f64(f64::INFINITY);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([g], [gradient]) = constraint.value_and_jacobian(q);
@@ -514,7 +513,7 @@ where
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
         }
-        let nearer = distance.lt(nearest).and(distance.le(allowed));
+        let nearer = distance.lt(nearest);
         if !arrived.or(nearer).all() {
             return Err(Failure::at(body, arrived.or(nearer)).not_projected(distance, &path, q));
         }

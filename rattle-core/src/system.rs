@@ -108,7 +108,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Neither allocates nor panics.
     ///
     /// # Errors
-    /// As [`drift`](Self::drift); where the constraints are further than half of the way h|v|.
+    /// As [`drift`](Self::drift); where the iteration does not come nearer to the constraints.
     fn project(&self, h: f64, bodies: &mut Bodies<Self::Count, T, Self::Kept, D>) -> Result<(), Failure>;
 
     /// Makes room for a method of so many inner stages, so that its steps need not allocate.
