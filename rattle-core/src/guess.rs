@@ -6,9 +6,9 @@ use crate::real::Real;
 use std::fmt::Debug;
 
 /// A first guess of multipliers.
-pub trait Guess: Copy + Debug + PartialEq {
+pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// What is remembered from step to step.
-    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug;
+    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
 
     /// Room for so many numbers, all 0; none where nothing is remembered.
     fn numbers<T: Real>(count: usize) -> Self::Memory<T>;

@@ -427,6 +427,7 @@ where
         _: &Table<S>,
         _: f64,
         _: &mut BodiesOf<N, D, M>,
+        _: &mut [f64],
         _: &mut W,
     ) -> Result<(), Failure> {
         Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: IN_PHASE_SPACE } })

@@ -21,9 +21,9 @@
 //! [`examine`] evaluates g and ∇g at Λ₂; and [`finish`] makes the last small correction −g₂/s and the new momentum.
 //! Without the third term of the series three times as many steps need a further correction.
 //!
-//! **Stopping.** A displacement |g|/|∇g| of at most 128 ε|q|∞ is left to `finish`, which leaves what chord steps leave of
+//! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to `finish`, which leaves what chord steps leave of
 //! it, less than rounding does. Where it is larger, eight lanes together are corrected again. The normal is then that of a
-//! point less than 128 ε|q|∞ away.
+//! point less than 256 ε|q|∞ away.
 //!
 //! **Which root.** The slope s at the guess must be within half of |∇g(q)|², so that the surface was not left for another
 //! sheet. Lanes where it is not, or that three corrections do not bring to rest, are solved one by one, as a
@@ -44,7 +44,7 @@ use std::array::from_fn;
 const EIGHT: usize = 8;
 
 /// Left to the last correction: so many ε of the largest coordinate.
-const AT_REST: f64 = 128.0;
+const AT_REST: f64 = 256.0;
 
 /// Corrections of a lane before it is solved by itself.
 const CORRECTIONS: usize = 3;
@@ -81,6 +81,8 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     /// q + h p.
     free: Vectors<S, L, D>,
     multiplier: [S; L],
+    /// s.
+    slope: [S; L],
     /// 1/s.
     over_slope: [S; L],
     g: [S; L],
@@ -90,7 +92,7 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
 impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
     pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
-        Self { free: [zero; D], multiplier: zero, over_slope: zero, g: zero, rest: zero }
+        Self { free: [zero; D], multiplier: zero, slope: zero, over_slope: zero, g: zero, rest: zero }
     }
 }
 
@@ -349,12 +351,9 @@ where
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
 {
-    let Scratch { free, multiplier, over_slope, g, rest: allowed } = scratch;
-    guess(
-        laws, part, q, p, q_low, p_low, normal, square, rest, last, earlier, free, multiplier, over_slope, g,
-        allowed,
-    );
-    improve(laws, normal, free, over_slope, g, multiplier);
+    let Scratch { free, multiplier, slope, over_slope, g, rest: allowed } = scratch;
+    guess(laws, part, q, p, q_low, p_low, normal, last, earlier, free, multiplier, slope, over_slope, g);
+    improve(laws, normal, free, square, rest, slope, over_slope, g, multiplier, allowed);
     let width = EIGHT.min(L);
     let mut astir = 0_u64;
     for group in 0..L / width {
@@ -408,15 +407,13 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     q_low: &[Vectors<S, L, D>; SUMS],
     p_low: &[Vectors<S, L, D>; SUMS],
     normal: &Vectors<S, L, D>,
-    square: &[S; L],
-    rest: &[S; L],
     last: &[S; L],
     earlier: &[S; L],
     free: &mut Vectors<S, L, D>,
     multiplier: &mut [S; L],
+    slope: &mut [S; L],
     over_slope: &mut [S; L],
     g: &mut [S; L],
-    allowed: &mut [S; L],
 ) where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
@@ -432,24 +429,27 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
         let extrapolated = a.multiply_add(last[i], b * earlier[i]);
         let point = add_scaled(&start, extrapolated, &n);
         let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
-        let slope = dot(&gradient, &n);
-        let over = one / slope;
+        let along = dot(&gradient, &n);
+        let over = one / along;
         put(free, i, start);
-        (g[i], over_slope[i]) = (residual, over);
+        (g[i], slope[i], over_slope[i]) = (residual, along, over);
         multiplier[i] = (-residual).multiply_add(over, extrapolated);
-        let off = (slope - square[i]).abs();
-        allowed[i] = S::select((off + off).le(square[i]), rest[i], S::from_f64(-1.0));
     }
 }
 
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
 fn improve<S, K, F, const L: usize, const D: usize>(
     laws: &impl Laws<K, F>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
+    square: &[S; L],
+    rest: &[S; L],
+    slope: &[S; L],
     over_slope: &[S; L],
     g: &[S; L],
     multiplier: &mut [S; L],
+    allowed: &mut [S; L],
 ) where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
@@ -462,6 +462,8 @@ fn improve<S, K, F, const L: usize, const D: usize>(
         let [residual] = laws.constraint(i).value(&point);
         let ratio = residual * over;
         let ratio = S::select(ratio.abs().le(sixteenth), ratio, zero); // also where g₀ is 0: there is nothing to learn
+        let off = (slope[i] - square[i]).abs();
+        allowed[i] = S::select((off + off).le(square[i]), rest[i], S::from_f64(-1.0));
         let series = ratio.multiply_add(five.multiply_add(ratio, two), one);
         multiplier[i] = (-(residual * over_slope[i])).multiply_add(series, multiplier[i]);
     }
