@@ -14,7 +14,9 @@
 #include <time.h>
 
 #define H 0.01            /* step size */
+#ifndef TOLERANCE
 #define TOLERANCE 1e-14   /* on |g| */
+#endif
 #define R2 (1.0 / 36.0)   /* r², r = 1/6; a = 1, gravity 1 */
 #define INLINE static inline __attribute__((always_inline))
 

@@ -123,6 +123,12 @@ impl Programs {
                 &[],
                 self.c("lanes.c", &["-march=native"]),
             ),
+            entrant(
+                "C, intrinsics, to 5e-16",
+                Some("ensemble_over_c_simd_to_the_floor"),
+                &[],
+                self.c("lanes.c", &["-march=native", "-DTOLERANCE=5e-16"]),
+            ),
             entrant("Numba", Some("ensemble_over_numba"), &arrays, self.script("numba_lanes.py", "")),
             entrant(
                 "Numba, one flat array",

@@ -48,7 +48,7 @@ impl<T: Real, const D: usize> Force<T, D> for Absent {
     }
     #[inline(always)]
     fn components(&self) -> [T; D] {
-        [T::from_f64(-0.0); D]
+        [T::from_f64(0.0); D]
     }
 }
 
@@ -96,8 +96,8 @@ pub trait Field<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn evaluate(&self, positions: &[[T; D]], forces: &mut [Self::Force]);
     /// Adds −∇ᵢU to the force on every body i.
     fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
-    /// The force on a body that is the only one.
-    fn alone(&self, q: &[T; D]) -> Self::Force;
+    /// p + c f, with the force f on a body that is the only one.
+    fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D];
     /// U, summed over the effects.
     fn energy(&self, positions: &[[T; D]]) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force.
@@ -125,8 +125,8 @@ impl<T: Real, const D: usize> Field<T, D> for () {
     #[inline(always)]
     fn contribute(&self, _: &[[T; D]], _: &mut [[T; D]]) {}
     #[inline(always)]
-    fn alone(&self, _: &[T; D]) -> Absent {
-        Absent
+    fn kick(&self, _: &[T; D], _: T, p: [T; D]) -> [T; D] {
+        p
     }
     fn energy(&self, _: &[[T; D]]) -> T {
         T::from_f64(0.0)
@@ -171,8 +171,8 @@ impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for S
         self.effect.add_forces(positions, forces);
     }
     #[inline(always)]
-    fn alone(&self, q: &[T; D]) -> [T; D] {
-        self.effect.add_force_alone(q, self.others.alone(q).components())
+    fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
+        self.effect.kick(q, c, self.others.kick(q, c, p))
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         self.others.energy(positions) + self.effect.energy(positions)
@@ -217,12 +217,12 @@ pub trait Effect<const D: usize, Kind> {
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Adds −∇ᵢU to the force on every body i.
     fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
-    /// The same, for a body that is the only one.
+    /// p − c ∇U, for a body that is the only one.
     #[inline(always)]
-    fn add_force_alone(&self, q: &[T; D], force: [T; D]) -> [T; D] {
-        let mut force = [force];
+    fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
+        let mut force = [Force::zero()];
         self.add_forces(&[*q], &mut force);
-        force[0]
+        add_scaled(&p, c, &force[0])
     }
     /// U.
     fn energy(&self, positions: &[[T; D]]) -> T;
@@ -243,13 +243,13 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
     #[inline(always)]
     fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
         for (q, force) in positions.iter().zip(forces) {
-            *force = self.add_force_alone(q, *force);
+            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient(q));
         }
     }
     #[inline(always)]
-    fn add_force_alone(&self, q: &[T; D], force: [T; D]) -> [T; D] {
+    fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let gradient = self.0.gradient(q);
-        from_fn(|d| force[d] - gradient[d])
+        from_fn(|d| if K::ACTS_ALONG[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))

@@ -153,6 +153,9 @@ pub trait Potential<const D: usize>: Sized {
 
 /// The functions of a [`Potential`] over the scalar `T`.
 pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'static {
+    /// Which components of ∇U can be other than zero.
+    const ACTS_ALONG: [bool; D] = [true; D];
+
     /// U(q).
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).

@@ -254,6 +254,11 @@ impl Kernel<'_> {
 
     /// Which derivatives can be other than zero, and where the function is not smooth.
     fn structure_of_equations(&self, which: Macro) -> (TokenStream, TokenStream) {
+        if let (Macro::Potential, Some(gradient)) = (which, self.routines.named("gradient")) {
+            let acts = gradient.roots.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
+            let d = Literal::usize_unsuffixed(self.sizes.variables);
+            return (TokenStream::new(), quote!(const ACTS_ALONG: [bool; #d] = [#(#acts),*];));
+        }
         if which != Macro::Constraint {
             return Default::default();
         }

@@ -31,7 +31,7 @@
 //!
 //! Every lane is a function of its own past alone: lanes at rest are not moved when others are corrected.
 
-use crate::effect::{Field, Force};
+use crate::effect::Field;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
 use crate::solver::Departure;
@@ -63,7 +63,7 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     normal: [Vectors<S, L, D>; 2],
     /// |∇g(q)|².
     square: [S; L],
-    /// What g² may be at rest.
+    /// What |g| may be at rest.
     rest: [S; L],
     /// Λ of the last two steps, the last one first if `even`.
     multiplier: [[S; L]; 2],
@@ -239,7 +239,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let h = S::from_f64(parts[self.part].h);
         let [gradient] = constraint.jacobian(&q[0]);
         let normal = Normal::new(gradient);
-        let pushed = field.alone(&q[0]).add_to(p[1], S::from_f64(0.5) * h);
+        let pushed = field.kick(&q[0], S::from_f64(0.5) * h, p[1]);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
         put(&mut self.q, lane, q[0]);
@@ -249,7 +249,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         }
         put(&mut self.normal[usize::from(!self.even)], lane, gradient);
         self.square[lane] = dot(&gradient, &gradient);
-        self.rest[lane] = at_rest(self.square[lane], &q[0]);
+        self.rest[lane] = at_rest(&gradient, &q[0]);
         let [bend] = constraint.jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         // Both such that the extrapolation gives this: its weights add up to the square of a ratio of steps.
@@ -288,7 +288,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let [gradient] = constraint.jacobian(&q);
         let normal = Normal::new(gradient);
         let kick = S::from_f64(-0.5 * parts[self.part].h);
-        let change = field.alone(&q).add_to(low, kick);
+        let change = field.kick(&q, kick, low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
@@ -321,11 +321,10 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     }
 }
 
-/// What g² may be at rest: the square of `AT_REST` ε |q|∞ |∇g|.
+/// What |g| may be at rest: `AT_REST` ε |q|∞ |∇g|∞, for |∇g| and |q| to a factor of √3 in space.
 #[inline(always)]
-fn at_rest<S: Lane, const D: usize>(square: S, q: &[S; D]) -> S {
-    let size = S::from_f64(AT_REST * S::EPSILON) * largest(q);
-    square * (size * size)
+fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) -> S {
+    S::from_f64(AT_REST * S::EPSILON) * largest(gradient) * largest(q)
 }
 
 type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
@@ -375,7 +374,7 @@ where
         }
         if unrest {
             for lane in lanes {
-                if (g[lane] * g[lane]).le(allowed[lane]) {
+                if g[lane].abs().le(allowed[lane]) {
                     continue;
                 }
                 let back = if SUMS == 1 {
@@ -492,7 +491,7 @@ where
         let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
         g[i] = residual;
         put(next, i, gradient);
-        unrest |= u64::from(!(residual * residual).le(allowed[i])); // also where it is not a number
+        unrest |= u64::from(!residual.abs().le(allowed[i])); // also where it is not a number
     }
     unrest != 0
 }
@@ -506,7 +505,7 @@ fn correct<S: Lane, const L: usize>(
     multiplier: &mut [S; L],
 ) {
     for i in lanes {
-        let rests = (g[i] * g[i]).le(allowed[i]);
+        let rests = g[i].abs().le(allowed[i]);
         multiplier[i] = S::select(rests, multiplier[i], (-g[i]).multiply_add(over_slope[i], multiplier[i]));
     }
 }
@@ -534,7 +533,6 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     F: Field<S, D>,
 {
     let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(part.over_h), S::from_f64(part.kick));
-    let one = S::from_f64(1.0);
     for i in 0..L {
         let (n, m, old) = (at(normal, i), at(next, i), at(p, i));
         let found = (-g[i]).multiply_add(over_slope[i], multiplier[i]);
@@ -546,15 +544,13 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
             put(&mut q_low[0], i, low);
             place
         };
-        let push = laws.field(i).alone(&place);
         let length = dot(&m, &m);
-        let over_length = one / length;
         let new = if SUMS == 0 {
-            let pushed = push.add_to(add_scaled(&old, found * over_h, &n), kick);
-            add_scaled(&pushed, -(dot(&m, &pushed) * over_length), &m)
+            let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, found * over_h, &n));
+            add_scaled(&pushed, -(dot(&m, &pushed) / length), &m)
         } else {
-            let change = push.add_to(add_scaled(&at(&p_low[0], i), found * over_h, &n), kick);
-            let back = dot(&m, &sum(&old, &change)) * over_length;
+            let change = laws.field(i).kick(&place, kick, add_scaled(&at(&p_low[0], i), found * over_h, &n));
+            let back = dot(&m, &sum(&old, &change)) / length;
             let (new, low) = two_sum(&old, &add_scaled(&change, -back, &m));
             put(&mut p_low[0], i, low);
             new
@@ -562,7 +558,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
         put(q, i, place);
         put(p, i, new);
         square[i] = length;
-        rest[i] = at_rest(length, &place);
+        rest[i] = at_rest(&m, &place);
         earlier[i] = found;
     }
 }
