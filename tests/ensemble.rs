@@ -41,8 +41,8 @@ fn off<P: Precision, S: Stepper>(precision: P, method: &S, steps: u64) -> f64 {
     worst
 }
 
-/// Neighbouring trajectories part like e^(2t) on this surface: by 1e2 until t = 1 and by 1e5 until t = 5, from the rounding
-/// of one to some hundred steps.
+/// Neighbouring trajectories part like e^(2.3 t) on this surface, the worst by 1e2 until t = 1 and by 1e5 until t = 5. What
+/// they start from is the rounding of some steps, of 1e-16 to 1e-15.
 #[test]
 fn lanes_are_simulations_to_rounding() {
     let rattle = Rattle::new(0.01);
@@ -51,7 +51,7 @@ fn lanes_are_simulations_to_rounding() {
         ("compensated", off(Compensated, &rattle, 100), off(Compensated, &rattle, 500)),
     ] {
         println!("RATTLE, {name}: {until_1:e} at t = 1, {until_5:e} at t = 5");
-        assert!(until_1 < 3e-14 * 3.0 && until_5 < 3e-11, "{name}: {until_1:e}, {until_5:e}");
+        assert!(until_1 < 1e-13 && until_5 < 1e-10, "{name}: {until_1:e}, {until_5:e}");
     }
     let single = off(Single, &rattle, 100);
     println!("single: {single:e}");
