@@ -6,6 +6,7 @@ use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::error::StepFailure;
 use rattle::prelude::*;
+use rattle::surfaces::Gyroid;
 use rattle::{Error, ensemble};
 use std::f64::consts::TAU;
 
@@ -144,6 +145,67 @@ fn the_same_bits_everywhere() {
     };
     let (all, one) = (portable(starts()), portable(vec![starts().swap_remove(31)]));
     assert_eq!(all[31..32], one);
+}
+
+constraint! {
+    /// A landscape of all functions that have straight-line code.
+    pub struct Landscape { height }
+    |x, y, z| z - height * exp(-x^2 - y^2) + tanh(x) / 4 - ln(2 + y^2) / 4 - sinh(y / 4) + cosh(x) / 8
+}
+
+potential! {
+    /// A lattice of hollows.
+    pub struct Lattice { depth }
+    |x, y, z| depth * (cos(3 * x) + sin(3 * y)) + z
+}
+
+/// Waves, bells and steps: near the simulation, whose functions are the system's; the same bits with every instruction set,
+/// and alone.
+#[test]
+fn elementary_functions_in_lanes() {
+    fn check<C: rattle::scene::Hold<3>, E: rattle::effect::Effects<3>>(
+        scene: &Scene<C, E, rattle::bodies::One, 3>,
+        near: [f64; 3],
+    ) {
+        let start = |i: u32| State::at(near).moving([f64::from(i).cos(), f64::from(i).sin(), 0.1]);
+        let starts: Vec<_> = (0..70).map(|i| scene.project(&start(i)).unwrap()).collect();
+        let of = |starts: &[State<3>], set| {
+            let mut ensemble = Ensemble::of(Double, scene, starts.to_vec(), Rattle::new(0.01), set).unwrap();
+            ensemble.run(100);
+            assert_eq!(ensemble.failures().count(), 0);
+            ensemble
+        };
+        let first = of(&starts, InstructionSet::widest());
+        for set in fusing() {
+            assert_eq!(bits_of(&of(&starts, set)), bits_of(&first), "{set}");
+        }
+        assert_eq!(bits_of(&of(&starts[33..34], InstructionSet::widest())), bits_of(&first)[33..34]);
+        for set in [InstructionSet::Portable, InstructionSet::widest()] {
+            for (state, start) in of(&starts, set).states().zip(&starts) {
+                let mut alone = scene.simulate(start.clone(), Rattle::new(0.01)).unwrap();
+                alone.run(100).unwrap();
+                // Rounding grows like e^(3t) at most, from some hundred steps of 1e-16 on coordinates of order 1.
+                let gap = distance(state.positions().next().unwrap(), alone.position());
+                assert!(gap < 1e-12, "{set}: {gap:e}");
+            }
+        }
+    }
+    check(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }).with(Lattice { depth: 0.1 }), [0.1, 0.0, 0.0]);
+    check(&Scene::on(Landscape { height: 0.5 }).with(Lattice { depth: 0.1 }), [0.1, 0.2, 0.3]);
+}
+
+/// So far out that sin is not a number in lanes, a trajectory ends with an error, and only that one.
+#[test]
+fn beyond_the_farthest_angle_a_trajectory_ends() {
+    let scene = Scene::on(Gyroid { k: 1e12, epsilon: 0.0 });
+    let start = |i: u32| {
+        let at = if i == 3 { 1.2 } else { 0.0 };
+        scene.project(&State::at([at, at, at]).moving([1e-4, -2e-4, 1e-4])).unwrap()
+    };
+    let mut ensemble = scene.ensemble((0..5).map(start), Rattle::new(1e-9)).unwrap();
+    ensemble.run(10);
+    println!("{:?}", ensemble.failures().collect::<Vec<_>>());
+    assert_eq!(ensemble.failures().map(|(trajectory, _)| trajectory).collect::<Vec<_>>(), [3]);
 }
 
 #[test]

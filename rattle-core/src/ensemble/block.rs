@@ -361,7 +361,7 @@ where
         astir |= u64::from(unrest) << group;
     }
     while astir != 0 {
-        let group = astir.trailing_zeros() as usize;
+        let group = astir.trailing_zeros() as usize % (L / width); // the remainder: what a bounds check costs is vectors
         astir &= astir - 1;
         let lanes = group * width..(group + 1) * width;
         let mut unrest = true;

@@ -18,6 +18,10 @@
 //! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last two steps, so that
 //! results agree with those of a simulation to rounding, not to the bit.
 //!
+//! **Functions.** √, exp, ln, sin, cos, sinh, cosh and tanh cost little more than arithmetic in lanes: they are
+//! [straight-line code](crate::lanes), and differ from those of the system's library by rounding. sin and cos of angles
+//! beyond 2⁴⁰ are not a number there: a trajectory ends.
+//!
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
 //! go on.
 
