@@ -58,6 +58,7 @@ pub use rattle_core::bdf2::Bdf2;
 pub use rattle_core::composition::Composition;
 pub use rattle_core::counted::Counted;
 pub use rattle_core::dop853::Dop853;
+pub use rattle_core::ensemble::Ensemble;
 pub use rattle_core::error::Error;
 pub use rattle_core::geodesic::Geodesic;
 pub use rattle_core::leapfrog::Leapfrog;
@@ -86,8 +87,9 @@ pub mod prelude {
     pub use crate::recorder::{Recorder, Trajectory};
     pub use crate::{
         Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
+        Variable,
     };
-    pub use crate::{LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
+    pub use crate::{Ensemble, LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

@@ -347,6 +347,50 @@ fn all_may_fail() {
     );
 }
 
+/// A force that is not a number ends a trajectory in the step in which it acts, as it ends a simulation.
+#[test]
+fn a_force_that_is_not_a_number_is_told_at_once() {
+    constraint! {
+        struct Floor {}
+        |x, y, z| z + 0 * x + 0 * y
+    }
+    potential! {
+        struct Root {}
+        |x, y, z| sqrt(x) + 0 * y + 0 * z
+    }
+    let scene = Scene::on(Floor {}).with(Root {});
+    let start = |speed: f64| State::at([0.1, 0.0, 0.0]).moving([-speed, 0.0, 0.0]);
+    for (steps, speed) in [(4, 1.0), (3, 1.0), (150, 1.0)] {
+        let mut ensemble = scene.ensemble([start(-1.0), start(speed)], Rattle::new(0.03)).unwrap();
+        ensemble.run(steps);
+        let mut alone = scene.simulate(start(speed), Rattle::new(0.03)).unwrap();
+        let error = alone.run(steps).err();
+        assert_eq!(error.is_some(), steps > 3);
+        assert_eq!(ensemble.failure(1).map(ToString::to_string), error.map(|error| error.to_string()));
+        assert!(distance(ensemble.state(1).positions().next().unwrap(), alone.position()) < 1e-15);
+        assert!(ensemble.failure(0).is_none());
+    }
+}
+
+/// Times are those of simulations, also after stops and starts.
+#[test]
+fn times_are_those_of_simulations() {
+    let scene = Scene::on(SURFACE);
+    let mut state = billiard(0.3).at_time(0.7);
+    let mut alone = scene.simulate(state.clone(), Rattle::new(0.1 / 3.0)).unwrap();
+    for _ in 0..200 {
+        let mut ensemble = scene.ensemble([state], Rattle::new(0.1 / 3.0)).unwrap();
+        ensemble.run(1);
+        state = ensemble.state(0);
+        alone.run(1).unwrap();
+        assert_eq!(state.time(), alone.time());
+    }
+    let mut for_ever = scene.ensemble([billiard(0.3)], Rattle::new(5.0)).unwrap();
+    for_ever.run(3);
+    for_ever.run(u64::MAX); // all have failed
+    assert_eq!((for_ever.steps(), for_ever.failures().count()), (u64::MAX, 1));
+}
+
 #[test]
 fn a_start_that_is_refused_is_named() {
     let scene = Scene::on(SURFACE);

@@ -31,6 +31,11 @@ constraint! {
 }
 
 constraint! {
+    struct Ball { radius }
+    |x, y, z| x^2 + y^2 + z^2 - radius^2
+}
+
+constraint! {
     struct Landscape { height }
     |x, y, z| z - height * exp(-x^2 - y^2) + tanh(x) / 4 - ln(2 + y^2) / 4
 }
@@ -45,12 +50,13 @@ fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
 }
 
 /// The scenes that this program has.
-const SCENES: usize = 4;
+const SCENES: usize = 5;
 
 #[test]
 fn entries_are_vectorised() {
     run(&Scene::on(Lemniscate { a: 1.0, r: 0.2 }).with(Gravity { g: 1.0 }), [0.0, 0.0, 0.2]);
     run(&Scene::on(Ring { major: 1.0, minor: 0.3 }), [1.3, 0.0, 0.0]);
+    run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
 
@@ -79,6 +85,8 @@ fn entries_are_vectorised() {
             for number_by_number in ["vdivs", "vsqrts"] {
                 assert_eq!(count(&[number_by_number]), 0, "{name} a loop goes number by number");
             }
+            // Loops over loops, vectorised across the outer one.
+            assert_eq!(count(&["vgather"]) + count(&["vscatter"]), 0, "{name} numbers are gathered");
             for function in ["fma", "sin", "cos", "exp", "tanh", "log", "sqrt"] {
                 assert_eq!(count(&["call", &format!("<{function}")]), 0, "{name} {function} is a function");
             }

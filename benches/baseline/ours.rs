@@ -91,7 +91,7 @@ where
     }
     let Some(ensembles) = ensembles else { return Some(one_by_one(scene, starts, counts)) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-    Some(Box::new(Together { ensembles, pool, threads, counts }))
+    Some(Box::new(Together { ensembles, pool, threads, counts, evaluations: [0; 2] }))
 }
 
 /// Ensembles, one after the other.
@@ -100,12 +100,20 @@ struct Together {
     pool: rayon::ThreadPool,
     threads: usize,
     counts: Option<Counts>,
+    evaluations: [u64; 2],
 }
 
 impl Run for Together {
     fn advance(&mut self, steps: u64) {
         let ensembles = &mut self.ensembles;
+        if let Some(counts) = &self.counts {
+            counts.reset(); // what looking evaluated
+        }
         self.pool.install(|| ensembles.iter_mut().for_each(|ensemble| ensemble.run(steps)));
+        if let Some(counts) = &self.counts {
+            self.evaluations[0] += counts.values();
+            self.evaluations[1] += counts.gradients();
+        }
         assert!(
             self.ensembles.iter().all(|ensemble| ensemble.failures().next().is_none()),
             "steps within reach"
@@ -120,7 +128,7 @@ impl Run for Together {
     }
 
     fn evaluations(&self) -> [u64; 2] {
-        self.counts.as_ref().map_or([0; 2], |counts| [counts.values(), counts.gradients()])
+        self.evaluations
     }
 
     fn by_the_clock(&self) -> bool {

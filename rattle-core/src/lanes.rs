@@ -18,8 +18,6 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Lane: Real<Mask = bool> + Default + PartialEq {
     /// The float that is nearest.
     fn to_f64(self) -> f64;
-    /// The distance from 1 to the next number.
-    const EPSILON: f64;
 }
 
 /// A float whose x·y + z is rounded once, with the same bits on every processor: fast where there is an instruction for
@@ -132,6 +130,7 @@ macro_rules! fused_float {
     ($float:ident) => {
         impl Real for Fused<$float> {
             type Mask = bool;
+            const EPSILON: f64 = $float::EPSILON as f64;
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
                 Self(x as $float)
@@ -177,7 +176,6 @@ macro_rules! fused_float {
         }
 
         impl Lane for Fused<$float> {
-            const EPSILON: f64 = $float::EPSILON as f64;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.0.into()
@@ -185,7 +183,6 @@ macro_rules! fused_float {
         }
 
         impl Lane for $float {
-            const EPSILON: f64 = $float::EPSILON as f64;
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()
@@ -207,6 +204,7 @@ macro_rules! of_each_lane {
 
 impl<S: Lane, const L: usize> Real for Lanes<S, L> {
     type Mask = Marks<L>;
+    const EPSILON: f64 = S::EPSILON;
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self([S::from_f64(x); L])

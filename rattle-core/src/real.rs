@@ -62,6 +62,8 @@ pub trait Real:
 {
     /// What a comparison gives.
     type Mask: Mask;
+    /// The distance from 1 to the next number; that of `f64` where nothing else is said.
+    const EPSILON: f64 = f64::EPSILON;
 
     /// The same number in every lane.
     fn from_f64(x: f64) -> Self;
@@ -152,6 +154,7 @@ macro_rules! real_float {
     ($float:ident, $erf:path) => {
         impl Real for $float {
             type Mask = bool;
+            const EPSILON: f64 = $float::EPSILON as f64;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {

@@ -273,14 +273,11 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The time and what rounding took from it: the same after any number of stops and starts on the way.
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
     fn exact_time(&self) -> (f64, f64) {
         if self.stepper.time_taken(self.memory.as_ref()).is_some() {
             return self.clock;
         }
-        let (steps, h) = (self.steps as f64, self.stepper.step_size());
-        let passed = steps * h;
-        later(self.clock, (passed, steps.mul_add(h, -passed)))
+        after_steps(self.clock, self.steps, self.stepper.step_size())
     }
 
     /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
@@ -401,6 +398,13 @@ impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F
     pub fn counts(&self) -> Counts {
         self.system.counts(&self.bodies)
     }
+}
+
+/// The time so many steps of length h after another, both with what rounding took from them.
+#[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+pub(crate) fn after_steps(start: (f64, f64), steps: u64, h: f64) -> (f64, f64) {
+    let passed = steps as f64 * h;
+    later(start, (passed, (steps as f64).mul_add(h, -passed)))
 }
 
 /// A time and what rounding took from it, and another, added.

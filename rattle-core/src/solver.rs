@@ -49,6 +49,11 @@ const LONG_PATH: f64 = 0.5;
 /// A relative change of the slope below this is none: well above rounding, and 10⁷ corrections make a bend.
 const STRAIGHT: f64 = 1e-7;
 
+/// The same where rounding is coarser.
+const fn straight<T: Real>() -> f64 {
+    if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
+}
+
 /// The smallest part of a step in which a root is followed.
 const SMALLEST_PART: f64 = 1.0 / 4096.0;
 
@@ -110,7 +115,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
         let long_square = T::from_f64(LONG_PATH * LONG_PATH) * off_square;
         let short_path = (change_square * path_square).le(long_square * slope_square);
-        let straight = change_square.le(T::from_f64(STRAIGHT * STRAIGHT) * slope_square);
+        let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()) * slope_square);
         let upright = T::from_f64(0.0).lt(slope);
         landing.converged.and(upright).and(straight.or(near_guess.and(short_path)))
     }
@@ -172,7 +177,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     ) -> Landing<T, D> {
         let n = &self.normal.gradient;
         let length = dot(n, n).sqrt();
-        let floor = T::from_f64(f64::EPSILON) * largest(self.q).max(largest(&self.free));
+        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
         let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
 
         let mut multiplier = self.guess;
@@ -188,7 +193,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let first = newton.abs() * length;
             correction(first);
             first_cycle.get_or_insert((first, slope));
-            let straight = (slope - last_slope).abs().le(T::from_f64(STRAIGHT) * slope.abs());
+            let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
             let stalled = (half * last).le(first).and(straight);
             last_slope = slope;
             converged = converged.or(first.le(floor)).or(stalled);

@@ -25,9 +25,9 @@
 //! it, less than rounding does. Where it is larger, eight lanes together are corrected again. The normal is then that of a
 //! point less than 256 ε|q|∞ away.
 //!
-//! **Which root.** The slope s at the guess must be within half of |∇g(q)|², so that the surface was not left for another
-//! sheet. Lanes where it is not, or that three corrections do not bring to rest, are solved one by one, as a
-//! [`Simulation`](crate::simulation::Simulation) does.
+//! **Which root.** The slope s at the guess must be within half of |∇g(q)|². Lanes where it is not, or that three corrections
+//! do not bring to rest, are solved one by one, as a [`Simulation`](crate::simulation::Simulation) does. Sheets of a surface
+//! that lie closer to each other than guesses are off, some part of κ(h|p|)², can still be taken for one another.
 //!
 //! Every lane is a function of its own past alone: lanes at rest are not moved when others are corrected.
 
@@ -184,6 +184,22 @@ impl<K: Clone, F: Clone, const L: usize> Kept<K, F> for Each<K, F, L> {
     }
 }
 
+/// The sum of the components.
+#[inline(always)]
+fn total<S: Lane, const D: usize>(x: &[S; D]) -> S {
+    let mut sum = x[0];
+    for &component in &x[1..] {
+        sum = sum + component;
+    }
+    sum
+}
+
+/// Neither infinite nor NaN.
+#[inline(always)]
+fn is_finite<S: Lane>(x: S) -> bool {
+    (x - x).le(S::default())
+}
+
 #[inline(always)]
 fn at<S: Copy, const L: usize, const D: usize>(vectors: &Vectors<S, L, D>, lane: usize) -> [S; D] {
     from_fn(|d| vectors[d][lane])
@@ -294,6 +310,21 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
     }
 
+    /// Whether all momenta are numbers.
+    #[inline(always)]
+    pub(crate) fn check<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+        &self,
+        laws: &impl Laws<K, F>,
+    ) -> Result<(), Stuck> {
+        for lane in 0..L {
+            let (q, p) = (at(&self.q, lane), at(&self.p, lane));
+            if !is_finite(total(&p)) {
+                return Err(Stuck { lane, failure: not_finite(laws.constraint(lane), laws.field(lane), q) });
+            }
+        }
+        Ok(())
+    }
+
     /// Moves all lanes through the next part of a step. Where one cannot be moved the block is left half way.
     #[inline(always)]
     pub(crate) fn advance<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
@@ -330,6 +361,18 @@ fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) -> S {
 type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
     (&'a mut [Vectors<S, L, D>; SUMS], &'a mut [Vectors<S, L, D>; SUMS]);
 
+/// Why a lane's momentum is not finite.
+#[cold]
+#[inline(never)]
+fn not_finite<S: Lane, K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const D: usize>(
+    constraint: &K,
+    field: &F,
+    q: [S; D],
+) -> Failure {
+    let [gradient] = constraint.jacobian(&q);
+    Failure::at(0, false).not_finite(field, &[q], &[Normal::new(gradient)])
+}
+
 /// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
 #[allow(clippy::too_many_arguments, clippy::type_complexity, reason = "see above")]
 #[inline(always)]
@@ -352,20 +395,36 @@ where
 {
     let Scratch { free, multiplier, slope, over_slope, g, rest: allowed } = scratch;
     guess(laws, part, q, p, q_low, p_low, normal, last, earlier, free, multiplier, slope, over_slope, g);
-    improve(laws, normal, free, square, rest, slope, over_slope, g, multiplier, allowed);
     let width = EIGHT.min(L);
     let mut astir = 0_u64;
-    for group in 0..L / width {
-        let unrest =
-            examine(laws, group * width..(group + 1) * width, normal, free, multiplier, allowed, g, next);
-        astir |= u64::from(unrest) << group;
+    if L == 1 {
+        // Nothing waits for this lane: it looks at once whether Newton's step was enough.
+        let first = g[0];
+        examine(laws, 0..1, normal, free, multiplier, rest, g, next);
+        let newton = Newton { first, residual: g[0], slope: slope[0], over_slope: over_slope[0] };
+        allowed[0] = newton.allows(square[0], rest[0]);
+        if !g[0].abs().le(allowed[0]) {
+            (multiplier[0], over_slope[0]) = newton.improved(multiplier[0], allowed[0]);
+            astir = u64::from(examine(laws, 0..1, normal, free, multiplier, allowed, g, next));
+        }
+    } else {
+        improve(laws, normal, free, square, rest, slope, g, over_slope, multiplier, allowed);
+        // All lanes in one loop: a loop over groups of eight would be vectorised across the groups.
+        if examine(laws, 0..L, normal, free, multiplier, allowed, g, next) {
+            for group in 0..L / width {
+                let mut lanes = group * width..(group + 1) * width;
+                astir |= u64::from(lanes.any(|lane| !g[lane].abs().le(allowed[lane]))) << group;
+            }
+        }
     }
     while astir != 0 {
         let group = astir.trailing_zeros() as usize % (L / width); // the remainder: what a bounds check costs is vectors
         astir &= astir - 1;
         let lanes = group * width..(group + 1) * width;
         let mut unrest = true;
-        for _ in 0..CORRECTIONS {
+        let corrections =
+            if lanes.clone().all(|lane| g[lane].abs().le(rest[lane])) { 0 } else { CORRECTIONS };
+        for _ in 0..corrections {
             correct(lanes.clone(), g, over_slope, allowed, multiplier);
             unrest = examine(laws, lanes.clone(), normal, free, multiplier, allowed, g, next);
             if !unrest {
@@ -445,26 +504,52 @@ fn improve<S, K, F, const L: usize, const D: usize>(
     square: &[S; L],
     rest: &[S; L],
     slope: &[S; L],
-    over_slope: &[S; L],
     g: &[S; L],
+    over_slope: &mut [S; L],
     multiplier: &mut [S; L],
     allowed: &mut [S; L],
 ) where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
 {
-    let [zero, one, two, five] = [0.0, 1.0, 2.0, 5.0].map(S::from_f64);
-    let sixteenth = S::from_f64(0.0625);
     for i in 0..L {
-        let over = one / g[i];
         let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
         let [residual] = laws.constraint(i).value(&point);
-        let ratio = residual * over;
+        let newton = Newton { first: g[i], residual, slope: slope[i], over_slope: over_slope[i] };
+        allowed[i] = newton.allows(square[i], rest[i]);
+        (multiplier[i], over_slope[i]) = newton.improved(multiplier[i], allowed[i]);
+    }
+}
+
+/// Newton's step from the guess.
+struct Newton<S> {
+    /// g at the guess, g₀.
+    first: S,
+    /// g after it, g₁.
+    residual: S,
+    slope: S,
+    over_slope: S,
+}
+
+impl<S: Lane> Newton<S> {
+    /// What |g| may be at rest; nothing where the slope says that the surface may have been left.
+    #[inline(always)]
+    fn allows(&self, square: S, rest: S) -> S {
+        let off = (self.slope - square).abs();
+        S::select((off + off).le(square), rest, S::from_f64(-1.0))
+    }
+
+    /// Λ₂ from Λ₁, and 1/s there; Λ₁ itself where it is at rest.
+    #[inline(always)]
+    fn improved(&self, newton: S, allowed: S) -> (S, S) {
+        let [zero, one, two, five, sixteenth] = [0.0, 1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
+        let ratio = self.residual * (one / self.first);
         let ratio = S::select(ratio.abs().le(sixteenth), ratio, zero); // also where g₀ is 0: there is nothing to learn
-        let off = (slope[i] - square[i]).abs();
-        allowed[i] = S::select((off + off).le(square[i]), rest[i], S::from_f64(-1.0));
-        let series = ratio.multiply_add(five.multiply_add(ratio, two), one);
-        multiplier[i] = (-(residual * over_slope[i])).multiply_add(series, multiplier[i]);
+        let bent = two.multiply_add(ratio, one);
+        let series = (five * ratio).multiply_add(ratio, bent);
+        let improved = (-(self.residual * self.over_slope)).multiply_add(series, newton);
+        let rests = self.residual.abs().le(allowed);
+        (S::select(rests, newton, improved), self.over_slope * bent)
     }
 }
 
@@ -533,6 +618,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     F: Field<S, D>,
 {
     let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(part.over_h), S::from_f64(part.kick));
+    let one = S::from_f64(1.0);
     for i in 0..L {
         let (n, m, old) = (at(normal, i), at(next, i), at(p, i));
         let found = (-g[i]).multiply_add(over_slope[i], multiplier[i]);
@@ -545,12 +631,13 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
             place
         };
         let length = dot(&m, &m);
+        let over_length = one / length; // while other sums are on their way
         let new = if SUMS == 0 {
             let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, found * over_h, &n));
-            add_scaled(&pushed, -(dot(&m, &pushed) / length), &m)
+            add_scaled(&pushed, -(dot(&m, &pushed) * over_length), &m)
         } else {
             let change = laws.field(i).kick(&place, kick, add_scaled(&at(&p_low[0], i), found * over_h, &n));
-            let back = dot(&m, &sum(&old, &change)) / length;
+            let back = dot(&m, &sum(&old, &change)) * over_length;
             let (new, low) = two_sum(&old, &add_scaled(&change, -back, &m));
             put(&mut p_low[0], i, low);
             new

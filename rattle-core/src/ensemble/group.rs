@@ -8,7 +8,7 @@ use crate::ensemble::observe::Sight;
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
-use crate::simulation::Simulation;
+use crate::simulation::{Simulation, after_steps};
 use crate::state::State;
 use crate::stepper::{Failure, Stepper};
 use crate::system::System;
@@ -99,7 +99,8 @@ pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const S
     parts: Vec<Part>,
     h: f64,
     steps: u64,
-    start_time: Vec<f64>,
+    /// Times of the starts, and what rounding took from them.
+    start_time: Vec<(f64, f64)>,
     /// By lane: whether a trajectory moves in it, else the lane that it is a copy of.
     moving: [bool; L],
     copy_of: [usize; L],
@@ -142,7 +143,7 @@ where
         for lane in starts.len()..L {
             block.copy(0, lane);
         }
-        let start_time = starts.iter().map(|start| start.time).collect();
+        let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
         Self {
             block,
             laws,
@@ -157,9 +158,22 @@ where
         }
     }
 
-    /// Takes steps until all are taken or a lane fails: how many were whole, and which lane failed.
-    fn attempt(&mut self, steps: u64, set: InstructionSet) -> (u64, Result<(), Stuck>) {
-        set.run(Stretch { group: self, steps })
+    /// Takes so many steps, or none if a lane fails on the way.
+    fn attempt(&mut self, steps: u64, set: InstructionSet) -> Result<(), Stuck> {
+        set.run(Stretch { group: self, steps })?;
+        self.steps += steps;
+        Ok(())
+    }
+
+    /// Takes one step with all lanes that can be moved.
+    fn step(&mut self, set: InstructionSet) {
+        while self.moving.contains(&true) {
+            match self.attempt(1, set) {
+                Ok(()) => return,
+                Err(Stuck { lane, failure }) => self.end(lane, failure),
+            }
+        }
+        self.steps += 1;
     }
 
     /// Takes the trajectory that is in a lane, itself or as a copy, and cannot be moved on, out of the block.
@@ -167,7 +181,7 @@ where
         let stuck = self.copy_of[lane];
         if std::mem::replace(&mut self.moving[stuck], false) {
             let (q, p) = (self.block.position(stuck), self.momentum(stuck));
-            let time = self.time(stuck);
+            let (time, _) = self.time(stuck);
             let failure = Error::Step { step: self.steps + 1, time, body, cause };
             self.ended.push(Ended { lane: stuck, steps: self.steps, q, p, failure });
         }
@@ -184,11 +198,10 @@ where
         self.block.momentum(lane, (self.laws.constraint(lane), self.laws.field(lane)), &self.parts)
     }
 
-    /// The time of a trajectory.
-    #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
-    fn time(&self, lane: usize) -> f64 {
+    /// The time of a trajectory, and what rounding took from it.
+    fn time(&self, lane: usize) -> (f64, f64) {
         let steps = self.ended(lane).map_or(self.steps, |ended| ended.steps);
-        self.start_time[lane] + steps as f64 * self.h
+        after_steps(self.start_time[lane], steps, self.h)
     }
 
     fn ended(&self, lane: usize) -> Option<&Ended<S, D>> {
@@ -237,7 +250,7 @@ where
         let Self { group, seen } = self;
         for lane in 0..group.start_time.len() {
             let (q, p) = group.numbers(lane);
-            seen.times.push(group.time(lane));
+            seen.times.push(group.time(lane).0);
             seen.positions.push(q[0].map(Lane::to_f64).into());
             seen.momenta.push(p[0].map(Lane::to_f64).into());
         }
@@ -252,22 +265,21 @@ where
     F: Field<S, D>,
     X: Kept<K, F>,
 {
-    type Done = (u64, Result<(), Stuck>);
+    type Done = Result<(), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
         let SideBySide { block, laws, parts, .. } = self.group;
         let laws = laws.clone();
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        for step in 0..self.steps {
+        for _ in 0..self.steps {
             for _ in 0..parts.len() {
-                if let Err(stuck) = desk.block.advance(&laws, parts, &mut desk.scratch) {
-                    return (step, Err(stuck));
-                }
+                desk.block.advance(&laws, parts, &mut desk.scratch)?;
             }
         }
+        desk.block.check(&laws)?;
         *block = desk.block;
-        (self.steps, Ok(()))
+        Ok(())
     }
 }
 
@@ -284,16 +296,11 @@ where
     }
 
     fn run(&mut self, steps: u64, set: InstructionSet) {
-        let end = self.steps + steps;
+        let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            let (taken, result) = self.attempt(stretch, set);
-            if let Err(Stuck { lane, failure }) = result {
-                self.attempt(taken, set).1.ok(); // the steps before, which are known to pass
-                self.steps += taken;
-                self.end(lane, failure);
-            } else {
-                self.steps += taken;
+            if self.attempt(stretch, set).is_err() {
+                (0..stretch).for_each(|_| self.step(set)); // to see which, and where
             }
         }
         self.steps = end;
@@ -302,7 +309,8 @@ where
     fn state(&self, trajectory: usize) -> State<D> {
         let (q, p) = self.numbers(trajectory);
         let [q, q_low, p, p_low] = [q[0], q[1], p[0], p[1]].map(|x| x.map(Lane::to_f64));
-        let mut state = State::at(q).at_time(self.time(trajectory));
+        let mut state = State::at(q);
+        (state.time, state.time_low) = self.time(trajectory);
         state.bodies[0] = Body { q, q_low, p, p_low };
         state
     }

@@ -155,17 +155,17 @@ impl<const D: usize> Ensemble<D> {
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
         self.groups.par_iter_mut().for_each(|group| group.run(steps, set));
-        self.steps += steps;
+        self.steps = self.steps.saturating_add(steps);
     }
 
     /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
     /// again.
     ///
     /// ```
-    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::Mean};
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::{Mean, Sight}};
     /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
     /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
-    /// let speed = ensemble.observe(1000, 10, || Mean::of(|now| now.momentum().norm()));
+    /// let speed = ensemble.observe(1000, 10, || Mean::of(|now: &Sight<'_, 1>| now.momentum().norm()));
     /// assert_eq!((speed.number(), speed.mean()), (10_000, 49.5));
     /// # Ok::<(), rattle_core::error::Error>(())
     /// ```
@@ -192,7 +192,7 @@ impl<const D: usize> Ensemble<D> {
             own
         };
         let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();
-        self.steps += steps;
+        self.steps = self.steps.saturating_add(steps);
         let mut all = observer();
         observers.into_iter().for_each(|next| all.join(next));
         all
