@@ -16,6 +16,9 @@ use std::array::from_fn;
 /// Bodies of a tile.
 const TILE: usize = 64;
 
+/// Bodies that meet a tile together: the way through one takes longer than the work.
+const AT_ONCE: usize = 2;
+
 /// From so many bodies on it pays.
 pub(crate) const MANY: usize = 8;
 
@@ -53,7 +56,7 @@ impl<K: PairKernel<Number>, const D: usize> Work for AllPairs<'_, K, D> {
         let Self { positions, forces, .. } = self;
         let kernel = self.kernel.clone(); // out of reach of what the loops write
         let zero = Tile([[Fused(0.0); TILE]; D]);
-        let mut parts = zero;
+        let mut parts = [zero; AT_ONCE];
         for first in (0..positions.len()).step_by(TILE) {
             let (mut places, mut pushes) = (zero, zero);
             for (l, q) in positions[first..].iter().take(TILE).enumerate() {
@@ -61,18 +64,30 @@ impl<K: PairKernel<Number>, const D: usize> Work for AllPairs<'_, K, D> {
                     places.0[d][l] = Fused(q[d]);
                 }
             }
-            for (i, (q, force)) in positions.iter().zip(forces.iter_mut()).enumerate().skip(first + 1) {
-                let (q, number) = (q.map(Fused), i - first);
-                let on_i = match number {
-                    0..=8 => meet::<K, D, 8>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    9..=16 => meet::<K, D, 16>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    17..=32 => meet::<K, D, 32>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    33..TILE => meet::<K, D, TILE>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    _ => meet::<K, D, TILE>(&kernel, TILE, &q, &places, &mut pushes, &mut parts),
+            let beyond = positions.len().min(first + TILE);
+            for i in first + 1..beyond {
+                let (q, number) = ([positions[i].map(Fused)], i - first);
+                let [on_i] = match number {
+                    0..=8 => meet::<K, D, 8, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
+                    9..=16 => meet::<K, D, 16, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
+                    17..=32 => meet::<K, D, 32, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
+                    _ => meet::<K, D, TILE, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
                 };
-                for d in 0..D {
-                    force[d] += on_i[d].0;
+                add(&mut forces[i], on_i);
+            }
+            let (together, rest) = positions[beyond..].as_chunks::<AT_ONCE>();
+            let (on_them, on_rest) = forces[beyond..].as_chunks_mut::<AT_ONCE>();
+            for (q, forces) in together.iter().zip(on_them) {
+                let q = q.map(|q| q.map(Fused));
+                let on = meet::<K, D, TILE, AT_ONCE>(&kernel, TILE, &q, &places, &mut pushes, &mut parts);
+                for r in 0..AT_ONCE {
+                    add(&mut forces[r], on[r]);
                 }
+            }
+            for (q, force) in rest.iter().zip(on_rest) {
+                let q = [q.map(Fused)];
+                let [on_i] = meet::<K, D, TILE, 1>(&kernel, TILE, &q, &places, &mut pushes, &mut parts);
+                add(force, on_i);
             }
             for (l, force) in forces[first..].iter_mut().take(TILE).enumerate() {
                 for d in 0..D {
@@ -83,39 +98,50 @@ impl<K: PairKernel<Number>, const D: usize> Work for AllPairs<'_, K, D> {
     }
 }
 
-/// Adds to `pushes` the forces of the body at q on so many bodies of a tile, and gives that on this body. The lanes gone
+#[inline(always)]
+fn add<const D: usize>(force: &mut [f64; D], more: [Number; D]) {
+    for d in 0..D {
+        force[d] += more[d].0;
+    }
+}
+
+/// Adds to `pushes` the forces of R bodies, at q, on so many bodies of a tile, and gives those on the R bodies. The lanes gone
 /// through, beyond those bodies with no force, are a power of two.
 #[inline(always)]
-fn meet<K: PairKernel<Number>, const D: usize, const LANES: usize>(
+fn meet<K: PairKernel<Number>, const D: usize, const LANES: usize, const R: usize>(
     kernel: &K,
     number: usize,
-    q: &[Number; D],
+    q: &[[Number; D]; R],
     places: &Tile<D>,
     pushes: &mut Tile<D>,
-    parts: &mut Tile<D>,
-) -> [Number; D] {
+    parts: &mut [Tile<D>; AT_ONCE],
+) -> [[Number; D]; R] {
     for l in 0..LANES {
-        let apart: [Number; D] = from_fn(|d| q[d] - places.0[d][l]);
-        let pull = Fused(-2.0) * kernel.slope(dot(&apart, &apart)); // −U′(r)/r
-        let pull = Real::select(l < number, pull, Fused(0.0));
-        for d in 0..D {
-            parts.0[d][l] = pull * apart[d];
-            pushes.0[d][l] = (-pull).multiply_add(apart[d], pushes.0[d][l]);
+        for r in 0..R {
+            let apart: [Number; D] = from_fn(|d| q[r][d] - places.0[d][l]);
+            let pull = Fused(-2.0) * kernel.slope(dot(&apart, &apart)); // −U′(r)/r
+            let pull = Real::select(l < number, pull, Fused(0.0));
+            for d in 0..D {
+                parts[r].0[d][l] = pull * apart[d];
+                pushes.0[d][l] = (-pull).multiply_add(apart[d], pushes.0[d][l]);
+            }
         }
     }
-    from_fn(|d| {
-        let parts = &mut parts.0[d];
-        if LANES > 32 {
-            fold::<32>(parts);
-        }
-        if LANES > 16 {
-            fold::<16>(parts);
-        }
-        if LANES > 8 {
-            fold::<8>(parts);
-        }
-        let [a, b, c, d, e, f, g, h, ..] = *parts;
-        ((a + e) + (c + g)) + ((b + f) + (d + h))
+    from_fn(|r| {
+        from_fn(|d| {
+            let parts = &mut parts[r].0[d];
+            if LANES > 32 {
+                fold::<32>(parts);
+            }
+            if LANES > 16 {
+                fold::<16>(parts);
+            }
+            if LANES > 8 {
+                fold::<8>(parts);
+            }
+            let [a, b, c, d, e, f, g, h, ..] = *parts;
+            ((a + e) + (c + g)) + ((b + f) + (d + h))
+        })
     })
 }
 
