@@ -361,7 +361,7 @@ fn a_force_that_is_not_a_number_is_told_at_once() {
     let scene = Scene::on(Floor {}).with(Root {});
     let start = |speed: f64| State::at([0.1, 0.0, 0.0]).moving([-speed, 0.0, 0.0]);
     for (steps, speed) in [(4, 1.0), (3, 1.0), (150, 1.0)] {
-        let mut ensemble = scene.ensemble([start(-1.0), start(speed)], Rattle::new(0.03)).unwrap();
+        let mut ensemble = scene.ensemble([start(-3.0), start(speed)], Rattle::new(0.03)).unwrap();
         ensemble.run(steps);
         let mut alone = scene.simulate(start(speed), Rattle::new(0.03)).unwrap();
         let error = alone.run(steps).err();

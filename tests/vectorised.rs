@@ -1,5 +1,5 @@
 //! The loops of an ensemble are vectorised, whole: read off the machine code of this program, which runs a
-//! scene with a polynomial, one with a root, one with waves, and one with exp, tanh and ln.
+//! scene with a polynomial, one with a root, one with waves, one with exp, tanh and ln, and a gas.
 //!
 //! What would make them tens of times slower without a word: a function that is not inlined, a number read through
 //! memory that the loop may write, a condition that is a branch.
@@ -40,6 +40,18 @@ constraint! {
     |x, y, z| z - height * exp(-x^2 - y^2) + tanh(x) / 4 - ln(2 + y^2) / 4
 }
 
+pair_potential! {
+    struct Cloud { depth, width }
+    |r| depth * exp(-r) / (1 + (r / width)^2)
+}
+
+/// The forces between all pairs, of lengths up to a tile and beyond.
+fn gas() {
+    let places = (0..100).map(f64::from).map(|i| [i.cos(), i.sin(), 0.1 * i]);
+    let scene = Scene::points::<3>(100).with(Cloud { depth: 0.1, width: 1.0 });
+    scene.simulate(State::of(places), Rattle::new(0.01)).unwrap().run(2).unwrap();
+}
+
 fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     let directions = (0..64).map(f64::from);
     let starts =
@@ -49,8 +61,8 @@ fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     assert_eq!(ensemble.failures().count(), 0);
 }
 
-/// The scenes that this program has.
-const SCENES: usize = 5;
+/// The scenes that this program has: five ensembles and a gas.
+const SCENES: usize = 6;
 
 #[test]
 fn entries_are_vectorised() {
@@ -59,6 +71,8 @@ fn entries_are_vectorised() {
     run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
+
+    gas();
 
     let executable = std::env::current_exe().unwrap();
     let Ok(output) = Command::new("objdump").args(["-d", "--no-show-raw-insn"]).arg(executable).output()

@@ -3,7 +3,11 @@
 //! A scene's effects are a list in its type: `()` is none, [`With`] adds one. The list without
 //! effects has a force of size zero, so the steppers' force phase vanishes when compiling.
 
+#[cfg(doc)]
+use crate::ensemble::InstructionSet;
 use crate::kernel::{PairKernel, PairPotential, Potential, PotentialKernel};
+use crate::lanes::Fused;
+use crate::pairs;
 use crate::real::Real;
 use crate::vector::{add_scaled, dot};
 use std::any::type_name;
@@ -257,24 +261,38 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
 }
 
 /// A potential between every two bodies.
+///
+/// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::lanes) of their own, where there are some bodies and
+/// the processor has fused multiply-add. Forces then differ by rounding from those of few bodies, or of a processor without it.
 #[derive(Debug, Clone, Copy)]
-pub struct BetweenPairs<K>(K);
+pub struct BetweenPairs<K, L = K> {
+    kernel: K,
+    in_lanes: L,
+}
 
 impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
-    type Acting<T: Real> = BetweenPairs<P::Kernel<T>>;
+    type Acting<T: Real> = BetweenPairs<P::Kernel<T>, P::Kernel<Fused<f64>>>;
     fn acting<T: Real>(&self) -> Self::Acting<T> {
-        BetweenPairs(self.kernel())
+        BetweenPairs { kernel: self.kernel(), in_lanes: self.kernel() }
     }
 }
 
-impl<T: Real, K: PairKernel<T>, const D: usize> Acting<T, D> for BetweenPairs<K> {
+impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Acting<T, D>
+    for BetweenPairs<K, L>
+{
     #[inline(always)]
     fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        if positions.len() >= pairs::MANY
+            && let (Some(positions), Some(forces)) = (T::doubles(positions), T::doubles_mut(forces))
+            && pairs::add_forces(&self.in_lanes, positions, forces)
+        {
+            return;
+        }
         for i in 1..positions.len() {
             let mut on_i = forces[i];
             for j in 0..i {
                 let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
-                let pull = T::from_f64(-2.0) * self.0.slope(dot(&apart, &apart)); // −U′(r)/r
+                let pull = T::from_f64(-2.0) * self.kernel.slope(dot(&apart, &apart)); // −U′(r)/r
                 on_i = add_scaled(&on_i, pull, &apart);
                 forces[j] = add_scaled(&forces[j], -pull, &apart);
             }
@@ -286,7 +304,7 @@ impl<T: Real, K: PairKernel<T>, const D: usize> Acting<T, D> for BetweenPairs<K>
         for i in 1..positions.len() {
             for j in 0..i {
                 let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
-                energy = energy + self.0.value(dot(&apart, &apart));
+                energy = energy + self.kernel.value(dot(&apart, &apart));
             }
         }
         energy

@@ -18,6 +18,7 @@ pub mod leapfrog;
 pub mod linked;
 pub mod lobatto;
 pub mod network;
+mod pairs;
 pub mod phase;
 pub mod position_verlet;
 pub mod rattle;

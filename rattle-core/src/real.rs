@@ -82,6 +82,17 @@ pub trait Real:
     /// `a` where the mask is true, else `b`; the side not taken has no influence, NaN or not.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
+    /// Vectors of numbers that are plain doubles as such; none for other scalars.
+    #[inline(always)]
+    fn doubles<const D: usize>(_vectors: &[[Self; D]]) -> Option<&[[f64; D]]> {
+        None
+    }
+    /// The same, to be written.
+    #[inline(always)]
+    fn doubles_mut<const D: usize>(_vectors: &mut [[Self; D]]) -> Option<&mut [[f64; D]]> {
+        None
+    }
+
     /// self · b + c: rounded after each operation, or once at the end by scalars that fuse them.
     #[inline(always)]
     fn multiply_add(self, b: Self, c: Self) -> Self {
@@ -151,7 +162,7 @@ pub trait Real:
 }
 
 macro_rules! real_float {
-    ($float:ident, $erf:path) => {
+    ($float:ident, $erf:path $(, $doubles:ident)?) => {
         impl Real for $float {
             type Mask = bool;
             const EPSILON: f64 = $float::EPSILON as f64;
@@ -186,6 +197,7 @@ macro_rules! real_float {
                     self * 0.0 // 0 stays 0, NaN stays NaN
                 }
             }
+            $(real_float!(@$doubles);)?
             #[inline(always)]
             fn erf(self) -> Self {
                 $erf(self)
@@ -210,6 +222,16 @@ macro_rules! real_float {
             }
         }
     };
+    (@doubles) => {
+        #[inline(always)]
+        fn doubles<const D: usize>(vectors: &[[Self; D]]) -> Option<&[[f64; D]]> {
+            Some(vectors)
+        }
+        #[inline(always)]
+        fn doubles_mut<const D: usize>(vectors: &mut [[Self; D]]) -> Option<&mut [[f64; D]]> {
+            Some(vectors)
+        }
+    };
     (@inherent $float:ident: $($name:ident)*) => {
         $(#[inline(always)]
         fn $name(self) -> Self {
@@ -218,5 +240,5 @@ macro_rules! real_float {
     };
 }
 
-real_float!(f64, libm::erf);
+real_float!(f64, libm::erf, doubles);
 real_float!(f32, libm::erff);

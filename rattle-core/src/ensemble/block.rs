@@ -403,8 +403,8 @@ where
         examine(laws, 0..1, normal, free, multiplier, rest, g, next);
         let newton = Newton { first, residual: g[0], slope: slope[0], over_slope: over_slope[0] };
         allowed[0] = newton.allows(square[0], rest[0]);
+        (multiplier[0], over_slope[0]) = newton.improved(multiplier[0], allowed[0]);
         if !g[0].abs().le(allowed[0]) {
-            (multiplier[0], over_slope[0]) = newton.improved(multiplier[0], allowed[0]);
             astir = u64::from(examine(laws, 0..1, normal, free, multiplier, allowed, g, next));
         }
     } else {

@@ -75,13 +75,15 @@ const ARTANH: [f64; 7] = [
     0.147_991_055_965_647_43,
 ];
 
+/// A polynomial, in pairs and pairs of pairs (Estrin 1960): half as long a way to the result as term by term.
 #[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    let mut sum = coefficients[N - 1];
-    for i in (0..N - 1).rev() {
-        sum = sum.mul_add(x, coefficients[i]);
-    }
-    sum
+fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
+    let square = x * x;
+    let fourth = square * square;
+    let pair = |i: usize| if i + 1 < N { c[i + 1].mul_add(x, c[i]) } else { c[i] };
+    let four = |i: usize| if i + 2 < N { pair(i + 2).mul_add(square, pair(i)) } else { pair(i) };
+    let eight = |i: usize| if i + 4 < N { four(i + 4).mul_add(fourth, four(i)) } else { four(i) };
+    if N > 8 { eight(8).mul_add(fourth * fourth, eight(0)) } else { eight(0) }
 }
 
 #[inline(always)]
