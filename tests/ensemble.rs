@@ -347,6 +347,39 @@ fn all_may_fail() {
     );
 }
 
+/// Guesses that land beyond the turn of a surface, where the slope is that of another sheet, are not taken: a lane goes
+/// where the simulation goes, or ends. (Sheets closer than guesses are off are another matter, and told in the docs.)
+#[test]
+fn lanes_do_not_change_sheets() {
+    constraint! {
+        struct Sheets { k }
+        |x, y, z| sin(k * (z - 0.3 * sin(3 * x) * cos(2 * y)))
+    }
+    let scene = Scene::on(Sheets { k: 40.0 });
+    let place = |i: u32| [0.37 * f64::from(i), 0.61 * f64::from(i), 0.0].map(|x: f64| x.sin());
+    let starts = (0..640).map(|i| {
+        let state = State::at(place(i)).moving(place(3 * i + 1).map(|x| 1.3 * x));
+        scene.project(&state).unwrap()
+    });
+    let sheet = |state: &State<3>| {
+        let q = state.positions().next().unwrap();
+        (40.0 * (q.z - 0.3 * (3.0 * q.x).sin() * (2.0 * q.y).cos()) / std::f64::consts::PI).round()
+    };
+    let mut ensemble = scene.ensemble(starts.clone(), Rattle::new(0.15)).unwrap();
+    ensemble.run(100);
+    let changed = ensemble.states().zip(starts).filter(|(now, start)| sheet(now) != sheet(start)).count();
+    assert_eq!(changed, 0, "of 640, {} of which ended", ensemble.failures().count());
+}
+
+#[test]
+fn what_is_too_large_for_single_precision_is_refused() {
+    let scene = Scene::on(Sphere { radius: 1e50 });
+    let start = || State::at([1e50, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    assert!(scene.ensemble([start()], Rattle::new(0.01)).is_ok());
+    let error = scene.ensemble_in(Single, [start()], Rattle::new(0.01)).unwrap_err();
+    assert!(matches!(error, Error::Trajectory { trajectory: 0, .. }), "{error}");
+}
+
 /// A force that is not a number ends a trajectory in the step in which it acts, as it ends a simulation.
 #[test]
 fn a_force_that_is_not_a_number_is_told_at_once() {

@@ -47,7 +47,7 @@ impl Rattle {
     }
 
     /// The same method, its iteration begun with multipliers extrapolated from the last steps: the same motion to rounding,
-    /// for fewer evaluations. A state taken from a simulation carries them. Linked bodies do not make use of it.
+    /// for fewer evaluations, unless sheets of the surface lie closer to each other than such guesses are off. A state taken from a simulation carries them. Linked bodies do not make use of it.
     ///
     /// ```
     /// # use rattle_core::rattle::Rattle;

@@ -31,6 +31,9 @@ pub struct Scene<C, E, N, const D: usize> {
     count: N,
 }
 
+/// Coordinates of a body beyond which blocks of bodies in lanes would no longer fit the nearest cache, or the stack.
+const MOST_IN_LANES: usize = 16;
+
 /// What holds the bodies of a scene: a surface for each, or a [`Network`] of constraints.
 pub trait Hold<const D: usize>: Sized {
     /// Bodies held in this way, in a field of force.
@@ -135,7 +138,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         starts: &[State<D>],
         lanes: &InLanes,
     ) -> Option<Box<dyn Group<D>>> {
-        Some(P::same(scene, starts, lanes))
+        (D <= MOST_IN_LANES).then(|| P::same(scene, starts, lanes))
     }
 
     fn each_in_lanes<P: Precision, E: Effects<D>>(
@@ -143,7 +146,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         starts: &[State<D>],
         lanes: &InLanes,
     ) -> Option<Box<dyn Group<D>>> {
-        Some(P::each(scenes, starts, lanes))
+        (D <= MOST_IN_LANES).then(|| P::each(scenes, starts, lanes))
     }
 }
 

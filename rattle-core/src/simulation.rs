@@ -101,8 +101,9 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
 
     /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
     /// `tolerance`, relative to the largest coordinate or momentum: else the step fails. What is symmetric reverses to rounding,
-    /// 1e-14, unless a step found another root than the way back does. For symmetric methods with steps of one length; a
-    /// step then costs two, and what is kept at its end is evaluated again.
+    /// 1e-14, unless a step found another root than the way back does. For symmetric methods with steps of one length, and not
+    /// together with [`retry`](Self::retry), whose parts are no way back; a step then costs two, and what is kept at its end is
+    /// evaluated again.
     #[must_use]
     pub fn check_reversal(mut self, tolerance: f64) -> Self {
         let backwards = self.stepper.with_step(-self.stepper.step_size());

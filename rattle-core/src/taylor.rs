@@ -182,7 +182,7 @@ fn arrive<T: Real, Y: System<T, D>, const D: usize>(
     h: f64,
 ) -> Result<(), Failure> {
     let n = bodies.q.as_ref().len();
-    let orders = series.len() / n;
+    let orders = series.len().checked_div(n).unwrap_or(0);
     let (step, zero) = (T::from_f64(h), [T::from_f64(0.0); D]);
     for body in 0..n {
         let (mut way, mut change) = (zero, zero);

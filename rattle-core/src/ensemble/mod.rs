@@ -10,7 +10,7 @@
 //! # Ok::<(), rattle_core::error::Error>(())
 //! ```
 //!
-//! One body on a surface, moved by RATTLE or a composition of it, goes in lanes. All else goes trajectory by trajectory, as
+//! One body of up to 16 coordinates on a surface, moved by RATTLE or a composition of it, goes in lanes. All else goes trajectory by trajectory, as
 //! a [`Simulation`](crate::simulation::Simulation) each, on all cores.
 //!
 //! **The same numbers everywhere.** What a trajectory does depends on its start alone: not on the trajectories beside it,
@@ -41,7 +41,7 @@ pub use stream::Snapshot;
 
 use crate::bodies::Count;
 use crate::effect::Effects;
-use crate::error::Error;
+use crate::error::{Error, StartFailure};
 use crate::scene::{Hold, Scene};
 use crate::state::State;
 use crate::stepper::Stepper;
@@ -80,7 +80,7 @@ impl<const D: usize> Ensemble<D> {
         set: InstructionSet,
     ) -> Result<Self, Error> {
         let trajectories = starts.into_iter().map(|start| (scene, start));
-        Self::assembled(trajectories, stepper, set, |scenes, starts, lanes| {
+        Self::assembled(P::MOST, trajectories, stepper, set, |scenes, starts, lanes| {
             let Scene { constraint, effects, .. } = scenes[0];
             C::in_lanes::<P, E>((constraint, effects), starts, lanes)
         })
@@ -108,7 +108,7 @@ impl<const D: usize> Ensemble<D> {
         N: Count + 'a,
         S: Stepper,
     {
-        Self::assembled(trajectories, stepper, InstructionSet::widest(), |scenes, starts, lanes| {
+        Self::assembled(P::MOST, trajectories, stepper, InstructionSet::widest(), |scenes, starts, lanes| {
             let each = scenes.iter().map(|scene| (&scene.constraint, &scene.effects)).collect::<Vec<_>>();
             C::each_in_lanes::<P, E>(&each, starts, lanes)
         })
@@ -117,6 +117,7 @@ impl<const D: usize> Ensemble<D> {
     /// Checks all starts, and puts trajectories in lanes, a group after the other, where there are lanes for them.
     #[allow(clippy::type_complexity, reason = "said once")]
     fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Stepper>(
+        most: f64,
         trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
         stepper: S,
         set: InstructionSet,
@@ -131,7 +132,10 @@ impl<const D: usize> Ensemble<D> {
             let (mut scenes, mut starts, mut simulations) = (Vec::new(), Vec::new(), Vec::new());
             for (scene, start) in trajectories.by_ref().take(GROUP) {
                 let trajectory = ensemble.len + scenes.len();
-                let simulation = scene.simulate(start.clone(), stepper.clone());
+                let simulation = match beyond(most, &start) {
+                    Some(error) => Err(error),
+                    None => scene.simulate(start.clone(), stepper.clone()),
+                };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
                 simulations.push(simulation.map_err(error)?);
                 starts.push(start);
@@ -160,7 +164,8 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
-    /// again.
+    /// again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
+    /// are left at different times.
     ///
     /// ```
     /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::{Mean, Sight}};
@@ -262,6 +267,17 @@ impl<const D: usize> Ensemble<D> {
             (0..group.len()).filter_map(move |own| group.failure(own).map(|error| (first + own, error)))
         })
     }
+}
+
+/// What is wrong with a start of which a number is larger than there are numbers.
+fn beyond<const D: usize>(most: f64, start: &State<D>) -> Option<Error> {
+    start.bodies.iter().enumerate().find_map(|(body, place)| {
+        [("position", place.q), ("momentum", place.p)].into_iter().find_map(|(quantity, numbers)| {
+            let component = numbers.iter().position(|x| x.abs() > most)?;
+            let cause = StartFailure::NotFinite { quantity, component, value: numbers[component] };
+            Some(Error::Start { body, cause })
+        })
+    })
 }
 
 impl<const D: usize> fmt::Debug for Ensemble<D> {

@@ -186,7 +186,8 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
         Self { quantity, crossings: Vec::new() }
     }
 
-    /// All crossings, by trajectory within each group, in time.
+    /// All crossings, of the first group of trajectories as they came, then of the next. [`return_times`](Self::return_times)
+    /// puts them in order.
     pub fn crossings(&self) -> &[Crossing<D>] {
         &self.crossings
     }

@@ -24,6 +24,9 @@ pub struct Single;
 
 /// What numbers in lanes are: [`Double`], [`Compensated`] or [`Single`].
 pub trait Precision: Copy {
+    /// The largest number that there is.
+    const MOST: f64;
+
     /// A group of trajectories that obey the same.
     #[doc(hidden)]
     fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
@@ -56,6 +59,8 @@ pub struct InLanes {
 macro_rules! precision {
     ($($name:ident: $float:ident, $sums:literal;)*) => {$(
         impl Precision for $name {
+            const MOST: f64 = $float::MAX as f64;
+
             fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
                 scene: (&C, &E),
                 starts: &[State<D>],
