@@ -197,7 +197,8 @@ fn total<S: Lane, const D: usize>(x: &[S; D]) -> S {
 /// Neither infinite nor NaN.
 #[inline(always)]
 fn is_finite<S: Lane>(x: S) -> bool {
-    (x - x).le(S::default())
+    let zero = x * S::default(); // or NaN
+    zero.le(zero)
 }
 
 #[inline(always)]
