@@ -109,7 +109,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         .y("largest error of a coordinate")
         .log_log();
     // The chart has seven colours.
-    let drawn = methods.iter().filter(|(name, _)| !["Lobatto, order 4", "Suzuki, order 4", "DOP853"].contains(name));
+    let drawn =
+        methods.iter().filter(|(name, _)| !["Lobatto, order 4", "Suzuki, order 4", "DOP853"].contains(name));
     for (name, points) in drawn {
         chart = chart.marked(*name, points.iter().map(|p| (p.milliseconds, p.error)));
     }

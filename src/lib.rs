@@ -35,6 +35,8 @@
 //! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Stepper`] how: [`Rattle`],
 //! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
+//! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
+//!
 //! Signs and scales stand on one page: [`conventions`].
 
 extern crate self as rattle; // the macros write `::rattle`, also in here

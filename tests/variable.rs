@@ -138,7 +138,7 @@ fn what_makes_no_sense_is_refused() {
     let error = scene().simulate(billiard_45(), method).unwrap_err();
     assert!(matches!(error, Error::NeedsSymmetricMethod { .. }), "{error}");
     let error = scene().simulate(billiard_45(), Variable::of(Rattle::new(0.01), -1.0)).unwrap_err();
-    assert_eq!(error, Error::StepSize(-1.0));
+    assert_eq!(error, Error::ChangeTime(-1.0));
 }
 
 /// A body at rest far from where forces act, and linked bodies.

@@ -25,8 +25,12 @@ pub enum Error {
         state: usize,
     },
 
+    /// The time of variable steps is not positive, or not finite.
+    #[error("the time tau within which steps change must be positive and finite, found {0}")]
+    ChangeTime(f64),
+
     /// A composition of a method that is not symmetric.
-    #[error("{composition} raises the order of symmetric methods, and {method} is not symmetric")]
+    #[error("{composition}: made of symmetric methods, and {method} is not symmetric")]
     NeedsSymmetricMethod {
         /// The coefficients.
         composition: &'static str,

@@ -24,6 +24,13 @@ use std::sync::Arc;
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
 ///
 /// Only effects that are named are simulated; a scene without any is free motion along geodesics.
+///
+/// A function that takes a scene of one particle in space:
+///
+/// ```
+/// use rattle_core::{bodies::One, effect::Effects, scene::{Hold, Scene}};
+/// fn bills<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>) { /* scene.simulate(…) */ }
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<C, E, N, const D: usize> {
     pub(crate) constraint: C,

@@ -89,7 +89,7 @@ impl<B: Stepper> Stepper for Variable<B> {
             return Err(Error::NeedsSymmetricMethod { composition, method: self.base.name() });
         }
         if !(self.tau.is_finite() && self.tau > 0.0) {
-            return Err(Error::StepSize(self.tau));
+            return Err(Error::ChangeTime(self.tau));
         }
         self.base.check(equations)
     }

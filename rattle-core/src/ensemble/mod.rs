@@ -16,7 +16,8 @@
 //! **The same numbers everywhere.** What a trajectory does depends on its start alone: not on the trajectories beside it,
 //! on the number of threads, or on how a run is divided; nor on the instruction set, as long as it has fused multiply-add
 //! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last two steps, so that
-//! results agree with those of a simulation to rounding, not to the bit.
+//! results agree with those of a simulation to rounding, not to the bit; and so does an ensemble started from the states of
+//! another, which does not know the steps before.
 //!
 //! **Functions.** √, exp, ln, sin, cos, sinh, cosh and tanh cost little more than arithmetic in lanes: they are
 //! [straight-line code](crate::lanes), and differ from those of the system's library by rounding. sin and cos of angles
