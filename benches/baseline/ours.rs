@@ -41,7 +41,7 @@ pub(crate) const SIMULATION: &str = "simulation";
 /// Ensembles of one trajectory, one after the other …
 pub(crate) const SCALAR: &str = "one_lane";
 /// … and the variant of `scalar.c` whose first guess is theirs.
-pub(crate) const SCALAR_GUESS: &str = "linear";
+pub(crate) const SCALAR_GUESS: &str = "quadratic";
 /// All side by side.
 pub(crate) const ENSEMBLE: &str = "ensemble";
 /// The same with positions and momenta as compensated sums.

@@ -67,6 +67,8 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     rest: [S; L],
     /// Λ of the last two steps, the last one first if `even`.
     multiplier: [[S; L]; 2],
+    /// How far the last step's Λ was from its linear extrapolation.
+    bend: [S; L],
     q_low: [Vectors<S, L, D>; SUMS],
     p_low: [Vectors<S, L, D>; SUMS],
     even: bool,
@@ -80,6 +82,8 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
 pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     /// q + h p.
     free: Vectors<S, L, D>,
+    /// Λ extrapolated linearly.
+    linear: [S; L],
     multiplier: [S; L],
     /// s.
     slope: [S; L],
@@ -92,7 +96,15 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
 impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
     pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
-        Self { free: [zero; D], multiplier: zero, slope: zero, over_slope: zero, g: zero, rest: zero }
+        Self {
+            free: [zero; D],
+            linear: zero,
+            multiplier: zero,
+            slope: zero,
+            over_slope: zero,
+            g: zero,
+            rest: zero,
+        }
     }
 }
 
@@ -102,14 +114,15 @@ pub(crate) struct Part {
     pub(crate) h: f64,
     over_h: f64,
     pub(crate) kick: f64,
-    pub(crate) weights: [f64; 2],
+    pub(crate) weights: [f64; 3],
 }
 
 impl Part {
     /// The parts of a method that takes RATTLE steps of these lengths in turn, again and again.
     ///
-    /// Λ/h² is a smooth function of time; of steps of different lengths it is extrapolated linearly from the last two,
-    /// taken a third of the step after its start, unless that lies far away.
+    /// Λ/h² is a smooth function of time. In steps of one length it is extrapolated linearly from the last two, plus what the
+    /// last extrapolation was off: quadratically. In steps of different lengths linearly, Λ taken to be that of a third of the
+    /// step, unless that lies far away.
     pub(crate) fn of(lengths: &[f64]) -> Vec<Part> {
         let n = lengths.len();
         let at = |i: usize| lengths[i % n];
@@ -118,7 +131,8 @@ impl Part {
             let (last, earlier) = (before + h / 3.0 - before / 3.0, first + before / 3.0 - first / 3.0);
             let far = last / earlier;
             let far = if far.abs() <= 2.0 { far } else { 0.0 };
-            let weights = [(1.0 + far) * (h / before).powi(2), -far * (h / first).powi(2)];
+            let again = if n == 1 { 1.0 } else { 0.0 };
+            let weights = [(1.0 + far) * (h / before).powi(2), -far * (h / first).powi(2), again];
             Part { h, over_h: 1.0 / h, kick: 0.5 * (h + at(i + 1)), weights }
         };
         (0..n).map(part).collect()
@@ -236,6 +250,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
             square: zero,
             rest: zero,
             multiplier: [zero; 2],
+            bend: zero,
             q_low: [vectors; SUMS],
             p_low: [vectors; SUMS],
             even: true,
@@ -270,16 +285,19 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let [bend] = constraint.jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         // Both such that the extrapolation gives this: its weights add up to the square of a ratio of steps.
-        let [a, b] = parts[self.part].weights;
+        let [a, b, _] = parts[self.part].weights;
         let same = guess / S::from_f64(a + b);
         (self.multiplier[0][lane], self.multiplier[1][lane]) = (same, same);
+        self.bend[lane] = S::default();
     }
 
     /// Copies a lane.
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
         let vectors = [&mut self.q, &mut self.p].into_iter().chain(&mut self.normal);
         let vectors = vectors.chain(&mut self.q_low).chain(&mut self.p_low).flatten();
-        for numbers in vectors.chain([&mut self.square, &mut self.rest]).chain(&mut self.multiplier) {
+        for numbers in
+            vectors.chain([&mut self.square, &mut self.rest, &mut self.bend]).chain(&mut self.multiplier)
+        {
             numbers[to] = numbers[from];
         }
     }
@@ -338,14 +356,14 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let [even, odd] = &mut self.normal;
         let [even_multiplier, odd_multiplier] = &mut self.multiplier;
         let (q, p, low) = (&mut self.q, &mut self.p, (&mut self.q_low, &mut self.p_low));
-        let (square, rest) = (&mut self.square, &mut self.rest);
+        let (square, rest, bend) = (&mut self.square, &mut self.rest, &mut self.bend);
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
             let multiplier = (&*even_multiplier, odd_multiplier);
-            advance(laws, &part, q, p, low, (&*even, odd), square, rest, multiplier, scratch)?;
+            advance(laws, &part, q, p, low, (&*even, odd), square, rest, bend, multiplier, scratch)?;
         } else {
             let multiplier = (&*odd_multiplier, even_multiplier);
-            advance(laws, &part, q, p, low, (&*odd, even), square, rest, multiplier, scratch)?;
+            advance(laws, &part, q, p, low, (&*odd, even), square, rest, bend, multiplier, scratch)?;
         }
         self.even = !self.even;
         self.part = if self.part + 1 == parts.len() { 0 } else { self.part + 1 };
@@ -386,6 +404,7 @@ fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
     square: &mut [S; L],
     rest: &mut [S; L],
+    bend: &mut [S; L],
     (last, earlier): (&[S; L], &mut [S; L]),
     scratch: &mut Scratch<S, L, D>,
 ) -> Result<(), Stuck>
@@ -394,8 +413,11 @@ where
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
 {
-    let Scratch { free, multiplier, slope, over_slope, g, rest: allowed } = scratch;
-    guess(laws, part, q, p, q_low, p_low, normal, last, earlier, free, multiplier, slope, over_slope, g);
+    let Scratch { free, linear, multiplier, slope, over_slope, g, rest: allowed } = scratch;
+    guess(
+        laws, part, q, p, q_low, p_low, normal, last, earlier, bend, free, linear, multiplier, slope,
+        over_slope, g,
+    );
     let width = EIGHT.min(L);
     let mut astir = 0_u64;
     if L == 1 {
@@ -451,7 +473,8 @@ where
         }
     }
     finish(
-        laws, part, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, earlier,
+        laws, part, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, linear,
+        bend, earlier,
     );
     Ok(())
 }
@@ -468,7 +491,9 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     normal: &Vectors<S, L, D>,
     last: &[S; L],
     earlier: &[S; L],
+    bend: &[S; L],
     free: &mut Vectors<S, L, D>,
+    linear: &mut [S; L],
     multiplier: &mut [S; L],
     slope: &mut [S; L],
     over_slope: &mut [S; L],
@@ -478,14 +503,15 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     K: ConstraintKernel<S, D, 1>,
 {
     let (h, one) = (S::from_f64(part.h), S::from_f64(1.0));
-    let [a, b] = part.weights.map(S::from_f64);
+    let [a, b, c] = part.weights.map(S::from_f64);
     for i in 0..L {
         let mut start = at(q, i);
         if SUMS == 1 {
             start = sum(&start, &kept_back(h, q_low, p_low, i));
         }
         let (start, n) = (add_scaled(&start, h, &at(p, i)), at(normal, i));
-        let extrapolated = a.multiply_add(last[i], b * earlier[i]);
+        linear[i] = a.multiply_add(last[i], b * earlier[i]);
+        let extrapolated = c.multiply_add(bend[i], linear[i]);
         let point = add_scaled(&start, extrapolated, &n);
         let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
         let along = dot(&gradient, &n);
@@ -613,6 +639,8 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
     p_low: &mut [Vectors<S, L, D>; SUMS],
     square: &mut [S; L],
     rest: &mut [S; L],
+    linear: &[S; L],
+    bend: &mut [S; L],
     earlier: &mut [S; L],
 ) where
     S: Lane,
@@ -648,6 +676,7 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
         square[i] = length;
         rest[i] = at_rest(&m, &place);
         earlier[i] = found;
+        bend[i] = found - linear[i];
     }
 }
 

@@ -15,7 +15,7 @@
 //!
 //! **The same numbers everywhere.** What a trajectory does depends on its start alone: not on the trajectories beside it,
 //! on the number of threads, or on how a run is divided; nor on the instruction set, as long as it has fused multiply-add
-//! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last two steps, so that
+//! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last steps, so that
 //! results agree with those of a simulation to rounding, not to the bit; and so does an ensemble started from the states of
 //! another, which does not know the steps before.
 //!
