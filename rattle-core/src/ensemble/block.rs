@@ -10,7 +10,7 @@
 //! of RATTLE; [`Block::momenta`] takes the kick back.
 //!
 //! **The step in four loops**, each short enough that a processor overlaps the latencies of several of its iterations,
-//! and plain enough that a compiler vectorises it: [`guess`] evaluates g and ∇g at Λ extrapolated from the last two steps;
+//! and plain enough that a compiler vectorises it: [`guess`] evaluates g and ∇g at Λ extrapolated from the last steps;
 //! [`improve`] takes a Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), evaluates g₁ there, and goes on to the root of the
 //! parabola through g₀, s and g₁,
 //!
