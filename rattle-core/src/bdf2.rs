@@ -97,15 +97,10 @@ impl Stepper for Bdf2 {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let n = bodies.q.as_ref().len();
-        let mut room = std::mem::take(&mut bodies.room);
-        if room.len() != ROOM * n {
-            room = vec![[T::from_f64(0.0); D]; ROOM * n]; // where no simulation has made it
-        }
         let (begun, before) = memory.split_at_mut(1);
-        let made = self.advance(system, bodies, &mut room, &mut begun[0], before, witness);
-        bodies.room = room;
-        made
+        bodies.with_room(ROOM, |bodies, room| {
+            self.advance(system, bodies, room, &mut begun[0], before, witness)
+        })
     }
 }
 

@@ -97,6 +97,23 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         bodies
     }
 
+    /// Does work that needs room for so many vectors per body; made here where no simulation has made it before.
+    #[inline(always)]
+    pub(crate) fn with_room<R>(
+        &mut self,
+        vectors: usize,
+        work: impl FnOnce(&mut Self, &mut [[T; D]]) -> R,
+    ) -> R {
+        let length = vectors * self.q.as_ref().len();
+        let mut room = std::mem::take(&mut self.room);
+        if room.len() != length {
+            room = vec![[T::from_f64(0.0); D]; length];
+        }
+        let done = work(self, &mut room);
+        self.room = room;
+        done
+    }
+
     /// The body of this number.
     pub fn body(&self, i: usize) -> Body<T, D> {
         Body {

@@ -10,6 +10,7 @@
 
 mod functions;
 
+use crate::ensemble::{InstructionSet, Work};
 use crate::real::{Mask, Real};
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -18,6 +19,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Lane: Real<Mask = bool> + Default + PartialEq {
     /// The float that is nearest.
     fn to_f64(self) -> f64;
+    /// Does work over such numbers: with these instructions where they fuse as the numbers do.
+    #[doc(hidden)]
+    fn run<W: Work>(set: InstructionSet, work: W) -> W::Done;
 }
 
 /// A float whose x·y + z is rounded once, with the same bits on every processor: fast where there is an instruction for
@@ -180,12 +184,18 @@ macro_rules! fused_float {
             fn to_f64(self) -> f64 {
                 self.0.into()
             }
+            fn run<W: Work>(set: InstructionSet, work: W) -> W::Done {
+                set.run(work)
+            }
         }
 
         impl Lane for $float {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 self.into()
+            }
+            fn run<W: Work>(_: InstructionSet, work: W) -> W::Done {
+                work.run() // not compiled for sets that fuse, where no plain numbers go
             }
         }
     };

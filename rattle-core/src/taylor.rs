@@ -99,16 +99,13 @@ impl Stepper for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        let mut room = std::mem::take(&mut bodies.room);
-        if room.len() != self.room() * n {
-            room = vec![[T::from_f64(0.0); D]; self.room() * n]; // where no simulation has made it
-        }
-        let made = self.steps(system, bodies, &mut room, witness);
-        if W::LISTENS && made.is_ok() {
-            system.rates(bodies, &mut room[..n], &mut AtEnd(witness));
-        }
-        bodies.room = room;
-        made
+        bodies.with_room(self.room(), |bodies, room| {
+            self.steps(system, bodies, room, witness)?;
+            if W::LISTENS {
+                system.rates(bodies, &mut room[..n], &mut AtEnd(witness));
+            }
+            Ok(())
+        })
     }
 }
 

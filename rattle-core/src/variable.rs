@@ -124,13 +124,9 @@ impl<B: Stepper> Stepper for Variable<B> {
         let half = 0.5 * self.step_size();
         self.base.with_step(half / density).step(system, bodies, &mut [], witness)?;
 
-        let mut room = std::mem::take(&mut bodies.room);
         let n = bodies.q.as_ref().len();
-        if room.len() < n {
-            room = vec![[T::from_f64(0.0); D]; n]; // where no simulation has made it
-        }
-        let (change, size) = Self::change(system, bodies, &mut room[..n]);
-        bodies.room = room;
+        let (change, size) =
+            bodies.with_room(self.room(), |bodies, room| Self::change(system, bodies, &mut room[..n]));
         let wanted = 1.0 + self.tau * self.tau * change / (size + scale).max(f64::MIN_POSITIVE);
         let next = wanted / density;
 

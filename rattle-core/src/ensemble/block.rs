@@ -7,7 +7,7 @@
 //!
 //! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a step
 //! and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions are those
-//! of RATTLE; [`Block::momenta`] takes the kick back.
+//! of RATTLE; [`Block::momentum`] takes the kick back.
 //!
 //! **The step in four loops**, each short enough that a processor overlaps the latencies of several of its iterations,
 //! and plain enough that a compiler vectorises it: [`guess`] evaluates g and ∇g at Λ extrapolated from the last steps;

@@ -160,7 +160,7 @@ where
 
     /// Takes so many steps, or none if a lane fails on the way.
     fn attempt(&mut self, steps: u64, set: InstructionSet) -> Result<(), Stuck> {
-        set.run(Stretch { group: self, steps })?;
+        S::run(set, Stretch { group: self, steps })?;
         self.steps += steps;
         Ok(())
     }
@@ -316,7 +316,7 @@ where
     }
 
     fn look(&self, seen: &mut Seen<D>, set: InstructionSet) {
-        set.run(Look { group: self, seen });
+        S::run(set, Look { group: self, seen });
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -78,8 +78,10 @@ impl fmt::Display for InstructionSet {
 
 /// Work that is to be compiled for each set of instructions: `run` and all that it calls must be `#[inline(always)]`, since
 /// only what is inlined uses the instructions.
-pub(crate) trait Work {
+pub trait Work {
+    /// What comes of it.
     type Done;
+    /// Does it.
     fn run(self) -> Self::Done;
 }
 

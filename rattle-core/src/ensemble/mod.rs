@@ -35,7 +35,8 @@ mod precision;
 mod stream;
 
 pub use instruction_set::InstructionSet;
-pub(crate) use instruction_set::Work;
+#[doc(hidden)]
+pub use instruction_set::Work;
 pub use observe::{Crossing, Histogram, Mean, Observer, Section, Sight};
 pub use precision::{Compensated, Double, InLanes, Precision, Single};
 pub use stream::Snapshot;
