@@ -94,6 +94,13 @@ impl Double {
 /// Either an error, or the root that is reached from h = 0. Where that root ends there may only be an error.
 #[test]
 fn a_long_step_is_an_error_or_the_right_root() {
+    long_steps(Rattle::new);
+    long_steps(|h| Rattle::new(h).solved_by(Symmetric));
+    long_steps(|h| Rattle::new(h).solved_by(Simplified));
+    long_steps(|h| Rattle::new(h).solved_by(Broyden));
+}
+
+fn long_steps<S: Stepper>(method: impl Fn(f64) -> S) {
     let mut rng = StdRng::seed_from_u64(10);
     let (mut right, mut wrong, mut beyond, mut refused, mut ended, mut needlessly) = (0, 0, 0, 0, 0, 0);
     for _ in 0..3000 {
@@ -110,7 +117,7 @@ fn a_long_step_is_an_error_or_the_right_root() {
                 .with(weights(&[1.0, g * masses[0], g * masses[1]]));
             let start =
                 State::of([zero, q[0], q[1]]).with_momenta([zero, v[0] * masses[0], v[1] * masses[1]]);
-            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            let mut simulation = scene.simulate(start, method(h)).unwrap();
             match (simulation.step(), double.continued(h)) {
                 (Ok(()), Some(end)) => {
                     let found: Vec<f64> = coordinates(&simulation.state())[2..].to_vec();

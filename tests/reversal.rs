@@ -17,12 +17,12 @@ fn symmetric_methods_pass_and_go_on_as_without_the_check() {
         assert_eq!((checked.steps(), checked.time(), allocated.count_total), (300, plain.time(), 0));
     }
     check(Rattle::new(0.01));
-    check(Rattle::new(0.01).extrapolated());
+    check(Rattle::new(0.01).guess(Extrapolated));
     check(Geodesic::new(0.01, 3));
     check(PositionVerlet::new(0.01));
     check(Composition::new(SUZUKI_1990_ORDER_4, 0.01));
     check(Lobatto::<5>::new(0.02));
-    check(Lobatto::<5>::new(0.02).extrapolated());
+    check(Lobatto::<5>::new(0.02).guess(Extrapolated));
 }
 
 #[test]
@@ -96,7 +96,11 @@ fn long_ways_lead_back() {
         }
     }
     check("RATTLE", Rattle::new(0.01));
-    check("RATTLE, extrapolated", Rattle::new(0.01).extrapolated());
+    check("RATTLE, extrapolated", Rattle::new(0.01).guess(Extrapolated));
+    check("RATTLE, last multiplier", Rattle::new(0.01).guess(LastMultiplier));
+    check("RATTLE, symmetric", Rattle::new(0.01).solved_by(Symmetric));
+    check("RATTLE, simplified", Rattle::new(0.01).solved_by(Simplified));
+    check("RATTLE, Broyden", Rattle::new(0.01).solved_by(Broyden));
     check("geodesic RATTLE", Geodesic::new(0.01, 4));
     check("position Verlet", PositionVerlet::new(0.01));
     for coefficients in rattle::composition::ALL {
@@ -107,6 +111,6 @@ fn long_ways_lead_back() {
     check("Lobatto, 2 stages", Lobatto::<2>::new(0.01));
     check("Lobatto, 3 stages", Lobatto::<3>::new(0.01));
     check("Lobatto, 5 stages", Lobatto::<5>::new(0.01));
-    check("Lobatto, 5 stages, extrapolated", Lobatto::<5>::new(0.01).extrapolated());
+    check("Lobatto, 5 stages, extrapolated", Lobatto::<5>::new(0.01).guess(Extrapolated));
     check("Lobatto, 9 stages", Lobatto::<9>::new(0.01));
 }

@@ -24,6 +24,7 @@ mod collocation;
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
+use crate::iteration::{Iteration, Kind};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
 use crate::stepper::{Failure, Need, Witness};
@@ -42,6 +43,10 @@ const LARGE_TURN: f64 = 0.5;
 const STRAIGHT: f64 = 1e-7;
 /// Residuals that shrink by less ask for a new derivative.
 const CONTRACTION: f64 = 0.25;
+/// Residuals of a matrix that is kept must shrink at least like this.
+const SLOWEST: f64 = 0.5;
+/// Corrections that Broyden's method keeps; one that needs more of them is given up.
+const LEARNED: usize = 6;
 /// Corrections after which a solve is given up.
 const MAX_CORRECTIONS: usize = 40;
 /// The smallest part of a step in which a root is followed, and how many parts are tried.
@@ -124,6 +129,8 @@ struct Room<const D: usize> {
     /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
     lengths: Vec<f64>,
     scale: Vec<f64>,
+    /// The corrections of a solve by Broyden's method, one after another.
+    learned: Vec<f64>,
 }
 
 type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<<F as Field<f64, D>>::Force, D>, D>;
@@ -192,6 +199,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
+            learned: vec![0.0; LEARNED * rows],
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
@@ -221,7 +229,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
             Need::Differences => self.moves_with_time().then_some("a network whose links move"),
             Need::Series => Some("a network"),
-            Need::Verbs => None,
+            Need::Verbs | Need::PositionEquation => None,
         }
     }
 
@@ -238,10 +246,11 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         }
     }
 
-    fn drift<W: Witness<f64>>(
+    fn drift_by<X: Iteration, W: Witness<f64>>(
         &self,
         kick: f64,
         h: f64,
+        guess: &[f64],
         bodies: &mut BodiesOf<F, N, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
@@ -264,10 +273,13 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             let blocks = &blocks[first.1..first.1 + rows.blocks()];
             let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
             counts.solves += 1;
-            let turn = flight.guess(solver, room);
-            let solved = flight.solve(solver, turn, room, counts);
-            if !solved.converged {
-                return Err(flight.failure(solver, turn, room, solved));
+            let by_default = X::KIND == Kind::Newton && guess.is_empty();
+            if by_default || !flight.try_to_solve::<X>(guess, solver, room, counts) {
+                let turn = flight.guess(solver, room);
+                let solved = flight.solve(solver, turn, room, counts);
+                if !solved.converged {
+                    return Err(flight.failure(solver, turn, room, solved));
+                }
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }
@@ -693,17 +705,42 @@ impl<const D: usize> Flight<'_, D> {
         let m = self.rows().equations();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
-        let mut path = self.path(room);
-        if self.rows().moving {
-            // A constraint that begins to move takes bodies along that had no way of their own.
-            room.dx[..m].copy_from_slice(&room.guess[..m]);
-            path += self.length_of_correction(solver, room) + landing.first;
-        }
+        let path = self.path_to(&landing, solver, room);
         if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
             return landing;
         }
         counts.followed += 1;
         self.follow(solver, path, room, counts)
+    }
+
+    /// The same by any iteration and from any guess of λ, or if that is empty from g̈ = 0: false where that is not good enough to
+    /// tell that the root is the right one.
+    fn try_to_solve<X: Iteration>(
+        &self,
+        guess: &[f64],
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> bool {
+        let (rows, m, guessed) = (self.rows(), self.rows().equations(), !guess.is_empty());
+        let mut turn = 0.0;
+        if guessed {
+            let half_square = 0.5 * self.h * self.h;
+            (0..m).for_each(|row| room.dx[row] = half_square * guess[rows.equation(row)]);
+            solver.coefficients(&room.dx[..m], &mut room.guess[..m]);
+        } else {
+            turn = self.guess(solver, room);
+        }
+        room.y[..m].copy_from_slice(&room.guess[..m]);
+        let landing = match X::KIND {
+            Kind::Newton => self.land(solver, 1.0, room, counts, |_| ()),
+            _ => self.chords::<X>(solver, guessed, room, counts),
+        };
+        if guessed && landing.converged {
+            turn = self.change(room, self.blocks); // until the guess, which is near the end
+        }
+        let path = self.path_to(&landing, solver, room);
+        turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room)
     }
 
     /// Whether the root found for the part `s` of the step is taken for the one that the motion leads to: the guess was off
@@ -720,6 +757,18 @@ impl<const D: usize> Flight<'_, D> {
         let time = self.time + s * self.h;
         self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
         self.change(room, self.blocks) <= STRAIGHT
+    }
+
+    /// The longest way of a body without the constraints, or with those that move.
+    fn path_to(&self, landing: &Landing, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
+        let path = self.path(room);
+        if !self.rows().moving {
+            return path;
+        }
+        // A constraint that begins to move takes bodies along that had no way of their own.
+        let m = self.rows().equations();
+        room.dx[..m].copy_from_slice(&room.guess[..m]);
+        path + self.length_of_correction(solver, room) + landing.first
     }
 
     /// The longest way of a body without the constraints.
@@ -763,8 +812,8 @@ impl<const D: usize> Flight<'_, D> {
             &mut room.blocks[..blocks],
             &mut room.rates[..m],
         );
-        self.measure_rounding(room);
-        let pivot = solver.chord(rows, &room.blocks, &self.shape.roots);
+        self.measure_rounding(None, room);
+        let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
         counts.values += 1;
         counts.gradients += 1;
         let mut landing =
@@ -804,9 +853,73 @@ impl<const D: usize> Flight<'_, D> {
                     landing.converged = !landing.contradictory;
                     return landing;
                 }
-                let pivot = solver.chord(rows, &room.blocks, &self.shape.roots);
+                let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
                 landing.upright &= pivot > 0.0;
                 last = f64::INFINITY;
+            }
+        }
+        landing
+    }
+
+    /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as it
+    /// is or corrected by each residual. Not converged where residuals are not halved. With `look`, `room.blocks` are the
+    /// gradients at the guess.
+    fn chords<X: Iteration>(
+        &self,
+        solver: &mut Solver<D>,
+        look: bool,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Landing {
+        let (rows, time, m) = (self.rows(), self.time + self.h, self.rows().equations());
+        let symmetric = X::KIND == Kind::Symmetric;
+        self.place(solver, 1.0, room);
+        let mut upright = true;
+        if look || symmetric {
+            let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..rows.blocks()]);
+            self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
+            counts.gradients += 1;
+        } else {
+            self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
+        }
+        counts.values += 1;
+        if symmetric {
+            upright = solver.chord::<true>(rows, &room.blocks, &self.shape.roots) > 0.0;
+        } else if rows.acting {
+            upright = solver.chord::<false>(rows, self.blocks, &self.shape.roots) > 0.0;
+        }
+        self.measure_rounding((!(look || symmetric)).then_some(self.blocks), room);
+        let mut landing = Landing { converged: false, upright, first: 0.0, contradictory: false };
+        let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
+        for correction in 0..MAX_CORRECTIONS {
+            if !residual.is_finite() {
+                break;
+            }
+            if symmetric || rows.acting {
+                solver.correct(&room.g[..m], &mut room.dx[..m]);
+            } else {
+                solver.solve(&room.g[..m], &mut room.dx[..m]);
+                room.dx[..m].iter_mut().for_each(|x| *x = -*x);
+            }
+            if X::KIND == Kind::Broyden && !room.learn(solver, correction, m) {
+                break;
+            }
+            room.y[..m].iter_mut().zip(&room.dx).for_each(|(y, dx)| *y += dx);
+            counts.corrections += 1;
+            if correction == 0 {
+                landing.first = self.length_of_correction(solver, room);
+            }
+            let contraction = residual / last;
+            if residual <= 1.0 || (correction > 0 && contraction * residual <= 1.0 / 16.0) {
+                landing.converged = true;
+                break;
+            }
+            self.place(solver, 1.0, room);
+            self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
+            counts.values += 1;
+            (last, residual) = (residual, room.residual(m));
+            if residual > SLOWEST * last {
+                break;
             }
         }
         landing
@@ -849,13 +962,15 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: false, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer.
-    fn measure_rounding(&self, room: &mut Room<D>) {
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these
+    /// gradients, or those at the trial.
+    fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         let rows = self.rows();
+        let blocks = blocks.unwrap_or(&room.blocks);
         for row in 0..rows.equations() {
             let (mut square, mut size) = (0.0, 0.0);
             for (block, body) in rows.touched_by(row) {
-                square += dot(&room.blocks[block], &room.blocks[block]);
+                square += dot(&blocks[block], &blocks[block]);
                 size = f64::max(size, f64::max(largest(&self.q[body]), largest(&room.trial[body])));
                 size = f64::max(size, largest(&room.drift[body]));
             }
@@ -954,6 +1069,31 @@ impl<const D: usize> Flight<'_, D> {
 }
 
 impl<const D: usize> Room<D> {
+    /// Broyden's update: `dx`, the correction by the matrix of the start, becomes that by the matrix that agrees with all
+    /// residuals of this solve so far, of which it is the n-th. False where there is no room for more.
+    ///
+    /// ```text
+    /// A₊ = A + g₊ sᵀ/|s|²        s the last correction, g₊ the residual that it left
+    /// ```
+    fn learn(&mut self, solver: &Solver<D>, n: usize, m: usize) -> bool {
+        if n >= LEARNED {
+            return false;
+        }
+        let (past, present) = self.learned.split_at_mut(n * m);
+        let along = |a: &[f64], b: &[f64]| solver.product(&self.lengths, a, b);
+        let past = past.chunks_exact(m);
+        for (s, next) in past.clone().zip(past.clone().skip(1)) {
+            let share = along(s, &self.dx[..m]) / along(s, s);
+            self.dx[..m].iter_mut().zip(next).for_each(|(x, next)| *x += share * next);
+        }
+        if let Some(s) = past.last() {
+            let scale = 1.0 / (1.0 - along(s, &self.dx[..m]) / along(s, s));
+            self.dx[..m].iter_mut().for_each(|x| *x *= scale);
+        }
+        present[..m].copy_from_slice(&self.dx[..m]);
+        true
+    }
+
     /// The largest residual in units of its rounding; NaN if one is.
     fn residual(&self, equations: usize) -> f64 {
         let mut worst = 0.0;

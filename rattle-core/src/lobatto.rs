@@ -103,7 +103,7 @@ pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
 /// ```
 ///
 /// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is then
-/// a pure function of the state. [`extrapolated`](Self::extrapolated) begins with what the stages of the step before lead to.
+/// a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before lead to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobatto<const S: usize, G = FromState> {
     h: f64,
@@ -124,12 +124,12 @@ where
     /// where steps are short, and the same motion to rounding. A state taken from a simulation carries the stages.
     ///
     /// ```
-    /// # use rattle_core::lobatto::Lobatto;
-    /// let method = Lobatto::<5>::new(0.02).extrapolated();
+    /// # use rattle_core::{guess::Extrapolated, lobatto::Lobatto};
+    /// let method = Lobatto::<5>::new(0.02).guess(Extrapolated);
     /// ```
     #[must_use]
-    pub fn extrapolated(self) -> Lobatto<S, Extrapolated> {
-        Lobatto { h: self.h, guess: Extrapolated }
+    pub fn guess(self, guess: Extrapolated) -> Lobatto<S, Extrapolated> {
+        Lobatto { h: self.h, guess }
     }
 }
 
@@ -167,7 +167,7 @@ where
         bodies: &Bodies<Y::Count, T, Y::Kept, D>,
     ) -> G::Memory<T> {
         // Whether there was a step; f + Gᵀλ and λ of its stages.
-        G::numbers(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
+        G::room(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
     }
 
     #[inline(always)]

@@ -102,6 +102,8 @@ pub trait Stepper: Clone + Send + Sync + 'static {
 pub enum Need {
     /// Drifts, forces and kicks, or rates of change and projection: every system has them.
     Verbs,
+    /// A position equation along kept normals, which is solved as the method says.
+    PositionEquation,
     /// Inner stages solved together.
     Stages,
     /// Momenta that are mass times velocity, and constraints that do not move.
