@@ -595,6 +595,17 @@ pub enum StepFailure {
         /// h·κ·|v|.
         reach: f64,
     },
+    /// The density of reversible variable steps is no longer near the one that is wanted.
+    #[error(
+        "steps have gone astray: their density is {ratio:.3} times what the momenta's change asks for, and must stay within 0.5 \
+         and 1.5; try a longest step below {longest:.3e}"
+    )]
+    Astray {
+        /// ρ/R.
+        ratio: f64,
+        /// The longest step, ε.
+        longest: f64,
+    },
     /// The position equation has a solution, but it cannot be told that the motion leads there: followed from h = 0,
     /// the root ends or turns too sharply.
     #[error(
