@@ -116,7 +116,7 @@ impl<B: Stepper> Stepper for Composition<B> {
             return Err(Error::Coefficients { name, sum });
         }
         if !self.base.is_symmetric() {
-            return Err(Error::NeedsSymmetricMethod { composition: name, method: self.base.name() });
+            return Err(Error::NeedsSymmetricMethod { what: name, method: self.base.name() });
         }
         self.base.check(equations)
     }

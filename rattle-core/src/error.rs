@@ -29,11 +29,13 @@ pub enum Error {
     #[error("the time tau within which steps change must be positive and finite, found {0}")]
     ChangeTime(f64),
 
-    /// A composition of a method that is not symmetric.
-    #[error("{composition}: made of symmetric methods, and {method} is not symmetric")]
+    /// A method that is not symmetric, where one must be: in a composition, in variable steps, in a check of reversal.
+    #[error(
+        "{what} needs a symmetric method, and {method} is not symmetric: a step of −h does not undo one of h"
+    )]
     NeedsSymmetricMethod {
-        /// The coefficients.
-        composition: &'static str,
+        /// What needs one.
+        what: &'static str,
         /// The method.
         method: &'static str,
     },
@@ -64,8 +66,8 @@ pub enum Error {
     #[error("the order of a Taylor method is 2 to 64, found {0}")]
     Order(u32),
 
-    /// A tolerance that is not a positive length.
-    #[error("a tolerance is a positive length, found {0}")]
+    /// A tolerance that is not a positive number.
+    #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
     /// A composition whose coefficients do not add up to 1, or are not symmetric.

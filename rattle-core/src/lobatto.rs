@@ -86,7 +86,8 @@ impl<const S: usize> Table<S> {
 /// Numbers of stages with a table.
 #[diagnostic::on_unimplemented(
     message = "Lobatto methods have 2 to 9 stages",
-    label = "no table for so many"
+    label = "no table for this number of stages",
+    note = "`Lobatto::<5>`, of order 8, serves most uses"
 )]
 pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
     /// The name of the method, with its order.
@@ -110,13 +111,14 @@ pub struct Lobatto<const S: usize, G = FromState> {
     guess: G,
 }
 
-impl<const S: usize> Lobatto<S>
-where
-    Table<S>: Tabulated,
-{
+impl<const S: usize> Lobatto<S> {
+    // The bound stands here, for only then the compiler tells a wrong number of stages in the words of `Tabulated`.
     /// The method with step size `h`, in the unit of time.
     #[must_use]
-    pub fn new(h: f64) -> Self {
+    pub fn new(h: f64) -> Self
+    where
+        Table<S>: Tabulated,
+    {
         Self { h, guess: FromState }
     }
 

@@ -147,8 +147,7 @@ impl<B: Stepper> Stepper for Variable<B> {
 
     fn check(&self, equations: usize) -> Result<(), Error> {
         if !self.base.is_symmetric() {
-            let composition = self.name();
-            return Err(Error::NeedsSymmetricMethod { composition, method: self.base.name() });
+            return Err(Error::NeedsSymmetricMethod { what: self.name(), method: self.base.name() });
         }
         if !(self.tau.is_finite() && self.tau > 0.0) {
             return Err(Error::ChangeTime(self.tau));
