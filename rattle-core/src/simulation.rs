@@ -188,18 +188,18 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
         self.before.copy_from(&self.bodies);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        let taken = self.stepper.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness);
-        let mut taken = taken.map_err(Trouble::Failed);
-        if taken.is_ok() {
-            if let Some(taken) = self.stepper.time_taken(self.memory.as_ref()) {
-                self.clock = later(self.clock, (taken, 0.0));
+        match self.stepper.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness) {
+            Ok(()) => {
+                if let Some(taken) = self.stepper.time_taken(self.memory.as_ref()) {
+                    self.clock = later(self.clock, (taken, 0.0));
+                }
+                if self.reversal.is_some()
+                    && let Err(trouble) = self.take_back(1)
+                {
+                    self.take_in_parts(trouble, witness)?;
+                }
             }
-            if self.reversal.is_some() {
-                taken = self.take_back(1);
-            }
-        }
-        if let Err(trouble) = taken {
-            self.take_in_parts(trouble, witness)?;
+            Err(failure) => self.take_in_parts(Trouble::Failed(failure), witness)?,
         }
         self.steps += 1;
         if self.system.moves_with_time() {
