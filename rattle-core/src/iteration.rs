@@ -41,7 +41,8 @@ pub enum Kind {
     Broyden,
 }
 
-/// The exact derivative: fewest evaluations, and the only one for steps that are long against the curvature.
+/// The exact derivative: fewest evaluations of g, the only one for steps that are long against the curvature, and in what was
+/// timed (the lemniscate, a chain of 1000) as fast as any.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Newton;
 

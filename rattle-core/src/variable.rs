@@ -19,7 +19,8 @@
 //!
 //! ρ is an integral and may go astray where steps are too long for G: a step after which ρ/R has left (½, 3/2) is an error.
 //! The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that is not damped: on
-//! the lemniscate at ε τ⁻¹ = 0.18 steps come to differ by a factor of 400 from those wanted, where ρ of this module stays within 6 %.
+//! the lemniscate with ε = 0.06 τ, in two halves of a step, ρ came to differ from R by a factor of 20 until t = 5000, where that of
+//! this module stayed within 6 % in whole steps.
 //!
 //! Source: E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26 (2005) 1838.
 
