@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("Kahan–Li, order 8", measure(kahan_li, 0.04, exact)?),
         ("Lobatto, order 4", measure(Lobatto::<3>::new, 0.05, exact)?),
         ("Lobatto, order 8", measure(Lobatto::<5>::new, 0.05, exact)?),
-        ("… extrapolated", measure(|h| Lobatto::<5>::new(h).extrapolated(), 0.05, exact)?),
+        ("… extrapolated", measure(|h| Lobatto::<5>::new(h).guess(Extrapolated), 0.05, exact)?),
         ("Lobatto, order 16", measure(Lobatto::<9>::new, 0.1, exact)?),
         ("DOP853", measure(Dop853::new, 0.05, exact)?),
         ("DOP853, adaptive", measure_tolerances(|tolerance| Dop853::adaptive(T, tolerance), exact)?),
@@ -93,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (mut over_pure, mut over_extrapolated) = (Vec::new(), Vec::new());
         let composed = run_of(composed, kahan_li)?;
         let pure = run_of(pure, Lobatto::<5>::new)?;
-        let extrapolated = run_of(extrapolated, |h| Lobatto::<5>::new(h).extrapolated())?;
+        let extrapolated = run_of(extrapolated, |h| Lobatto::<5>::new(h).guess(Extrapolated))?;
         for _ in 0..10 * RUNS {
             let time = composed()?; // in turns: a slow moment of the machine is one of all three
             over_pure.push(time / pure()?);

@@ -51,9 +51,9 @@ pub mod surfaces;
 pub mod view;
 
 pub use rattle_core::{
-    bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, guess, kernel, lanes,
-    linked, lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface, system,
-    taylor, variable,
+    bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, guess, iteration, kernel,
+    lanes, linked, lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface,
+    system, taylor, variable,
 };
 
 pub use rattle_core::bdf2::Bdf2;
@@ -85,6 +85,8 @@ pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constrain
 pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::effect::Over;
+    pub use crate::guess::{Extrapolated, LastMultiplier};
+    pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::recorder::{Recorder, Trajectory};
     pub use crate::{

@@ -18,13 +18,13 @@ fn apart<A: Stepper, B: Stepper>(one: A, other: B, steps: u64) -> f64 {
 #[test]
 fn extrapolated_guesses_give_the_same_motion() {
     // Until t = 1, where a rounding has grown tenfold; goldens agree to 1e-15 as well.
-    assert!(apart(Lobatto::<3>::new(0.01), Lobatto::<3>::new(0.01).extrapolated(), 100) <= 2e-15);
-    assert!(apart(Lobatto::<5>::new(0.02), Lobatto::<5>::new(0.02).extrapolated(), 50) <= 2e-15);
-    assert!(apart(Rattle::new(0.01), Rattle::new(0.01).extrapolated(), 100) <= 2e-15);
-    assert!(apart(Lobatto::<9>::new(0.05), Lobatto::<9>::new(0.05).extrapolated(), 20) <= 2e-15);
+    assert!(apart(Lobatto::<3>::new(0.01), Lobatto::<3>::new(0.01).guess(Extrapolated), 100) <= 2e-15);
+    assert!(apart(Lobatto::<5>::new(0.02), Lobatto::<5>::new(0.02).guess(Extrapolated), 50) <= 2e-15);
+    assert!(apart(Rattle::new(0.01), Rattle::new(0.01).guess(Extrapolated), 100) <= 2e-15);
+    assert!(apart(Lobatto::<9>::new(0.05), Lobatto::<9>::new(0.05).guess(Extrapolated), 20) <= 2e-15);
     let (linked, start) = double();
     let mut pure = linked.simulate(start.clone(), Lobatto::<5>::new(0.02)).unwrap();
-    let mut extrapolated = linked.simulate(start, Lobatto::<5>::new(0.02).extrapolated()).unwrap();
+    let mut extrapolated = linked.simulate(start, Lobatto::<5>::new(0.02).guess(Extrapolated)).unwrap();
     pure.run(50).unwrap();
     extrapolated.run(50).unwrap();
     let apart =
@@ -60,7 +60,7 @@ fn evaluations<S: Stepper>(method: S) -> [f64; 3] {
 fn extrapolated_stages_take_fewer_iterations() {
     for (h, most) in [(0.02, 0.82), (0.01, 0.76), (0.005, 0.72)] {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
-        let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).extrapolated());
+        let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
         assert!(pure <= 16.0, "h = {h}: {pure}"); // 18 with the matrix of the first iteration alone
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
@@ -73,7 +73,7 @@ fn extrapolated_multipliers_take_few_evaluations_and_no_second_derivative() {
     for theta in directions() {
         let surface = Counted::new(SURFACE);
         let counts = surface.counts();
-        let method = Rattle::new(0.01).extrapolated();
+        let method = Rattle::new(0.01).guess(Extrapolated);
         let mut simulation =
             Scene::on(surface).with(Gravity { g: 1.0 }).simulate(billiard(theta), method).unwrap();
         counts.reset();
@@ -93,11 +93,15 @@ fn guesses_that_mislead_are_not_followed() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     for theta in [0.3, 0.7, 1.2] {
         let mut pure = scene.simulate(billiard(theta), Rattle::new(0.025)).unwrap();
-        let mut extrapolated = scene.simulate(billiard(theta), Rattle::new(0.025).extrapolated()).unwrap();
+        let mut extrapolated =
+            scene.simulate(billiard(theta), Rattle::new(0.025).guess(Extrapolated)).unwrap();
+        let mut last = scene.simulate(billiard(theta), Rattle::new(0.025).guess(LastMultiplier)).unwrap();
         for step in 0..160 {
             pure.step().unwrap();
             extrapolated.step().unwrap();
-            let apart = distance(pure.position(), extrapolated.position());
+            last.step().unwrap();
+            let apart = |other| distance(pure.position(), other);
+            let apart = apart(extrapolated.position()).max(apart(last.position()));
             assert!(apart <= 1e-11, "θ = {theta}, step {step}: {apart:e}"); // until t = 4 roundings grow by 1e4
         }
     }
@@ -106,8 +110,16 @@ fn guesses_that_mislead_are_not_followed() {
 #[test]
 fn a_restart_remembers_the_guess() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-    restart(&scene, billiard(0.7), Rattle::new(0.02).extrapolated());
-    let method = Lobatto::<5>::new(0.02).extrapolated();
+    restart(&scene, billiard(0.7), Rattle::new(0.02).guess(Extrapolated));
+    restart(&scene, billiard(0.7), Rattle::new(0.02).guess(LastMultiplier));
+    restart(
+        &scene,
+        billiard(0.7),
+        Composition::of(Rattle::new(0.02).guess(LastMultiplier), SUZUKI_1990_ORDER_4),
+    );
+    restart(&double().0, double().1, Rattle::new(0.02).guess(LastMultiplier));
+    restart(&double().0, double().1, Rattle::new(0.02).guess(Extrapolated));
+    let method = Lobatto::<5>::new(0.02).guess(Extrapolated);
     restart(&scene, billiard(0.7), method);
     let (linked, start) = double();
     restart(&linked, start, method);
@@ -143,7 +155,7 @@ fn long_steps_survive_bad_guesses() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let lost = (0..40).filter(|&k| {
         let start = billiard(std::f64::consts::FRAC_PI_4 + 1e-13 * f64::from(k));
-        scene.simulate(start, Lobatto::<5>::new(0.1).extrapolated()).unwrap().run(2000).is_err()
+        scene.simulate(start, Lobatto::<5>::new(0.1).guess(Extrapolated)).unwrap().run(2000).is_err()
     });
     let lost = lost.count();
     assert!(lost <= 3, "{lost} of 40");

@@ -14,6 +14,10 @@ use std::array::from_fn;
 #[test]
 fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Rattle::new(0.01));
+    four_alone(&Rattle::new(0.01).solved_by(Symmetric));
+    four_alone(&Rattle::new(0.01).solved_by(Simplified));
+    four_alone(&Rattle::new(0.01).solved_by(Broyden));
+    four_alone(&Rattle::new(0.01).guess(LastMultiplier));
     four_alone(&SymplecticEuler::new(0.01));
     four_alone(&Shake::new(0.01));
     four_alone(&Geodesic::new(0.02, 3));

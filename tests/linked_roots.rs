@@ -9,7 +9,7 @@ use rattle::network::{LinearAlgebra, Mass};
 use rattle::prelude::*;
 
 /// A double pendulum about the origin.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 struct Double {
     q: [Vector2<f64>; 2],
     v: [Vector2<f64>; 2],
@@ -94,6 +94,13 @@ impl Double {
 /// Either an error, or the root that is reached from h = 0. Where that root ends there may only be an error.
 #[test]
 fn a_long_step_is_an_error_or_the_right_root() {
+    long_steps(Rattle::new);
+    long_steps(|h| Rattle::new(h).solved_by(Symmetric));
+    long_steps(|h| Rattle::new(h).solved_by(Simplified));
+    long_steps(|h| Rattle::new(h).solved_by(Broyden));
+}
+
+fn long_steps<S: Stepper>(method: impl Fn(f64) -> S) {
     let mut rng = StdRng::seed_from_u64(10);
     let (mut right, mut wrong, mut beyond, mut refused, mut ended, mut needlessly) = (0, 0, 0, 0, 0, 0);
     for _ in 0..3000 {
@@ -110,7 +117,7 @@ fn a_long_step_is_an_error_or_the_right_root() {
                 .with(weights(&[1.0, g * masses[0], g * masses[1]]));
             let start =
                 State::of([zero, q[0], q[1]]).with_momenta([zero, v[0] * masses[0], v[1] * masses[1]]);
-            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            let mut simulation = scene.simulate(start, method(h)).unwrap();
             match (simulation.step(), double.continued(h)) {
                 (Ok(()), Some(end)) => {
                     let found: Vec<f64> = coordinates(&simulation.state())[2..].to_vec();
@@ -133,6 +140,55 @@ fn a_long_step_is_an_error_or_the_right_root() {
     assert!(right > 1000 && ended > 1000, "both happen");
     assert_eq!(needlessly, 0, "of steps that are not long none is refused");
     assert!(refused * 5 <= right, "few are refused without need: {refused}");
+}
+
+/// Long steps one after another, begun from what is remembered: each ends where one without a memory ends, or is an error as that is.
+#[test]
+fn guesses_do_not_mislead_long_steps() {
+    remembering(|h| Rattle::new(h).guess(LastMultiplier));
+    remembering(|h| Rattle::new(h).guess(Extrapolated));
+    remembering(|h| Rattle::new(h).guess(LastMultiplier).solved_by(Broyden));
+    remembering(|h| Rattle::new(h).guess(Extrapolated).solved_by(Simplified));
+}
+
+fn remembering<S: Stepper>(method: impl Fn(f64) -> S) {
+    let mut rng = StdRng::seed_from_u64(12);
+    let (mut taken, mut refused) = (0, 0);
+    for _ in 0..1000 {
+        let double = Double::random(&mut rng);
+        let h = rng.random_range(0.0..1.0) / double.turn(1.0);
+        let Double { q, v, masses, lengths, g } = double;
+        let zero = Vector2::zeros();
+        for algebra in [LinearAlgebra::Orthogonal, LinearAlgebra::Elimination] {
+            let scene = Scene::points(3)
+                .link_each([(Rod { length: lengths[0] }, [0, 1]), (Rod { length: lengths[1] }, [1, 2])])
+                .pin(0, [0.0, 0.0])
+                .masses([1.0, masses[0], masses[1]])
+                .linear_algebra(algebra)
+                .with(weights(&[1.0, g * masses[0], g * masses[1]]));
+            let start =
+                State::of([zero, q[0], q[1]]).with_momenta([zero, v[0] * masses[0], v[1] * masses[1]]);
+            let mut simulation = scene.simulate(start, method(h)).unwrap();
+            for _ in 0..8 {
+                let mut pure = scene.simulate(simulation.state(), Rattle::new(h)).unwrap();
+                match (simulation.step(), pure.step()) {
+                    (Ok(()), Ok(())) => {
+                        let off = apart(&coordinates(&simulation.state()), &coordinates(&pure.state()));
+                        assert!(off <= 1e-9, "{double:?}, h = {h}: {off:e}");
+                        taken += 1;
+                    }
+                    (Err(error), Err(other)) => {
+                        refused += 1;
+                        assert_eq!(error.to_string().split(':').nth(1), other.to_string().split(':').nth(1));
+                        break;
+                    }
+                    (one, other) => panic!("{double:?}, h = {h}: {one:?}, {other:?}"),
+                }
+            }
+        }
+    }
+    println!("{taken} taken, {refused} refused");
+    assert!(taken > 2000 && refused > 500);
 }
 
 constraint! {

@@ -160,7 +160,7 @@ fn steps_three_times_as_long_as_those_of_rattle() {
                 let mut worst = 0.0_f64;
                 let method = Lobatto::<5>::new(0.1);
                 let residual = if extrapolated {
-                    let mut simulation = scene.simulate(start, method.extrapolated()).unwrap();
+                    let mut simulation = scene.simulate(start, method.guess(Extrapolated)).unwrap();
                     simulation.run_with(500, |now| worst = worst.max(now.energy_error().abs())).unwrap();
                     simulation.constraint_residual()
                 } else {

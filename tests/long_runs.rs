@@ -8,17 +8,19 @@
 mod common;
 use common::*;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
+use rattle::guess::{FromState, Guess};
+use rattle::iteration::Iteration;
 use rattle::prelude::*;
 
 /// Energy errors of spherical pendulums after so many steps of RATTLE, 17 in each of a composition whose own error is below
 /// rounding: the root of their mean square, after each of `counts` macro steps.
-fn growth(counts: &[u64]) -> Vec<f64> {
+fn growth<S: Stepper>(method: &S, counts: &[u64]) -> Vec<f64> {
     let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
     let mut squares = vec![0.0; counts.len()];
     for speed in [1.1, 1.2, 1.3, 1.4, 1.5, 1.6] {
         let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
         let start = scene.project(&State::at([sin, 0.0, -cos]).moving([0.0, speed, 0.01])).unwrap();
-        let mut simulation = scene.simulate(start, Composition::new(KAHAN_LI_1997_ORDER_8, 0.025)).unwrap();
+        let mut simulation = scene.simulate(start, method.clone()).unwrap();
         for (square, &count) in squares.iter_mut().zip(counts) {
             simulation.run(count - simulation.steps()).unwrap();
             *square += simulation.energy_error().powi(2) / 6.0;
@@ -27,8 +29,10 @@ fn growth(counts: &[u64]) -> Vec<f64> {
     squares.into_iter().map(f64::sqrt).collect()
 }
 
-fn check_growth(counts: &[u64]) {
-    for (&count, error) in counts.iter().zip(growth(counts)) {
+fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
+    let method = Rattle::new(0.025).guess(guess).solved_by(by);
+    let method = Composition::of(method, KAHAN_LI_1997_ORDER_8);
+    for (&count, error) in counts.iter().zip(growth(&method, counts)) {
         let steps = 17.0 * count as f64;
         println!("{steps:9.1e} steps: {error:.1e}, that is {:.1e} √n", error / steps.sqrt());
         // 1e-17 √n, and the rounding of the energy itself: |z| and p²/2 up to 2, both at the start and now.
@@ -38,13 +42,24 @@ fn check_growth(counts: &[u64]) {
 
 #[test]
 fn rounding_grows_like_the_root_of_the_steps() {
-    check_growth(&[1_000, 10_000, 60_000]);
+    check_growth(FromState, Newton, &[1_000, 10_000, 60_000]);
+}
+
+/// What a linear iteration leaves has one sign, and would add up like n.
+#[test]
+fn so_it_does_however_the_position_equation_is_solved() {
+    check_growth(FromState, Symmetric, &[1_000, 60_000]);
+    check_growth(FromState, Simplified, &[1_000, 60_000]);
+    check_growth(FromState, Broyden, &[1_000, 60_000]);
+    check_growth(LastMultiplier, Newton, &[1_000, 60_000]);
+    check_growth(LastMultiplier, Simplified, &[1_000, 60_000]);
+    check_growth(Extrapolated, Broyden, &[1_000, 60_000]);
 }
 
 #[test]
 #[ignore = "a minute: 1e8 steps of six pendulums"]
 fn rounding_grows_like_the_root_of_1e8_steps() {
-    check_growth(&[60_000, 600_000, 6_000_000]);
+    check_growth(FromState, Newton, &[60_000, 600_000, 6_000_000]);
 }
 
 /// The largest energy error of the plane pendulum in so many steps of 0.01.

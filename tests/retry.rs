@@ -25,7 +25,7 @@ fn until_failure<S: Stepper>(method: S) -> u64 {
 #[test]
 fn only_the_step_that_fails_is_divided() {
     check(Rattle::new(0.7));
-    check(Rattle::new(0.7).extrapolated());
+    check(Rattle::new(0.7).guess(Extrapolated));
     check(Geodesic::new(1.6, 2));
     check(Composition::new(SUZUKI_1990_ORDER_4, 1.0));
     check(PositionVerlet::new(1.3));

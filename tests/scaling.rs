@@ -34,7 +34,11 @@ fn no_method_knows_how_g_is_scaled() {
         assert!(end(&method, 1.1) != reference, "{}: the comparison sees a difference", method.name());
     }
     check(Rattle::new(0.01));
-    check(Rattle::new(0.01).extrapolated());
+    check(Rattle::new(0.01).guess(Extrapolated));
+    check(Rattle::new(0.01).guess(LastMultiplier));
+    check(Rattle::new(0.01).solved_by(Symmetric));
+    check(Rattle::new(0.01).solved_by(Simplified));
+    check(Rattle::new(0.01).solved_by(Broyden));
     check(SymplecticEuler::new(0.01));
     check(Shake::new(0.01));
     check(Geodesic::new(0.01, 3));
@@ -46,7 +50,7 @@ fn no_method_knows_how_g_is_scaled() {
     check(Lobatto::<3>::new(0.02));
     check(Lobatto::<4>::new(0.02));
     check(Lobatto::<5>::new(0.02));
-    check(Lobatto::<5>::new(0.02).extrapolated());
+    check(Lobatto::<5>::new(0.02).guess(Extrapolated));
     check(Lobatto::<6>::new(0.02));
     check(Lobatto::<7>::new(0.02));
     check(Lobatto::<8>::new(0.02));

@@ -21,6 +21,7 @@
 
 use crate::bodies::Bodies;
 use crate::error::StepFailure;
+use crate::iteration::Newton;
 use crate::rattle;
 use crate::real::Real;
 use crate::stepper::{Failure, Need, Stepper, Witness};
@@ -125,7 +126,7 @@ impl Bdf2 {
 
         let first = begun.lanes().any(|begun| begun == 0.0);
         if first {
-            rattle::step(self.h, system, bodies, witness)?;
+            rattle::step::<Newton, _, _, _, D>(self.h, &[], system, bodies, witness)?;
             *begun = T::from_f64(1.0);
         } else {
             let beta = T::from_f64(2.0 * self.h / 3.0);

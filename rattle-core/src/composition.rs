@@ -76,7 +76,7 @@ impl<B: Stepper> Composition<B> {
 }
 
 impl<B: Stepper> Stepper for Composition<B> {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Real> = B::Memory<T>;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
@@ -116,9 +116,17 @@ impl<B: Stepper> Stepper for Composition<B> {
             return Err(Error::Coefficients { name, sum });
         }
         if !self.base.is_symmetric() {
-            return Err(Error::NeedsSymmetricMethod { composition: name, method: self.base.name() });
+            return Err(Error::NeedsSymmetricMethod { what: name, method: self.base.name() });
         }
         self.base.check(equations)
+    }
+
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> B::Memory<T> {
+        self.base.memory(system, bodies)
     }
 
     #[inline(always)]
@@ -126,11 +134,11 @@ impl<B: Stepper> Stepper for Composition<B> {
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         for gamma in self.coefficients.gammas {
-            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, &mut [], witness)?;
+            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, memory, witness)?;
         }
         Ok(())
     }

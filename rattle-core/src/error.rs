@@ -29,11 +29,13 @@ pub enum Error {
     #[error("the time tau within which steps change must be positive and finite, found {0}")]
     ChangeTime(f64),
 
-    /// A composition of a method that is not symmetric.
-    #[error("{composition}: made of symmetric methods, and {method} is not symmetric")]
+    /// A method that is not symmetric, where one must be: in a composition, in variable steps, in a check of reversal.
+    #[error(
+        "{what} needs a symmetric method, and {method} is not symmetric: a step of −h does not undo one of h"
+    )]
     NeedsSymmetricMethod {
-        /// The coefficients.
-        composition: &'static str,
+        /// What needs one.
+        what: &'static str,
         /// The method.
         method: &'static str,
     },
@@ -64,8 +66,8 @@ pub enum Error {
     #[error("the order of a Taylor method is 2 to 64, found {0}")]
     Order(u32),
 
-    /// A tolerance that is not a positive length.
-    #[error("a tolerance is a positive length, found {0}")]
+    /// A tolerance that is not a positive number.
+    #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
@@ -594,6 +596,17 @@ pub enum StepFailure {
         gradient: f64,
         /// h·κ·|v|.
         reach: f64,
+    },
+    /// The density of reversible variable steps is no longer near the one that is wanted.
+    #[error(
+        "steps have gone astray: their density is {ratio:.3} times what the momenta's change asks for, and must stay within 0.5 \
+         and 1.5; try a longest step below {longest:.3e}"
+    )]
+    Astray {
+        /// ρ/R.
+        ratio: f64,
+        /// The longest step, ε.
+        longest: f64,
     },
     /// The position equation has a solution, but it cannot be told that the motion leads there: followed from h = 0,
     /// the root ends or turns too sharply.

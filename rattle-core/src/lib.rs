@@ -12,6 +12,7 @@ pub mod ensemble;
 pub mod error;
 pub mod geodesic;
 pub mod guess;
+pub mod iteration;
 pub mod kernel;
 pub mod lanes;
 pub mod leapfrog;

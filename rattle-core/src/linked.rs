@@ -19,11 +19,13 @@
 //! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
 //! followed from h = 0 in parts of the step that are halved until that holds.
 
+mod chords;
 mod collocation;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::error::{EquationAt, Passing, StepFailure};
+use crate::iteration::{Iteration, Kind};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
 use crate::stepper::{Failure, Need, Witness};
@@ -42,6 +44,8 @@ const LARGE_TURN: f64 = 0.5;
 const STRAIGHT: f64 = 1e-7;
 /// Residuals that shrink by less ask for a new derivative.
 const CONTRACTION: f64 = 0.25;
+/// Corrections that Broyden's method keeps; one that needs more of them is given up.
+const LEARNED: usize = 6;
 /// Corrections after which a solve is given up.
 const MAX_CORRECTIONS: usize = 40;
 /// The smallest part of a step in which a root is followed, and how many parts are tried.
@@ -124,6 +128,8 @@ struct Room<const D: usize> {
     /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
     lengths: Vec<f64>,
     scale: Vec<f64>,
+    /// The corrections of a solve by Broyden's method, one after another.
+    learned: Vec<f64>,
 }
 
 type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<<F as Field<f64, D>>::Force, D>, D>;
@@ -192,6 +198,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
+            learned: vec![0.0; LEARNED * rows],
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
@@ -221,7 +228,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
             Need::Differences => self.moves_with_time().then_some("a network whose links move"),
             Need::Series => Some("a network"),
-            Need::Verbs => None,
+            Need::Verbs | Need::PositionEquation => None,
         }
     }
 
@@ -238,10 +245,11 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         }
     }
 
-    fn drift<W: Witness<f64>>(
+    fn drift_by<X: Iteration, W: Witness<f64>>(
         &self,
         kick: f64,
         h: f64,
+        guess: &[f64],
         bodies: &mut BodiesOf<F, N, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
@@ -264,10 +272,13 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             let blocks = &blocks[first.1..first.1 + rows.blocks()];
             let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
             counts.solves += 1;
-            let turn = flight.guess(solver, room);
-            let solved = flight.solve(solver, turn, room, counts);
-            if !solved.converged {
-                return Err(flight.failure(solver, turn, room, solved));
+            let by_default = X::KIND == Kind::Newton && guess.is_empty();
+            if by_default || !flight.try_to_solve::<X>(guess, solver, room, counts) {
+                let turn = flight.guess(solver, room);
+                let solved = flight.solve(solver, turn, room, counts);
+                if !solved.converged {
+                    return Err(flight.failure(solver, turn, room, solved));
+                }
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }
@@ -693,12 +704,7 @@ impl<const D: usize> Flight<'_, D> {
         let m = self.rows().equations();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
-        let mut path = self.path(room);
-        if self.rows().moving {
-            // A constraint that begins to move takes bodies along that had no way of their own.
-            room.dx[..m].copy_from_slice(&room.guess[..m]);
-            path += self.length_of_correction(solver, room) + landing.first;
-        }
+        let path = self.path_to(&landing, solver, room);
         if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
             return landing;
         }
@@ -720,6 +726,18 @@ impl<const D: usize> Flight<'_, D> {
         let time = self.time + s * self.h;
         self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
         self.change(room, self.blocks) <= STRAIGHT
+    }
+
+    /// The longest way of a body without the constraints, or with those that move.
+    fn path_to(&self, landing: &Landing, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
+        let path = self.path(room);
+        if !self.rows().moving {
+            return path;
+        }
+        // A constraint that begins to move takes bodies along that had no way of their own.
+        let m = self.rows().equations();
+        room.dx[..m].copy_from_slice(&room.guess[..m]);
+        path + self.length_of_correction(solver, room) + landing.first
     }
 
     /// The longest way of a body without the constraints.
@@ -763,8 +781,8 @@ impl<const D: usize> Flight<'_, D> {
             &mut room.blocks[..blocks],
             &mut room.rates[..m],
         );
-        self.measure_rounding(room);
-        let pivot = solver.chord(rows, &room.blocks, &self.shape.roots);
+        self.measure_rounding(None, room);
+        let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
         counts.values += 1;
         counts.gradients += 1;
         let mut landing =
@@ -804,7 +822,7 @@ impl<const D: usize> Flight<'_, D> {
                     landing.converged = !landing.contradictory;
                     return landing;
                 }
-                let pivot = solver.chord(rows, &room.blocks, &self.shape.roots);
+                let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
                 landing.upright &= pivot > 0.0;
                 last = f64::INFINITY;
             }
@@ -849,13 +867,15 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: false, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer.
-    fn measure_rounding(&self, room: &mut Room<D>) {
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these
+    /// gradients, or those at the trial.
+    fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         let rows = self.rows();
+        let blocks = blocks.unwrap_or(&room.blocks);
         for row in 0..rows.equations() {
             let (mut square, mut size) = (0.0, 0.0);
             for (block, body) in rows.touched_by(row) {
-                square += dot(&room.blocks[block], &room.blocks[block]);
+                square += dot(&blocks[block], &blocks[block]);
                 size = f64::max(size, f64::max(largest(&self.q[body]), largest(&room.trial[body])));
                 size = f64::max(size, largest(&room.drift[body]));
             }

@@ -86,7 +86,8 @@ impl<const S: usize> Table<S> {
 /// Numbers of stages with a table.
 #[diagnostic::on_unimplemented(
     message = "Lobatto methods have 2 to 9 stages",
-    label = "no table for so many"
+    label = "no table for this number of stages",
+    note = "`Lobatto::<5>`, of order 8, serves most uses"
 )]
 pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
     /// The name of the method, with its order.
@@ -103,20 +104,21 @@ pub trait Tabulated: Copy + PartialEq + std::fmt::Debug {
 /// ```
 ///
 /// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is then
-/// a pure function of the state. [`extrapolated`](Self::extrapolated) begins with what the stages of the step before lead to.
+/// a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before lead to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobatto<const S: usize, G = FromState> {
     h: f64,
     guess: G,
 }
 
-impl<const S: usize> Lobatto<S>
-where
-    Table<S>: Tabulated,
-{
+impl<const S: usize> Lobatto<S> {
+    // The bound stands here, for only then the compiler tells a wrong number of stages in the words of `Tabulated`.
     /// The method with step size `h`, in the unit of time.
     #[must_use]
-    pub fn new(h: f64) -> Self {
+    pub fn new(h: f64) -> Self
+    where
+        Table<S>: Tabulated,
+    {
         Self { h, guess: FromState }
     }
 
@@ -124,12 +126,12 @@ where
     /// where steps are short, and the same motion to rounding. A state taken from a simulation carries the stages.
     ///
     /// ```
-    /// # use rattle_core::lobatto::Lobatto;
-    /// let method = Lobatto::<5>::new(0.02).extrapolated();
+    /// # use rattle_core::{guess::Extrapolated, lobatto::Lobatto};
+    /// let method = Lobatto::<5>::new(0.02).guess(Extrapolated);
     /// ```
     #[must_use]
-    pub fn extrapolated(self) -> Lobatto<S, Extrapolated> {
-        Lobatto { h: self.h, guess: Extrapolated }
+    pub fn guess(self, guess: Extrapolated) -> Lobatto<S, Extrapolated> {
+        Lobatto { h: self.h, guess }
     }
 }
 
@@ -167,7 +169,7 @@ where
         bodies: &Bodies<Y::Count, T, Y::Kept, D>,
     ) -> G::Memory<T> {
         // Whether there was a step; f + Gᵀλ and λ of its stages.
-        G::numbers(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
+        G::room(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
     }
 
     #[inline(always)]

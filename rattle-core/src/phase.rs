@@ -34,6 +34,7 @@ mod point;
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Effects, Field};
 use crate::error::{Error, History, PhaseMistake, StartFailure, StepFailure};
+use crate::iteration::Iteration;
 use crate::kernel::{Hamiltonian, HamiltonianKernel, PhaseConstraint, PhaseConstraintKernel};
 use crate::lobatto::Table;
 use crate::scene::Hold;
@@ -374,10 +375,11 @@ where
         }
     }
 
-    fn drift<W: Witness<f64>>(
+    fn drift_by<X: Iteration, W: Witness<f64>>(
         &self,
         _: f64,
         h: f64,
+        _: &[f64],
         bodies: &mut BodiesOf<N, D, M>,
         witness: &mut W,
     ) -> Result<(), Failure> {

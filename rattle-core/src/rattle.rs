@@ -12,17 +12,19 @@
 //! Störmer–Verlet method, kick–drift–kick.
 //!
 //! The step is formed as an increment and added once, q and p are compensated sums (Kahan 1965):
-//! rounding in the energy then grows like √n steps instead of like n. The first guess of λ comes
-//! from the second derivative of g along the motion, so that a step is a pure function of the state; or, if wanted, from
-//! the parabola through the last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂, which needs no second derivative.
+//! rounding in the energy then grows like √n steps instead of like n. [How](crate::iteration) the position equation is
+//! solved and from [which first guess](crate::guess) changes last bits only, and what a step costs; by default Newton's method
+//! begins with g̈ = 0, so that a step is a pure function of the state.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.4.
 
 use crate::bodies::Bodies;
-use crate::guess::{Extrapolated, FromState, Guess};
-use crate::real::Real;
-use crate::stepper::{Failure, Stepper, Witness};
+use crate::guess::{FromState, Guess};
+use crate::iteration::{Iteration, Kind, Newton};
+use crate::real::{Mask, Real};
+use crate::stepper::{Failure, Need, Stepper, Witness};
 use crate::system::System;
+use std::marker::PhantomData;
 
 /// RATTLE with a constant step size, second order.
 ///
@@ -34,32 +36,49 @@ use crate::system::System;
 /// let method = Rattle::new(0.01);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rattle<G = FromState> {
+pub struct Rattle<G = FromState, X = Newton> {
     h: f64,
     guess: G,
+    iteration: X,
 }
 
 impl Rattle {
     /// RATTLE with step size `h`, in the unit of time.
     #[must_use]
     pub fn new(h: f64) -> Self {
-        Self { h, guess: FromState }
-    }
-
-    /// The same method, its iteration begun with multipliers extrapolated from the last steps: the same motion to rounding,
-    /// for fewer evaluations, unless sheets of the surface lie closer to each other than such guesses are off. A state taken from a simulation carries them. Linked bodies do not make use of it.
-    ///
-    /// ```
-    /// # use rattle_core::rattle::Rattle;
-    /// let method = Rattle::new(0.01).extrapolated();
-    /// ```
-    #[must_use]
-    pub fn extrapolated(self) -> Rattle<Extrapolated> {
-        Rattle { h: self.h, guess: Extrapolated }
+        Self { h, guess: FromState, iteration: Newton }
     }
 }
 
-impl<G: Guess> Stepper for Rattle<G> {
+impl<G: Guess, X: Iteration> Rattle<G, X> {
+    /// The same method, its iteration begun with this [guess](crate::guess) of the multipliers: the same motion to rounding,
+    /// for other evaluations, unless sheets of the surface lie closer to each other than a guess is off. A state taken
+    /// from a simulation carries what is remembered.
+    ///
+    /// ```
+    /// # use rattle_core::{guess::{Extrapolated, LastMultiplier}, rattle::Rattle};
+    /// let few_values = Rattle::new(0.01).guess(Extrapolated);
+    /// let steps_of_any_length = Rattle::new(0.01).guess(LastMultiplier);
+    /// ```
+    #[must_use]
+    pub fn guess<H: Guess>(self, guess: H) -> Rattle<H, X> {
+        Rattle { h: self.h, guess, iteration: self.iteration }
+    }
+
+    /// The same method, its position equation solved in this [way](crate::iteration): the same motion to rounding, for
+    /// other evaluations.
+    ///
+    /// ```
+    /// # use rattle_core::{iteration::Broyden, rattle::Rattle};
+    /// let where_gradients_are_dear = Rattle::new(0.01).solved_by(Broyden);
+    /// ```
+    #[must_use]
+    pub fn solved_by<Z: Iteration>(self, iteration: Z) -> Rattle<G, Z> {
+        Rattle { h: self.h, guess: self.guess, iteration }
+    }
+}
+
+impl<G: Guess, X: Iteration> Stepper for Rattle<G, X> {
     type Memory<T: Real> = G::Memory<T>;
 
     fn step_size(&self) -> f64 {
@@ -69,7 +88,12 @@ impl<G: Guess> Stepper for Rattle<G> {
         2
     }
     fn name(&self) -> &'static str {
-        "RATTLE"
+        match X::KIND {
+            Kind::Newton => "RATTLE",
+            Kind::Symmetric => "RATTLE by symmetric corrections",
+            Kind::Simplified => "RATTLE by simplified corrections",
+            Kind::Broyden => "RATTLE by Broyden's method",
+        }
     }
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
@@ -80,14 +104,17 @@ impl<G: Guess> Stepper for Rattle<G> {
     fn rattle_steps(&self) -> Option<Vec<f64>> {
         Some(vec![self.h])
     }
+    fn need(&self) -> Need {
+        if X::KIND == Kind::Newton { Need::Verbs } else { Need::PositionEquation }
+    }
 
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
         system: &Y,
         _: &Bodies<Y::Count, T, Y::Kept, D>,
     ) -> G::Memory<T> {
-        // How many steps there were, up to three; the guess, and λ of the last three.
-        G::numbers(1 + 4 * system.equations())
+        // How many steps there were, and of what length; guesses, and what they are made from.
+        G::room(2 + (1 + G::NUMBERS) * system.equations())
     }
 
     #[inline(always)]
@@ -98,61 +125,56 @@ impl<G: Guess> Stepper for Rattle<G> {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let Some((steps, multipliers)) = memory.split_first_mut() else {
-            return step(self.h, system, bodies, witness);
+        let [steps, length, multipliers @ ..] = memory else {
+            return step::<X, _, _, _, D>(self.h, &[], system, bodies, witness);
         };
-        let (guess, past) = multipliers.split_at_mut(system.equations());
-        let mut recorded = Recorded { past, witness };
-        if steps.lanes().all(|steps| steps >= 3.0) {
-            recorded.extrapolate(guess);
-            system.drift_near(0.5 * self.h, self.h, guess, bodies, &mut recorded)?;
-        } else {
-            system.drift(0.5 * self.h, self.h, bodies, &mut recorded)?;
-            *steps = *steps + T::from_f64(1.0);
+        let h = T::from_f64(self.h);
+        let (guess, numbers) = multipliers.split_at_mut(system.equations());
+        let same_length = G::STEPS <= 1.0 || h.le(*length).and(length.le(h)).all();
+        let known = same_length && steps.lanes().all(|steps| steps >= G::STEPS);
+        if known {
+            let each = numbers.chunks_exact(G::NUMBERS.max(1));
+            guess.iter_mut().zip(each).for_each(|(guess, numbers)| *guess = G::guess(numbers));
         }
-        system.evaluate_forces(bodies);
-        system.settle(0.5 * self.h, self.h, bodies, witness)
+        let guess = if known { &*guess } else { &[] };
+        let mut noting = Noting::<G, T, W> { numbers, witness, guess: PhantomData };
+        step::<X, _, _, _, D>(self.h, guess, system, bodies, &mut noting)?;
+        let counted = if same_length { *steps } else { T::from_f64(0.0) };
+        (*steps, *length) = ((counted + T::from_f64(1.0)).min(T::from_f64(3.0)), h);
+        Ok(())
     }
 }
 
-/// λ of each equation in the last three steps, the last one first, and who else listens.
-struct Recorded<'a, T, W> {
-    past: &'a mut [T],
+/// What is remembered of each equation, and who else listens.
+struct Noting<'a, G, T, W> {
+    numbers: &'a mut [T],
     witness: &'a mut W,
+    guess: PhantomData<G>,
 }
 
-impl<T: Real, W> Recorded<'_, T, W> {
-    #[inline(always)]
-    fn extrapolate(&self, guess: &mut [T]) {
-        let three = T::from_f64(3.0);
-        for (guess, past) in guess.iter_mut().zip(self.past.as_chunks::<3>().0) {
-            *guess = three * (past[0] - past[1]) + past[2];
-        }
-    }
-}
-
-impl<T: Real, W: Witness<T>> Witness<T> for Recorded<'_, T, W> {
+impl<G: Guess, T: Real, W: Witness<T>> Witness<T> for Noting<'_, G, T, W> {
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: T) {
-        let past = &mut self.past[3 * equation..][..3];
-        (past[2], past[1], past[0]) = (past[1], past[0], lambda);
+        G::note_position(&mut self.numbers[G::NUMBERS * equation..][..G::NUMBERS], lambda);
         self.witness.position_multiplier(equation, lambda);
     }
     #[inline(always)]
     fn momentum_multiplier(&mut self, equation: usize, mu: T) {
+        G::note_momentum(&mut self.numbers[G::NUMBERS * equation..][..G::NUMBERS], mu);
         self.witness.momentum_multiplier(equation, mu);
     }
 }
 
-/// One step of size `h`; on failure `bodies` are left half way.
+/// One step of size `h`, begun with this guess of λ, or from g̈ = 0 without one; on failure `bodies` are left half way.
 #[inline(always)]
-pub(crate) fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+pub(crate) fn step<X: Iteration, T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
     h: f64,
+    guess: &[T],
     system: &Y,
     bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
     witness: &mut W,
 ) -> Result<(), Failure> {
-    system.drift(0.5 * h, h, bodies, witness)?;
+    system.drift_by::<X, W>(0.5 * h, h, guess, bodies, witness)?;
     system.evaluate_forces(bodies);
     system.settle(0.5 * h, h, bodies, witness)
 }

@@ -16,6 +16,7 @@
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Effects, Field, Force};
 use crate::error::{Error, NetworkMistake, Passing, StartFailure, StepFailure};
+use crate::iteration::Iteration;
 use crate::lobatto::Table;
 use crate::scene::Hold;
 use crate::solver::START_TOLERANCE;
@@ -269,10 +270,11 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.evaluate_forces(bodies);
     }
 
-    fn drift<W: Witness<f64>>(
+    fn drift_by<X: Iteration, W: Witness<f64>>(
         &self,
         kick: f64,
         h: f64,
+        _: &[f64],
         bodies: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {

@@ -159,6 +159,12 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
 
 /// What a scene can begin with: one constraint, on one particle. A single equation makes a surface; several a
 /// [`Network`]. Up to 64 are listed; for more, `Scene::point().link(constraint, [[0]])`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is no constraint",
+    label = "a scene begins with what `constraint!` makes, of up to 64 equations",
+    note = "a potential acts in a scene: `Scene::on(constraint).with(potential)`, or `Scene::point().with(potential)` on a free body",
+    note = "constraints between bodies are links: `Scene::points(n).link(constraint, members)`"
+)]
 pub trait Begin<const D: usize, const M: usize> {
     /// What holds the particle.
     type Hold: Hold<D>;

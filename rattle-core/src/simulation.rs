@@ -36,6 +36,12 @@ pub struct Simulation<Y: System<f64, D>, S: Stepper, const D: usize> {
     reversal: Option<Box<Reversal<Y, S, D>>>,
 }
 
+/// Why a step is not taken as it is.
+enum Trouble {
+    Failed(Failure),
+    NotReversed { body: usize, off: f64, tolerance: f64 },
+}
+
 /// What it takes to take a step back and go on as if it had not been.
 struct Reversal<Y: System<f64, D>, S: Stepper, const D: usize> {
     tolerance: f64,
@@ -101,16 +107,33 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
 
     /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
     /// `tolerance`, relative to the largest coordinate or momentum: else the step fails. What is symmetric reverses to rounding,
-    /// 1e-14, unless a step found another root than the way back does. For symmetric methods with steps of one length, and not
-    /// together with [`retry`](Self::retry), whose parts are no way back; a step then costs two, and what is kept at its end is
-    /// evaluated again.
-    #[must_use]
-    pub fn check_reversal(mut self, tolerance: f64) -> Self {
+    /// 1e-14, unless a step found another root than the way back does. With [`retry`](Self::retry) it is then
+    /// taken in parts, which are taken back as well. A step then costs two, and what is kept at its end is evaluated again.
+    ///
+    /// ```
+    /// # use rattle_core::{rattle::Rattle, scene::Scene, state::State};
+    /// let free = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+    /// let mut simulation = free.check_reversal(1e-13)?;
+    /// # simulation.step()?;
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Tolerance`] for one that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a method that does not
+    /// reverse, or only together with what it remembers.
+    pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
+        if !(tolerance > 0.0 && tolerance.is_finite()) {
+            return Err(Error::Tolerance(tolerance));
+        }
+        if !self.stepper.is_symmetric() {
+            let (what, method) = ("a check of reversal", self.stepper.name());
+            return Err(Error::NeedsSymmetricMethod { what, method });
+        }
         let backwards = self.stepper.with_step(-self.stepper.step_size());
         let memory = backwards.memory(&self.system, &self.bodies);
         let (after, blank) = (self.before.clone(), memory.clone());
         self.reversal = Some(Box::new(Reversal { tolerance, backwards, after, blank, memory }));
-        self
+        Ok(self)
     }
 
     /// Takes one step.
@@ -170,11 +193,13 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
                 if let Some(taken) = self.stepper.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
                 }
+                if self.reversal.is_some()
+                    && let Err(trouble) = self.take_back(1)
+                {
+                    self.take_in_parts(trouble, witness)?;
+                }
             }
-            Err(failure) => self.take_in_parts(failure, witness)?,
-        }
-        if self.reversal.is_some() {
-            self.take_back()?;
+            Err(failure) => self.take_in_parts(Trouble::Failed(failure), witness)?,
         }
         self.steps += 1;
         if self.system.moves_with_time() {
@@ -184,25 +209,31 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes the step that failed in parts, as often halved as is allowed.
+    /// Takes the step in trouble in parts, as often halved as is allowed.
     #[cold]
     #[inline(never)]
-    fn take_in_parts(&mut self, failure: Failure, witness: &mut impl Witness<f64>) -> Result<(), Error> {
-        let (clock, mut failure) = (self.clock, failure);
+    fn take_in_parts(&mut self, trouble: Trouble, witness: &mut impl Witness<f64>) -> Result<(), Error> {
+        let (clock, mut trouble) = (self.clock, trouble);
         self.put_back();
         let halvings = if self.stepper.momentum_delay() == 0.0 { self.halvings } else { 0 };
         for halved in 1..=halvings {
-            match self.parts(1 << halved, witness) {
+            let taken = self.parts(1 << halved, witness).map_err(Trouble::Failed);
+            match taken.and_then(|()| self.take_back(1 << halved)) {
                 Ok(()) => return Ok(()),
-                Err(again) => failure = again,
+                Err(again) => trouble = again,
             }
             self.clock = clock;
             self.put_back();
         }
-        let (step, time, Failure { body, cause }) = (self.steps + 1, self.time(), failure);
-        Err(match halvings {
-            0 => Error::Step { step, time, body, cause },
-            _ => Error::Retried { step, time, body, halvings, cause },
+        let (step, time) = (self.steps + 1, self.time());
+        Err(match (trouble, halvings) {
+            (Trouble::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
+            (Trouble::Failed(Failure { body, cause }), _) => {
+                Error::Retried { step, time, body, halvings, cause }
+            }
+            (Trouble::NotReversed { body, off, tolerance }, _) => {
+                Error::NotReversed { step, time, body, off, tolerance }
+            }
         })
     }
 
@@ -220,15 +251,17 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes the step just made back, compares, and makes it again.
+    /// Takes the step just made, in so many parts, back, compares, and makes it again, if that is asked for.
     #[cold]
     #[inline(never)]
-    fn take_back(&mut self) -> Result<(), Error> {
+    fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
         reversal.after.copy_from(&self.bodies);
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
-        let back = reversal.backwards.step(&self.system, &mut self.bodies, memory, &mut ());
+        let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
+        let back =
+            (0..parts).try_for_each(|_| backwards.step(&self.system, &mut self.bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));
@@ -243,16 +276,8 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
             self.system.refresh(&mut self.bodies);
             return Ok(());
         }
-        let tolerance = reversal.tolerance;
-        self.put_back();
-        let (step, time) = (self.steps + 1, self.time());
-        Err(Error::NotReversed {
-            step,
-            time,
-            body,
-            off: if back.is_ok() { worst / size } else { f64::NAN },
-            tolerance,
-        })
+        let off = if back.is_ok() { worst / size } else { f64::NAN };
+        Err(Trouble::NotReversed { body, off, tolerance: reversal.tolerance })
     }
 
     /// Everything as it was before the step under way.

@@ -19,12 +19,17 @@
 //! the solve ends without another evaluation of g (with 1/16, one step in 5 000 of a gas was off by 25 ε). Otherwise it goes on until a correction is at the floor, or no longer shrinks although
 //! the slope no longer changes: then it is the rounding of g itself.
 //!
+//! **Other slopes** than the newest ([`crate::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: with
+//! γ = δₖ/δₖ₋₁ the next correction is γδₖ, by the secant method (δₖ/δₖ₋₂)δₖ. They are on their own only while each correction is
+//! at most half the one before: else, and where the root found is not trusted, Newton's method makes the step.
+//!
 //! **Which root.** The line may meet the surface more than once; the motion continues on the root that starts
 //! from Λ = 0 at h = 0. The root found is taken for that one if the normal is not turned over, the guess was off by
 //! a small part of the path, and the path is short against the length on which the slope changes; or if the slope
 //! does not change at all. Otherwise, and where h·κ·|v| > ½, the root is followed from h = 0 in parts of the step that
 //! satisfy the same condition, and found that way or not at all.
 
+use crate::iteration::{Iteration, Kind};
 use crate::kernel::ConstraintKernel;
 use crate::real::{Mask, Real};
 use crate::surface::Normal;
@@ -59,6 +64,15 @@ const SMALLEST_PART: f64 = 1.0 / 4096.0;
 
 /// Parts, taken or halved, after which a root is given up.
 const MAX_PARTS: usize = 200;
+
+/// Corrections with a slope that is not the newest are given up where they do not shrink by half, at the latest here.
+const MAX_CHORDS: usize = 60;
+
+/// Normals that change by more than this part of their length within a step ask for Newton's method, …
+const LARGE_TURN: f64 = 0.5;
+
+/// … and what is left of a correction is below this part of the floor when a solve ends without another evaluation.
+const SPARE: f64 = 1.0 / 256.0;
 
 /// Cycles of two corrections after which a solve is given up; four suffice where one exists.
 const MAX_CYCLES: usize = 12;
@@ -118,6 +132,37 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()) * slope_square);
         let upright = T::from_f64(0.0).lt(slope);
         landing.converged.and(upright).and(straight.or(near_guess.and(short_path)))
+    }
+
+    /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is not known.
+    #[inline(always)]
+    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+        let n = &self.normal.gradient;
+        let (square, turned) = (dot(n, n), add_scaled(&landing.gradient, T::from_f64(-1.0), n));
+        let off_square = landing.first_correction * landing.first_correction;
+        let near_guess = off_square.le(T::from_f64(far * far) * path_square);
+        let short_path = dot(&turned, &turned).le(T::from_f64(LARGE_TURN * LARGE_TURN) * square);
+        let upright = T::from_f64(0.0).lt(dot(&landing.gradient, n));
+        landing.converged.and(upright).and(near_guess).and(short_path)
+    }
+
+    /// The landing by this iteration, and whether its root is taken for the one that the motion continues on, after a path
+    /// of this length.
+    #[inline(always)]
+    pub(crate) fn try_to_land<X: Iteration, K: ConstraintKernel<T, D, 1>>(
+        &self,
+        constraint: &K,
+        path_square: T,
+    ) -> (Landing<T, D>, T::Mask) {
+        let landing = match X::KIND {
+            Kind::Newton => self.land(constraint, |_| ()),
+            _ => self.chords::<X, K>(constraint),
+        };
+        let trusted = match X::KIND {
+            Kind::Newton | Kind::Symmetric => self.trusts(&landing, path_square, FAR_GUESS),
+            Kind::Simplified | Kind::Broyden => self.trusts_without_slope(&landing, path_square, FAR_GUESS),
+        };
+        (landing, trusted)
     }
 
     /// The landing that is reached from h = 0 without leaving the root: the position equation with `drift` s and
@@ -225,6 +270,56 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         }
         let (first_correction, first_slope) = first_cycle.unwrap_or((zero, zero));
+        let increment = self.increment(multiplier);
+        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
+    }
+
+    /// Solves for Λ with the slope at the guess or that of the start, as it is or corrected by each two values. Not
+    /// converged where corrections do not shrink by half.
+    #[inline(always)]
+    fn chords<X: Iteration, K: ConstraintKernel<T, D, 1>>(&self, constraint: &K) -> Landing<T, D> {
+        let n = &self.normal.gradient;
+        let square = dot(n, n);
+        let length = square.sqrt();
+        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
+
+        let mut multiplier = self.guess;
+        let (mut g, first_slope) = if X::KIND == Kind::Symmetric {
+            let ([g], [gradient]) = constraint.value_and_jacobian(&self.point(multiplier));
+            (g, dot(&gradient, n))
+        } else {
+            let [g] = constraint.value(&self.point(multiplier));
+            (g, square)
+        };
+        let mut slope = first_slope;
+        let (mut first_correction, mut before, mut last) = (zero, zero, zero);
+        let (mut converged, mut going) = (zero.lt(zero), zero.le(zero));
+        for step in 0..MAX_CHORDS {
+            let chord = -g / slope;
+            let size = chord.abs() * length;
+            let shrinks = if step == 0 { size.lt(T::from_f64(f64::INFINITY)) } else { size.le(half * last) };
+            let arrived = size.le(floor);
+            going = going.and(shrinks.or(arrived));
+            let chord = T::select(going, chord, zero);
+            multiplier = multiplier + chord;
+            first_correction = if step == 0 { size } else { first_correction };
+            let earlier = if X::KIND == Kind::Broyden { before } else { last };
+            let next = size * size / earlier; // none without an earlier one: 1/0, or 0/0
+            let arrived = arrived.or(next.le(T::from_f64(SPARE) * floor));
+            converged = converged.or(going.and(arrived));
+            going = going.and(arrived.not());
+            if going.not().all() {
+                break;
+            }
+            (before, last) = (last, size);
+            let g_before = g;
+            [g] = constraint.value(&self.point(multiplier));
+            if X::KIND == Kind::Broyden {
+                slope = T::select(going, (g - g_before) / chord, slope);
+            }
+        }
+        let [gradient] = constraint.jacobian(&self.point(multiplier));
         let increment = self.increment(multiplier);
         Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
     }

@@ -3,26 +3,29 @@
 use crate::bodies::Body;
 use crate::stepper::Stepper;
 use nalgebra::SVector;
+use std::any::type_name;
 
 /// What a method remembered, and whose memory it is.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Remembered {
-    method: &'static str,
-    h: f64,
+    /// Type, name, step size and parameters of the method.
+    whose: (&'static str, &'static str, f64, Vec<f64>),
     numbers: Box<[f64]>,
+}
+
+fn identity<S: Stepper>(method: &S) -> (&'static str, &'static str, f64, Vec<f64>) {
+    (type_name::<S>(), method.name(), method.step_size(), method.parameters())
 }
 
 impl Remembered {
     /// None for a method that remembers nothing.
     pub(crate) fn of(method: &impl Stepper, numbers: &[f64]) -> Option<Self> {
-        let remembered = || Self { method: method.name(), h: method.step_size(), numbers: numbers.into() };
-        (!numbers.is_empty()).then(remembered)
+        (!numbers.is_empty()).then(|| Self { whose: identity(method), numbers: numbers.into() })
     }
 
-    /// The numbers, if they are the memory of this method with this step size.
+    /// The numbers, if they are the memory of this method with this step size and these parameters.
     pub(crate) fn by(&self, method: &impl Stepper) -> Option<&[f64]> {
-        let same = self.method == method.name() && self.h == method.step_size();
-        same.then_some(&self.numbers)
+        (self.whose == identity(method)).then_some(&self.numbers)
     }
 }
 

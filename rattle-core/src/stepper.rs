@@ -61,6 +61,11 @@ pub trait Stepper: Clone + Send + Sync + 'static {
         0
     }
 
+    /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
     /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
@@ -102,6 +107,8 @@ pub trait Stepper: Clone + Send + Sync + 'static {
 pub enum Need {
     /// Drifts, forces and kicks, or rates of change and projection: every system has them.
     Verbs,
+    /// A position equation along kept normals, which is solved as the method says.
+    PositionEquation,
     /// Inner stages solved together.
     Stages,
     /// Momenta that are mass times velocity, and constraints that do not move.

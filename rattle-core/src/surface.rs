@@ -7,6 +7,7 @@ mod series;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
+use crate::iteration::{Iteration, Kind};
 use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
@@ -92,21 +93,7 @@ where
     }
 
     #[inline(always)]
-    fn drift<W: Witness<T>>(
-        &self,
-        kick: f64,
-        h: f64,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        for body in 0..bodies.q.as_ref().len() {
-            drift(kick, h, &self.constraint, bodies, body, witness)?;
-        }
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn drift_near<W: Witness<T>>(
+    fn drift_by<X: Iteration, W: Witness<T>>(
         &self,
         kick: f64,
         h: f64,
@@ -114,9 +101,20 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        for (body, &lambda) in guess.iter().enumerate() {
-            if !drift_near(kick, h, lambda, &self.constraint, bodies, body, witness) {
-                drift_again(kick, h, &self.constraint, bodies, body, witness)?;
+        let by_default = X::KIND == Kind::Newton && guess.is_empty();
+        for body in 0..bodies.q.as_ref().len() {
+            let constraint = &self.constraint;
+            if by_default {
+                drift(kick, h, constraint, bodies, body, None, witness)?;
+            } else {
+                let lambda = guess.get(body).copied();
+                let (landing, trusted) =
+                    try_to_land::<X, _, _, _, _, D>(kick, h, lambda, constraint, bodies, body);
+                if trusted.all() {
+                    arrive(kick, h, bodies, body, &landing, witness);
+                } else {
+                    drift_again(kick, h, constraint, bodies, body, (landing, trusted), witness)?;
+                }
             }
         }
         Ok(())
@@ -272,7 +270,7 @@ where
     }
 }
 
-/// First half: kick, drift, and the position multiplier.
+/// First half: kick, drift, and the position multiplier. Lanes that have landed already stay there.
 #[inline(always)]
 fn drift<T, K, F, N, W, const D: usize>(
     kick: f64,
@@ -280,6 +278,7 @@ fn drift<T, K, F, N, W, const D: usize>(
     constraint: &K,
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
+    landed: Option<(Landing<T, D>, T::Mask)>,
     witness: &mut W,
 ) -> Result<(), Failure>
 where
@@ -306,37 +305,41 @@ where
         free: force.add_to(path, pushed),
         guess: half_square * multiplier_from_curvature(bend, force.dot(&normal.gradient, share), normal),
     };
-    let landing = land(constraint, h, body, &departure, p, bend, &path, &force, pushed)?;
+    let landing = land(constraint, h, body, &departure, p, bend, &path, &force, pushed, landed)?;
 
     arrive(kick, h, bodies, body, &landing, witness);
     Ok(())
 }
 
-/// The same without second derivatives: λ is guessed, and h·κ·|v| known from it. Nothing is changed, and false, where
-/// the guess is not good enough to tell that the root is the right one.
+/// Where a body lands by any iteration and from any guess of λ, which also tells h·κ·|v|; and in which lanes that is good enough
+/// to tell that the root is the right one.
 #[inline(always)]
-fn drift_near<T, K, F, N, W, const D: usize>(
+fn try_to_land<X, T, K, F, N, const D: usize>(
     kick: f64,
     h: f64,
-    lambda: T,
+    lambda: Option<T>,
     constraint: &K,
-    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
-    witness: &mut W,
-) -> bool
+) -> (Landing<T, D>, T::Mask)
 where
+    X: Iteration,
     T: Real,
     K: ConstraintKernel<T, D, 1>,
     F: Force<T, D>,
     N: Count,
-    W: Witness<T>,
 {
     let (step, pushed) = (T::from_f64(h), T::from_f64(h * kick));
     let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
     let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
     let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
-    let square = dot(&normal.gradient, &normal.gradient);
-    let bend = lambda * square + force.dot(&normal.gradient, T::from_f64(2.0 * kick / h));
+    let along = force.dot(&normal.gradient, T::from_f64(2.0 * kick / h));
+    let (lambda, bend) = if let Some(lambda) = lambda {
+        (lambda, lambda * dot(&normal.gradient, &normal.gradient) + along)
+    } else {
+        let [bend] = constraint.jet(q, p).2;
+        (multiplier_from_curvature(bend, along, normal), bend)
+    };
     let speed_square = dot(p, p);
     let gentle = (T::from_f64(4.0) * step * step * bend * bend * normal.inverse_square).le(speed_square);
     let departure = Departure {
@@ -346,13 +349,9 @@ where
         free: force.add_to(sum(&scaled(step, p), &scaled(step, p_low)), pushed),
         guess: T::from_f64(0.5 * h * h) * lambda,
     };
-    let landing = departure.land(constraint, |_| ());
     let path_square = step * step * speed_square + force.square(pushed);
-    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS)).all();
-    if trusted {
-        arrive(kick, h, bodies, body, &landing, witness);
-    }
-    trusted
+    let (landing, trusted) = departure.try_to_land::<X, K>(constraint, path_square);
+    (landing, gentle.and(trusted))
 }
 
 /// [`drift`], out of the way of what is hoped for.
@@ -364,6 +363,7 @@ fn drift_again<T, K, F, N, W, const D: usize>(
     constraint: &K,
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
+    landed: (Landing<T, D>, T::Mask),
     witness: &mut W,
 ) -> Result<(), Failure>
 where
@@ -373,7 +373,7 @@ where
     N: Count,
     W: Witness<T>,
 {
-    drift(kick, h, constraint, bodies, body, witness)
+    drift(kick, h, constraint, bodies, body, Some(landed), witness)
 }
 
 /// Takes a body to where it lands.
@@ -402,7 +402,8 @@ fn arrive<T, F, N, W, const D: usize>(
     *normal = Normal::new(landing.gradient);
 }
 
-/// Where the departing body lands: on the root that its motion, by `path` and under `pushed` times the force, leads to.
+/// Where the departing body lands: on the root that its motion, by `path` and under `pushed` times the force, leads to. Lanes
+/// that have landed already stay there.
 #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
 #[inline(always)]
 pub(crate) fn land<T: Real, K: ConstraintKernel<T, D, 1>, F: Force<T, D>, const D: usize>(
@@ -415,18 +416,24 @@ pub(crate) fn land<T: Real, K: ConstraintKernel<T, D, 1>, F: Force<T, D>, const 
     path: &[T; D],
     force: &F,
     pushed: T,
+    landed: Option<(Landing<T, D>, T::Mask)>,
 ) -> Result<Landing<T, D>, Failure> {
     let step = T::from_f64(h);
     let (speed_square, bent_square) =
         (dot(p, p), step * step * bend * bend * departure.normal.inverse_square);
     let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
-    if !within_reach.all() {
-        return Err(Failure::at(body, within_reach).too_long(h, departure, p, bend));
+    let zero = T::from_f64(0.0);
+    let done = landed.as_ref().map_or(zero.lt(zero), |&(_, done)| done);
+    if !within_reach.or(done).all() {
+        return Err(Failure::at(body, within_reach.or(done)).too_long(h, departure, p, bend));
     }
     let mut landing = departure.land(constraint, |_| ());
+    if let Some((before, done)) = landed {
+        landing = before.or(done, landing);
+    }
     let path_square = step * step * speed_square + force.square(pushed);
     let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
-    let trusted = gentle.and(departure.trusts(&landing, path_square, FAR_GUESS));
+    let trusted = done.or(gentle.and(departure.trusts(&landing, path_square, FAR_GUESS)));
     if !trusted.all() {
         let push = scaled(pushed, &force.components());
         landing = landing.or(trusted, departure.follow(constraint, path, &push));

@@ -11,6 +11,7 @@
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::error::StepFailure;
+use crate::iteration::{Iteration, Newton};
 use crate::lobatto::Table;
 use crate::real::Real;
 use crate::stepper::{Failure, Need, Witness};
@@ -50,31 +51,34 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// new positions, forces still the old ones. Momenta must be along the constraints. With `kick` 0 forces are not
     /// looked at. `witness` is told λ as an impulse over h/2. Neither allocates nor panics.
     ///
+    /// The position equation is solved by `X`, begun with `guess`, on the scale of what `witness` is told, or if that is
+    /// empty from g̈ = 0; where that is no help, as by [`drift`](Self::drift). The result is the same but in the last bits. A
+    /// system that solves another equation takes no notice.
+    ///
     /// # Errors
     /// Says which body cannot be moved and why; the bodies are then left half way.
+    fn drift_by<X: Iteration, W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        guess: &[T],
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+
+    /// [`drift_by`](Self::drift_by) Newton's method, from g̈ = 0.
+    ///
+    /// # Errors
+    /// As there.
+    #[inline(always)]
     fn drift<W: Witness<T>>(
         &self,
         kick: f64,
         h: f64,
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,
-    ) -> Result<(), Failure>;
-
-    /// The same, begun with these multipliers as a guess, on the scale of those that `witness` is told; where that is no
-    /// help, [`drift`](Self::drift) itself. The result is the same but in the last bits.
-    ///
-    /// # Errors
-    /// As [`drift`](Self::drift).
-    #[inline(always)]
-    fn drift_near<W: Witness<T>>(
-        &self,
-        kick: f64,
-        h: f64,
-        _guess: &[T],
-        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
-        witness: &mut W,
     ) -> Result<(), Failure> {
-        self.drift(kick, h, bodies, witness)
+        self.drift_by::<Newton, W>(kick, h, &[], bodies, witness)
     }
 
     /// Evaluates the forces at the present positions.

@@ -695,6 +695,6 @@ fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
     let path = scaled(step, &p);
     let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
     let landing =
-        land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0))?;
+        land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0), None)?;
     Ok((landing.multiplier, landing.gradient))
 }

@@ -128,21 +128,22 @@ impl<const D: usize> Elimination<D> {
         }
         self.normals.copy_from_slice(blocks);
         let mut factor = std::mem::replace(&mut self.at_start, Factor::none());
-        let (square, k) = self.factor(rows, blocks, &mut factor, true);
+        let (square, k) = self.factor::<false>(rows, blocks, &mut factor, true);
         self.at_start = factor;
         (square.max(0.0).sqrt(), self.order[k])
     }
 
-    /// Takes the derivative of g along the start's normals at a trial position; the smallest pivot, relative to its entry.
-    pub(crate) fn chord(&mut self, rows: &Rows, blocks: &[[f64; D]]) -> f64 {
+    /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest pivot,
+    /// relative to its entry.
+    pub(crate) fn chord<const SYMMETRIC: bool>(&mut self, rows: &Rows, blocks: &[[f64; D]]) -> f64 {
         let mut factor = std::mem::replace(&mut self.at_trial, Factor::none());
-        let (smallest, _) = self.factor(rows, blocks, &mut factor, false);
+        let (smallest, _) = self.factor::<SYMMETRIC>(rows, blocks, &mut factor, false);
         self.at_trial = factor;
         smallest
     }
 
-    /// Factors (blocks)(lifted)ᵀ. Returns the smallest ratio of a pivot to its diagonal entry, and where.
-    fn factor(
+    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, and where.
+    fn factor<const SYMMETRIC: bool>(
         &mut self,
         rows: &Rows,
         blocks: &[[f64; D]],
@@ -155,7 +156,9 @@ impl<const D: usize> Elimination<D> {
             for (block, body) in rows.blocks_of(self.order[k]) {
                 for &(row, other) in &self.touching[self.touching_start[body]..self.touching_start[body + 1]]
                 {
-                    line[self.rank_of[row]] += dot(&blocks[block], &self.lifted[other]);
+                    let entry = dot(&blocks[block], &self.lifted[other]);
+                    let mirrored = if SYMMETRIC { dot(&blocks[other], &self.lifted[block]) } else { entry };
+                    line[self.rank_of[row]] += if SYMMETRIC { 0.5 * (entry + mirrored) } else { entry };
                 }
             }
             let entry = line[k];

@@ -182,6 +182,15 @@ impl<const D: usize> Basis<D> {
         }
     }
 
+    /// x with Q x = L⁻¹GᵀΛ for these multipliers.
+    pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
+        let m = self.equations;
+        for k in 0..self.rank {
+            let scaled = |j: usize| self.lengths[self.order[j]] * multipliers[self.order[j]];
+            x[k] = (k..m).map(|j| self.r[k * m + j] * scaled(j)).sum();
+        }
+    }
+
     /// Calls `add` with the part L⁻¹δ of each body's displacement δ, for coefficients x.
     #[inline]
     fn combine(&self, x: &[f64], mut add: impl FnMut(usize, [f64; D])) {
@@ -211,8 +220,13 @@ impl<const D: usize> Basis<D> {
     }
 
     /// Takes the derivative of g along the basis at a trial position. The smallest pivot, relative to 1: not positive
-    /// where the normals there are turned over.
-    pub(crate) fn chord(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> f64 {
+    /// where the normals there are turned over. Or the symmetric part of that derivative.
+    pub(crate) fn chord<const SYMMETRIC: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> f64 {
         let (m, r, n) = (self.equations, self.rank, self.bodies);
         let mut along = std::mem::take(&mut self.column);
         for k in 0..r {
@@ -228,6 +242,14 @@ impl<const D: usize> Basis<D> {
             self.chord = x;
         }
         self.column = along;
+        if SYMMETRIC {
+            for k in 0..r {
+                for i in 0..k {
+                    let mean = 0.5 * (self.chord[k * m + i] + self.chord[i * m + k]);
+                    (self.chord[k * m + i], self.chord[i * m + k]) = (mean, mean);
+                }
+            }
+        }
         // Elimination without exchanges: the matrix is the identity where the step starts.
         let a = &mut self.chord; // by columns
         let mut smallest = f64::INFINITY;

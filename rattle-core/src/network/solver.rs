@@ -50,10 +50,15 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    pub(crate) fn chord(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> f64 {
+    pub(crate) fn chord<const SYMMETRIC: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> f64 {
         match self {
-            Self::Orthogonal(basis) => basis.chord(rows, blocks, roots),
-            Self::Elimination(elimination) => elimination.chord(rows, blocks),
+            Self::Orthogonal(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
+            Self::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks),
         }
     }
 
@@ -83,7 +88,7 @@ impl<const D: usize> Solver<D> {
         x: &mut [f64],
     ) {
         if rows.acting {
-            self.chord(rows, blocks, roots);
+            self.chord::<false>(rows, blocks, roots);
             rates.iter_mut().for_each(|rate| *rate = -*rate);
             self.correct(rates, x);
         } else {
@@ -95,6 +100,24 @@ impl<const D: usize> Solver<D> {
         match self {
             Self::Orthogonal(basis) => basis.multipliers(x, multipliers),
             Self::Elimination(_) => multipliers.copy_from_slice(x),
+        }
+    }
+
+    /// The x that has these multipliers.
+    pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
+        match self {
+            Self::Orthogonal(basis) => basis.coefficients(multipliers, x),
+            Self::Elimination(_) => x.copy_from_slice(multipliers),
+        }
+    }
+
+    /// A scalar product of two x, the same however equations are scaled, given the lengths of their gradients.
+    pub(crate) fn product(&self, lengths: &[f64], a: &[f64], b: &[f64]) -> f64 {
+        match self {
+            Self::Orthogonal(basis) => a[..basis.rank].iter().zip(b).map(|(a, b)| a * b).sum(),
+            Self::Elimination(_) => {
+                a.iter().zip(b).zip(lengths).map(|((a, b), length)| (a * length) * (b * length)).sum()
+            }
         }
     }
 
