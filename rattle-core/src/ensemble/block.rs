@@ -7,29 +7,39 @@
 //!
 //! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a step
 //! and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions are those
-//! of RATTLE; [`Block::momentum`] takes the kick back.
+//! of RATTLE; [`Block::momentum`] takes the kick back. And they are kept times the length of a step, as the *way* that they
+//! lead in it: in a method of equal steps no product is left of h p and Λ/h.
 //!
-//! **The step in four loops**, each short enough that a processor overlaps the latencies of several of its iterations,
-//! and plain enough that a compiler vectorises it: [`guess`] evaluates g and ∇g at Λ extrapolated from the last steps;
-//! [`improve`] takes a Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), evaluates g₁ there, and goes on to the root of the
-//! parabola through g₀, s and g₁,
+//! **Equal steps need no projection.** The way that is left of a step, h p + Λ ∇g(q), leads along the surface to second
+//! order as it is, and what it leads off Λ puts back at once: η is 0, a Λ twice as large. This is how Störmer's and Verlet's
+//! method is written with constraints (SHAKE: Ryckaert, Ciccotti, Berendsen 1977); places are those of RATTLE to rounding.
+//!
+//! **The step in four loops**, plain enough that a compiler vectorises them, and each short: what a processor has in flight
+//! at a time is some two hundred instructions, so that a loop takes a time of (its instructions) × (the latency of its longest
+//! chain), until its arithmetic alone takes longer. [`guess`] evaluates g and ∇g at Λ₀, extrapolated from the last steps;
+//! [`improve`] evaluates g₁ after the Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), and goes on to the root of the parabola
+//! through g₀, s and g₁,
 //!
 //! ```text
 //! Λ₂ = Λ₁ − (g₁/s) (1 + 2t + 5t² + …),   t = g₁/g₀         (the coefficients: binomials of Catalan's numbers)
 //! ```
 //!
-//! [`examine`] evaluates g and ∇g at Λ₂; and [`finish`] makes the last small correction −g₂/s and the new momentum.
-//! Without the third term of the series three times as many steps need a further correction.
+//! [`examine`] evaluates g and ∇g at Λ₂, and makes the last small correction −g₂/s; [`finish`] makes the new way. Without the
+//! third term of the series three times as many steps need a further correction.
 //!
-//! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to `finish`, which leaves what chord steps leave of
-//! it, less than rounding does. Where it is larger, eight lanes together are corrected again. The normal is then that of a
-//! point less than 256 ε|q|∞ away.
+//! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too: with it
+//! a fifth as many steps need a further correction. From step to step |∇g|² changes by (s/|∇g(q)|²)², but for a factor that
+//! is as smooth as the path and near 1; so the last Λ are kept in units of the step to come, and nothing is divided.
 //!
-//! **Which root.** The slope s at the guess must be within half of |∇g(q)|². Lanes where it is not, or that three corrections
-//! do not bring to rest, are solved one by one, as a [`Simulation`](crate::simulation::Simulation) does. Sheets of a surface
-//! that lie closer to each other than guesses are off, some part of κ(h|p|)², can still be taken for one another.
+//! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to the last correction, which leaves what chord steps
+//! leave of it, less than rounding does. Where it is larger, the lane is corrected again by itself. The normal is then that
+//! of a point less than 256 ε|q|∞ away.
 //!
-//! Every lane is a function of its own past alone: lanes at rest are not moved when others are corrected.
+//! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that three corrections do not bring to
+//! rest, are solved as a [`Simulation`](crate::simulation::Simulation) does. Sheets of a surface that lie closer to each
+//! other than guesses are off, some part of κ(h|p|)², can still be taken for one another.
+//!
+//! Every lane is a function of its own past alone.
 
 use crate::effect::Field;
 use crate::kernel::ConstraintKernel;
@@ -40,13 +50,10 @@ use crate::surface::{Normal, land};
 use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use std::array::from_fn;
 
-/// Lanes that are examined, and corrected again, together: one register of the widest kind.
-const EIGHT: usize = 8;
-
 /// Left to the last correction: so many ε of the largest coordinate.
 const AT_REST: f64 = 256.0;
 
-/// Corrections of a lane before it is solved by itself.
+/// Corrections of a lane, beyond those that all lanes have, before it is solved by itself.
 const CORRECTIONS: usize = 3;
 
 /// D coordinates of L trajectories.
@@ -57,20 +64,18 @@ type Vectors<S, const L: usize, const D: usize> = [[S; L]; D];
 #[repr(C, align(64))]
 pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     q: Vectors<S, L, D>,
-    /// Momenta, ahead by the first kick of the step to come.
-    p: Vectors<S, L, D>,
+    /// Momenta, ahead by the first kick of the step to come, times [`Part::unit`].
+    way: Vectors<S, L, D>,
     /// ∇g(q): the one of the two that `even` says.
     normal: [Vectors<S, L, D>; 2],
-    /// |∇g(q)|².
-    square: [S; L],
     /// What |g| may be at rest.
     rest: [S; L],
-    /// Λ of the last two steps, the last one first if `even`.
-    multiplier: [[S; L]; 2],
-    /// How far the last step's Λ was from its linear extrapolation.
-    bend: [S; L],
+    /// Λ₀ of the step to come.
+    guess: [S; L],
+    /// Λ of the last two steps, the last one first, in units of the step to come.
+    past: [[S; L]; 2],
     q_low: [Vectors<S, L, D>; SUMS],
-    p_low: [Vectors<S, L, D>; SUMS],
+    way_low: [Vectors<S, L, D>; SUMS],
     even: bool,
     /// The part of the method's step that comes next.
     part: usize,
@@ -82,58 +87,54 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
 pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     /// q + h p.
     free: Vectors<S, L, D>,
-    /// Λ extrapolated linearly.
-    linear: [S; L],
+    /// Λ₁, Λ₂, and at last Λ.
     multiplier: [S; L],
-    /// s.
-    slope: [S; L],
     /// 1/s.
     over_slope: [S; L],
+    /// g₀, and then g₂, or not a number where the slope says that the surface may have been left.
     g: [S; L],
-    rest: [S; L],
+    /// |∇g(q)|²/|∇g(q′)|² but for a smooth factor.
+    ratio: [S; L],
 }
 
 impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
     pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
-        Self {
-            free: [zero; D],
-            linear: zero,
-            multiplier: zero,
-            slope: zero,
-            over_slope: zero,
-            g: zero,
-            rest: zero,
-        }
+        Self { free: [zero; D], multiplier: zero, over_slope: zero, g: zero, ratio: zero }
     }
 }
 
-/// One RATTLE step of a method: its length, the kick after it, and the weights that extrapolate Λ.
+/// One RATTLE step of a method.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
-    pub(crate) h: f64,
-    over_h: f64,
-    pub(crate) kick: f64,
-    pub(crate) weights: [f64; 3],
+    /// Its length.
+    h: f64,
+    /// What momenta are kept times: the length of the method's first step.
+    unit: f64,
+    /// The kick after it.
+    kick: f64,
+    /// Λ of the step before it in terms of its own.
+    before: f64,
+    /// By which Λ of this step and the last ones are extrapolated to the next, that of this one first.
+    weights: [f64; 3],
 }
 
 impl Part {
     /// The parts of a method that takes RATTLE steps of these lengths in turn, again and again.
     ///
-    /// Λ/h² is a smooth function of time. In steps of one length it is extrapolated linearly from the last two, plus what the
-    /// last extrapolation was off: quadratically. In steps of different lengths linearly, Λ taken to be that of a third of the
-    /// step, unless that lies far away.
+    /// Λ/h² is a smooth function of time. In steps of one length it is extrapolated quadratically. In steps of different
+    /// lengths linearly, Λ taken to be that of a third of the step, unless that lies far away.
     pub(crate) fn of(lengths: &[f64]) -> Vec<Part> {
         let n = lengths.len();
         let at = |i: usize| lengths[i % n];
         let part = |i: usize| {
-            let (h, before, first) = (at(i), at(i + n - 1), at(i + 2 * n - 2));
-            let (last, earlier) = (before + h / 3.0 - before / 3.0, first + before / 3.0 - first / 3.0);
+            let (before, h, next) = (at(i + n - 1), at(i), at(i + 1));
+            let (last, earlier) = (h + next / 3.0 - h / 3.0, before + h / 3.0 - before / 3.0);
             let far = last / earlier;
             let far = if far.abs() <= 2.0 { far } else { 0.0 };
-            let again = if n == 1 { 1.0 } else { 0.0 };
-            let weights = [(1.0 + far) * (h / before).powi(2), -far * (h / first).powi(2), again];
-            Part { h, over_h: 1.0 / h, kick: 0.5 * (h + at(i + 1)), weights }
+            let linear = [(1.0 + far) * (next / h).powi(2), -far * (next / before).powi(2), 0.0];
+            let weights = if n == 1 { [3.0, -3.0, 1.0] } else { linear };
+            Part { h, unit: at(0), kick: 0.5 * (h + next), before: (before / h).powi(2), weights }
         };
         (0..n).map(part).collect()
     }
@@ -227,15 +228,24 @@ fn put<S: Copy, const L: usize, const D: usize>(vectors: &mut Vectors<S, L, D>, 
     }
 }
 
-/// q′ − q without the constraint, beyond h p: what sums have kept back.
+/// x + c·y; x + y where steps are equal.
 #[inline(always)]
-fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
-    h: S,
+fn plus<S: Lane, const D: usize, const EQUAL: bool>(x: &[S; D], c: S, y: &[S; D]) -> [S; D] {
+    if EQUAL { sum(x, y) } else { add_scaled(x, c, y) }
+}
+
+/// q′ − q without the constraint, beyond the way of a step: what sums have kept back.
+#[inline(always)]
+fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    share: S,
     q_low: &[Vectors<S, L, D>; SUMS],
-    p_low: &[Vectors<S, L, D>; SUMS],
+    way_low: &[Vectors<S, L, D>; SUMS],
     lane: usize,
 ) -> [S; D] {
-    from_fn(|d| h.multiply_add(p_low[0][d][lane], q_low[0][d][lane]))
+    if SUMS == 0 {
+        return [S::default(); D];
+    }
+    plus::<S, D, EQUAL>(&at(&q_low[0], lane), share, &at(&way_low[0], lane))
 }
 
 impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, SUMS> {
@@ -245,14 +255,13 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let vectors = [zero; D];
         Self {
             q: vectors,
-            p: vectors,
+            way: vectors,
             normal: [vectors; 2],
-            square: zero,
             rest: zero,
-            multiplier: [zero; 2],
-            bend: zero,
+            guess: zero,
+            past: [zero; 2],
             q_low: [vectors; SUMS],
-            p_low: [vectors; SUMS],
+            way_low: [vectors; SUMS],
             even: true,
             part: 0,
         }
@@ -268,36 +277,38 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         q: [[S; D]; 2],
         p: [[S; D]; 2],
     ) {
-        let h = S::from_f64(parts[self.part].h);
+        let part = &parts[self.part];
+        let (h, unit) = (S::from_f64(part.h), S::from_f64(part.unit));
         let [gradient] = constraint.jacobian(&q[0]);
         let normal = Normal::new(gradient);
         let pushed = field.kick(&q[0], S::from_f64(0.5) * h, p[1]);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
+        let [bend] = constraint.jet(&q[0], &ahead).2;
+        let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
+        // Equal steps: as if one had led here, which would have left half of Λ in the way.
+        let equal = parts.len() == 1;
+        let ahead = if equal { add_scaled(&ahead, -guess / h, &gradient) } else { ahead };
+        let guess = if equal { guess + guess } else { guess };
         put(&mut self.q, lane, q[0]);
-        put(&mut self.p, lane, ahead);
-        for (low, x) in self.q_low.iter_mut().zip([q[1]]).chain(self.p_low.iter_mut().zip([ahead_low])) {
+        put(&mut self.way, lane, scaled(unit, &ahead));
+        let way_low = scaled(unit, &ahead_low);
+        for (low, x) in self.q_low.iter_mut().zip([q[1]]).chain(self.way_low.iter_mut().zip([way_low])) {
             put(low, lane, x);
         }
         put(&mut self.normal[usize::from(!self.even)], lane, gradient);
-        self.square[lane] = dot(&gradient, &gradient);
         self.rest[lane] = at_rest(&gradient, &q[0]);
-        let [bend] = constraint.jet(&q[0], &ahead).2;
-        let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
-        // Both such that the extrapolation gives this: its weights add up to the square of a ratio of steps.
-        let [a, b, _] = parts[self.part].weights;
-        let same = guess / S::from_f64(a + b);
-        (self.multiplier[0][lane], self.multiplier[1][lane]) = (same, same);
-        self.bend[lane] = S::default();
+        self.guess[lane] = guess;
+        for past in &mut self.past {
+            past[lane] = S::from_f64(part.before) * guess;
+        }
     }
 
     /// Copies a lane.
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
-        let vectors = [&mut self.q, &mut self.p].into_iter().chain(&mut self.normal);
-        let vectors = vectors.chain(&mut self.q_low).chain(&mut self.p_low).flatten();
-        for numbers in
-            vectors.chain([&mut self.square, &mut self.rest, &mut self.bend]).chain(&mut self.multiplier)
-        {
+        let vectors = [&mut self.q, &mut self.way].into_iter().chain(&mut self.normal);
+        let vectors = vectors.chain(&mut self.q_low).chain(&mut self.way_low).flatten();
+        for numbers in vectors.chain([&mut self.rest, &mut self.guess]).chain(&mut self.past) {
             numbers[to] = numbers[from];
         }
     }
@@ -317,12 +328,14 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         (constraint, field): (&K, &F),
         parts: &[Part],
     ) -> [[S; D]; 2] {
-        let ahead = at(&self.p, lane);
-        let low = self.p_low.first().map_or([S::default(); D], |low| at(low, lane));
+        let part = &parts[self.part];
+        let over = S::from_f64(1.0 / part.unit);
+        let ahead = scaled(over, &at(&self.way, lane));
+        let low = self.way_low.first().map_or([S::default(); D], |low| scaled(over, &at(low, lane)));
         let q = at(&self.q, lane);
         let [gradient] = constraint.jacobian(&q);
         let normal = Normal::new(gradient);
-        let kick = S::from_f64(-0.5 * parts[self.part].h);
+        let kick = S::from_f64(-0.5 * part.h);
         let change = field.kick(&q, kick, low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
@@ -336,34 +349,38 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         laws: &impl Laws<K, F>,
     ) -> Result<(), Stuck> {
         for lane in 0..L {
-            let (q, p) = (at(&self.q, lane), at(&self.p, lane));
-            if !is_finite(total(&p)) {
-                return Err(Stuck { lane, failure: not_finite(laws.constraint(lane), laws.field(lane), q) });
+            if !is_finite(total(&at(&self.way, lane))) {
+                let (constraint, field) = (laws.constraint(lane), laws.field(lane));
+                return Err(Stuck { lane, failure: not_finite(constraint, field, at(&self.q, lane)) });
             }
         }
         Ok(())
     }
 
-    /// Moves all lanes through the next part of a step. Where one cannot be moved the block is left half way.
+    /// Moves all lanes through the next part of a step; `EQUAL` says that all parts are of one length. Where one cannot be
+    /// moved the block is left half way.
     #[inline(always)]
-    pub(crate) fn advance<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+    pub(crate) fn advance<K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const EQUAL: bool>(
         &mut self,
         laws: &impl Laws<K, F>,
         parts: &[Part],
         scratch: &mut Scratch<S, L, D>,
     ) -> Result<(), Stuck> {
-        let part = parts[self.part];
+        let part = &parts[self.part];
         let [even, odd] = &mut self.normal;
-        let [even_multiplier, odd_multiplier] = &mut self.multiplier;
-        let (q, p, low) = (&mut self.q, &mut self.p, (&mut self.q_low, &mut self.p_low));
-        let (square, rest, bend) = (&mut self.square, &mut self.rest, &mut self.bend);
+        let (q, way, low) = (&mut self.q, &mut self.way, (&mut self.q_low, &mut self.way_low));
+        let (rest, guess, past) = (&mut self.rest, &mut self.guess, &mut self.past);
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
-            let multiplier = (&*even_multiplier, odd_multiplier);
-            advance(laws, &part, q, p, low, (&*even, odd), square, rest, bend, multiplier, scratch)?;
+            let normal = (&*even, odd);
+            advance::<S, K, F, L, D, SUMS, EQUAL>(
+                laws, part, q, way, low, normal, rest, guess, past, scratch,
+            )?;
         } else {
-            let multiplier = (&*odd_multiplier, even_multiplier);
-            advance(laws, &part, q, p, low, (&*odd, even), square, rest, bend, multiplier, scratch)?;
+            let normal = (&*odd, even);
+            advance::<S, K, F, L, D, SUMS, EQUAL>(
+                laws, part, q, way, low, normal, rest, guess, past, scratch,
+            )?;
         }
         self.even = !self.even;
         self.part = if self.part + 1 == parts.len() { 0 } else { self.part + 1 };
@@ -393,19 +410,18 @@ fn not_finite<S: Lane, K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const D: us
 }
 
 /// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
-#[allow(clippy::too_many_arguments, clippy::type_complexity, reason = "see above")]
+#[allow(clippy::too_many_arguments, reason = "see above")]
 #[inline(always)]
-fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     laws: &impl Laws<K, F>,
     part: &Part,
     q: &mut Vectors<S, L, D>,
-    p: &mut Vectors<S, L, D>,
-    (q_low, p_low): Of<'_, S, L, D, SUMS>,
+    way: &mut Vectors<S, L, D>,
+    (q_low, way_low): Of<'_, S, L, D, SUMS>,
     (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
-    square: &mut [S; L],
     rest: &mut [S; L],
-    bend: &mut [S; L],
-    (last, earlier): (&[S; L], &mut [S; L]),
+    first: &mut [S; L],
+    past: &mut [[S; L]; 2],
     scratch: &mut Scratch<S, L, D>,
 ) -> Result<(), Stuck>
 where
@@ -413,138 +429,111 @@ where
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
 {
-    let Scratch { free, linear, multiplier, slope, over_slope, g, rest: allowed } = scratch;
-    guess(
-        laws, part, q, p, q_low, p_low, normal, last, earlier, bend, free, linear, multiplier, slope,
-        over_slope, g,
+    let Scratch { free, multiplier, over_slope, g, ratio } = scratch;
+    let share = S::from_f64(part.h / part.unit);
+    guess::<S, K, F, L, D, SUMS, EQUAL>(
+        laws, share, q, way, q_low, way_low, normal, first, free, multiplier, over_slope, g,
     );
-    let width = EIGHT.min(L);
-    let mut astir = 0_u64;
+    let unrest;
     if L == 1 {
         // Nothing waits for this lane: it looks at once whether Newton's step was enough.
-        let first = g[0];
-        examine(laws, 0..1, normal, free, multiplier, rest, g, next);
-        let newton = Newton { first, residual: g[0], slope: slope[0], over_slope: over_slope[0] };
-        allowed[0] = newton.allows(square[0], rest[0]);
-        (multiplier[0], over_slope[0]) = newton.improved(multiplier[0], allowed[0]);
-        if !g[0].abs().le(allowed[0]) {
-            astir = u64::from(examine(laws, 0..1, normal, free, multiplier, allowed, g, next));
+        let newton = Newton { first: g[0], over_slope: over_slope[0], multiplier: multiplier[0] };
+        let n = at(normal, 0);
+        let point = add_scaled(&at(free, 0), newton.multiplier, &n);
+        let ([residual], [gradient]) = laws.constraint(0).value_and_jacobian(&point);
+        (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
+        if residual.abs().le(rest[0]) {
+            put(next, 0, gradient);
+            (multiplier[0], g[0], ratio[0]) = last_correction(&n, residual, multiplier[0], over_slope[0]);
+            unrest = !g[0].abs().le(rest[0]);
+        } else {
+            unrest = examine(laws, normal, free, rest, over_slope, multiplier, g, ratio, next);
         }
     } else {
-        improve(laws, normal, free, square, rest, slope, g, over_slope, multiplier, allowed);
-        // All lanes in one loop: a loop over groups of eight would be vectorised across the groups.
-        if examine(laws, 0..L, normal, free, multiplier, allowed, g, next) {
-            for group in 0..L / width {
-                let mut lanes = group * width..(group + 1) * width;
-                astir |= u64::from(lanes.any(|lane| !g[lane].abs().le(allowed[lane]))) << group;
-            }
-        }
+        improve(laws, normal, free, rest, g, multiplier, over_slope);
+        unrest = examine(laws, normal, free, rest, over_slope, multiplier, g, ratio, next);
     }
-    while astir != 0 {
-        let group = astir.trailing_zeros() as usize % (L / width); // the remainder: what a bounds check costs is vectors
-        astir &= astir - 1;
-        let lanes = group * width..(group + 1) * width;
-        let mut unrest = true;
-        let corrections =
-            if lanes.clone().all(|lane| g[lane].abs().le(rest[lane])) { 0 } else { CORRECTIONS };
-        for _ in 0..corrections {
-            correct(lanes.clone(), g, over_slope, allowed, multiplier);
-            unrest = examine(laws, lanes.clone(), normal, free, multiplier, allowed, g, next);
-            if !unrest {
-                break;
+    if unrest {
+        for lane in 0..L {
+            if g[lane].abs().le(rest[lane]) {
+                continue;
             }
-        }
-        if unrest {
-            for lane in lanes {
-                if g[lane].abs().le(allowed[lane]) {
-                    continue;
+            let n = at(normal, lane);
+            let square = dot(&n, &n);
+            let path = (&at(free, lane), &n, square, rest[lane]);
+            let (found, gradient) = match again(laws.constraint(lane), path, multiplier[lane]) {
+                Some(landing) => landing,
+                None => {
+                    let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
+                    let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
+                    alone(laws.constraint(lane), part.h, (at(q, lane), p, back, n, square))
+                        .map_err(|failure| Stuck { lane, failure })?
                 }
-                let back = if SUMS == 1 {
-                    kept_back(S::from_f64(part.h), q_low, p_low, lane)
-                } else {
-                    [S::default(); D]
-                };
-                let departure = (at(q, lane), at(p, lane), back, at(normal, lane), square[lane]);
-                let (found, gradient) = alone(laws.constraint(lane), part.h, departure)
-                    .map_err(|failure| Stuck { lane, failure })?;
-                (multiplier[lane], g[lane], over_slope[lane]) = (found, S::default(), S::default());
-                put(next, lane, gradient);
-            }
+            };
+            (multiplier[lane], ratio[lane]) = (found, square / dot(&gradient, &gradient));
+            put(next, lane, gradient);
         }
     }
-    finish(
-        laws, part, normal, next, free, multiplier, g, over_slope, q, p, q_low, p_low, square, rest, linear,
-        bend, earlier,
+    finish::<S, K, F, L, D, SUMS, EQUAL>(
+        laws, part, normal, next, free, multiplier, ratio, q, way, q_low, way_low, rest, first, past,
     );
     Ok(())
 }
 
+/// Evaluates g at Λ₀ in all lanes and takes Newton's step from there.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     laws: &impl Laws<K, F>,
-    part: &Part,
+    share: S,
     q: &Vectors<S, L, D>,
-    p: &Vectors<S, L, D>,
+    way: &Vectors<S, L, D>,
     q_low: &[Vectors<S, L, D>; SUMS],
-    p_low: &[Vectors<S, L, D>; SUMS],
+    way_low: &[Vectors<S, L, D>; SUMS],
     normal: &Vectors<S, L, D>,
-    last: &[S; L],
-    earlier: &[S; L],
-    bend: &[S; L],
+    guess: &[S; L],
     free: &mut Vectors<S, L, D>,
-    linear: &mut [S; L],
     multiplier: &mut [S; L],
-    slope: &mut [S; L],
     over_slope: &mut [S; L],
     g: &mut [S; L],
 ) where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
 {
-    let (h, one) = (S::from_f64(part.h), S::from_f64(1.0));
-    let [a, b, c] = part.weights.map(S::from_f64);
     for i in 0..L {
         let mut start = at(q, i);
         if SUMS == 1 {
-            start = sum(&start, &kept_back(h, q_low, p_low, i));
+            start = sum(&start, &kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i));
         }
-        let (start, n) = (add_scaled(&start, h, &at(p, i)), at(normal, i));
-        linear[i] = a.multiply_add(last[i], b * earlier[i]);
-        let extrapolated = c.multiply_add(bend[i], linear[i]);
-        let point = add_scaled(&start, extrapolated, &n);
-        let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
-        let along = dot(&gradient, &n);
-        let over = one / along;
+        let (start, n) = (plus::<S, D, EQUAL>(&start, share, &at(way, i)), at(normal, i));
+        let ([residual], [gradient]) =
+            laws.constraint(i).value_and_jacobian(&add_scaled(&start, guess[i], &n));
+        let over = S::from_f64(1.0) / dot(&gradient, &n);
         put(free, i, start);
-        (g[i], slope[i], over_slope[i]) = (residual, along, over);
-        multiplier[i] = (-residual).multiply_add(over, extrapolated);
+        multiplier[i] = (-residual).multiply_add(over, guess[i]);
+        (over_slope[i], g[i]) = (over, residual);
     }
 }
 
-#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+/// Evaluates g after Newton's step in all lanes, and finds Λ₂.
 #[inline(always)]
 fn improve<S, K, F, const L: usize, const D: usize>(
     laws: &impl Laws<K, F>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
-    square: &[S; L],
     rest: &[S; L],
-    slope: &[S; L],
     g: &[S; L],
-    over_slope: &mut [S; L],
     multiplier: &mut [S; L],
-    allowed: &mut [S; L],
+    over_slope: &mut [S; L],
 ) where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
 {
     for i in 0..L {
-        let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
+        let newton = Newton { first: g[i], over_slope: over_slope[i], multiplier: multiplier[i] };
+        let point = add_scaled(&at(free, i), newton.multiplier, &at(normal, i));
         let [residual] = laws.constraint(i).value(&point);
-        let newton = Newton { first: g[i], residual, slope: slope[i], over_slope: over_slope[i] };
-        allowed[i] = newton.allows(square[i], rest[i]);
-        (multiplier[i], over_slope[i]) = newton.improved(multiplier[i], allowed[i]);
+        (multiplier[i], over_slope[i]) = newton.improved(residual, rest[i]);
     }
 }
 
@@ -552,131 +541,154 @@ fn improve<S, K, F, const L: usize, const D: usize>(
 struct Newton<S> {
     /// g at the guess, g₀.
     first: S,
-    /// g after it, g₁.
-    residual: S,
-    slope: S,
+    /// 1/s.
     over_slope: S,
+    /// Λ₁.
+    multiplier: S,
 }
 
 impl<S: Lane> Newton<S> {
-    /// What |g| may be at rest; nothing where the slope says that the surface may have been left.
+    /// Λ₂ and 1/s there, from g₁; Λ₁ where it is at rest.
     #[inline(always)]
-    fn allows(&self, square: S, rest: S) -> S {
-        let off = (self.slope - square).abs();
-        S::select((off + off).le(square), rest, S::from_f64(-1.0))
-    }
-
-    /// Λ₂ from Λ₁, and 1/s there; Λ₁ itself where it is at rest.
-    #[inline(always)]
-    fn improved(&self, newton: S, allowed: S) -> (S, S) {
-        let [zero, one, two, five, sixteenth] = [0.0, 1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
-        let ratio = self.residual * (one / self.first);
-        let ratio = S::select(ratio.abs().le(sixteenth), ratio, zero); // also where g₀ is 0: there is nothing to learn
-        let bent = two.multiply_add(ratio, one);
-        let series = (five * ratio).multiply_add(ratio, bent);
-        let improved = (-(self.residual * self.over_slope)).multiply_add(series, newton);
-        let rests = self.residual.abs().le(allowed);
-        (S::select(rests, newton, improved), self.over_slope * bent)
+    fn improved(&self, residual: S, rest: S) -> (S, S) {
+        let [one, two, five, most] = [1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
+        let ratio = residual * (one / self.first);
+        let ratio = S::select(ratio.lt(most), ratio, most);
+        let ratio = S::select((-most).lt(ratio), ratio, -most); // also where g₀ is 0, and the ratio not a number
+        let series = five.multiply_add(ratio, two).multiply_add(ratio, one);
+        let over_slope = self.over_slope * series;
+        let improved = (-residual).multiply_add(over_slope, self.multiplier);
+        (S::select(residual.abs().le(rest), self.multiplier, improved), over_slope)
     }
 }
 
-/// Whether a lane is not at rest.
+/// Evaluates g and ∇g at Λ₂ and makes the last correction. Returns whether a lane is not at rest.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
 fn examine<S, K, F, const L: usize, const D: usize>(
     laws: &impl Laws<K, F>,
-    lanes: std::ops::Range<usize>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
-    multiplier: &[S; L],
-    allowed: &[S; L],
+    rest: &[S; L],
+    over_slope: &[S; L],
+    multiplier: &mut [S; L],
     g: &mut [S; L],
+    ratio: &mut [S; L],
     next: &mut Vectors<S, L, D>,
 ) -> bool
 where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
 {
-    let mut unrest = 0_u64;
-    for i in lanes {
-        let point = add_scaled(&at(free, i), multiplier[i], &at(normal, i));
+    let mut unrest = false;
+    for i in 0..L {
+        let n = at(normal, i);
+        let point = add_scaled(&at(free, i), multiplier[i], &n);
         let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
-        g[i] = residual;
         put(next, i, gradient);
-        unrest |= u64::from(!residual.abs().le(allowed[i])); // also where it is not a number
+        (multiplier[i], g[i], ratio[i]) = last_correction(&n, residual, multiplier[i], over_slope[i]);
+        unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
     }
-    unrest != 0
+    unrest
 }
 
+/// Λ after the last correction; g before it, or not a number where the surface may have been left; and the ratio of |∇g|².
 #[inline(always)]
-fn correct<S: Lane, const L: usize>(
-    lanes: std::ops::Range<usize>,
-    g: &[S; L],
-    over_slope: &[S; L],
-    allowed: &[S; L],
-    multiplier: &mut [S; L],
-) {
-    for i in lanes {
-        let rests = g[i].abs().le(allowed[i]);
-        multiplier[i] = S::select(rests, multiplier[i], (-g[i]).multiply_add(over_slope[i], multiplier[i]));
-    }
+fn last_correction<S: Lane, const D: usize>(
+    n: &[S; D],
+    residual: S,
+    multiplier: S,
+    over_slope: S,
+) -> (S, S, S) {
+    let [middle, off, nan] = [4.0 / 3.0, 2.0 / 3.0, f64::NAN].map(S::from_f64);
+    let turn = over_slope * dot(n, n);
+    let near = (turn - middle).abs().le(off);
+    ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan), turn * turn)
 }
 
+/// Λ and ∇g of a lane that is corrected again, unless it goes astray.
+#[inline(always)]
+fn again<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
+    constraint: &K,
+    (free, n, square, rest): (&[S; D], &[S; D], S, S),
+    mut multiplier: S,
+) -> Option<(S, [S; D])> {
+    for _ in 0..CORRECTIONS {
+        let ([residual], [gradient]) = constraint.value_and_jacobian(&add_scaled(free, multiplier, n));
+        let slope = dot(&gradient, n);
+        let off = (slope - square).abs();
+        if !(off + off).le(square) {
+            return None;
+        }
+        multiplier = multiplier - residual / slope;
+        if residual.abs().le(rest) {
+            return Some((multiplier, gradient));
+        }
+    }
+    None
+}
+
+/// Makes the new positions and ways, and the next guess.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize>(
+fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     laws: &impl Laws<K, F>,
     part: &Part,
     normal: &Vectors<S, L, D>,
     next: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     multiplier: &[S; L],
-    g: &[S; L],
-    over_slope: &[S; L],
+    ratio: &[S; L],
     q: &mut Vectors<S, L, D>,
-    p: &mut Vectors<S, L, D>,
+    way: &mut Vectors<S, L, D>,
     q_low: &mut [Vectors<S, L, D>; SUMS],
-    p_low: &mut [Vectors<S, L, D>; SUMS],
-    square: &mut [S; L],
+    way_low: &mut [Vectors<S, L, D>; SUMS],
     rest: &mut [S; L],
-    linear: &[S; L],
-    bend: &mut [S; L],
-    earlier: &mut [S; L],
+    guess: &mut [S; L],
+    [last, earlier]: &mut [[S; L]; 2],
 ) where
     S: Lane,
     F: Field<S, D>,
 {
-    let (h, over_h, kick) = (S::from_f64(part.h), S::from_f64(part.over_h), S::from_f64(part.kick));
-    let one = S::from_f64(1.0);
+    let [share, over_share, kick] =
+        [part.h / part.unit, part.unit / part.h, part.unit * part.kick].map(S::from_f64);
+    let [a, b, c] = part.weights.map(S::from_f64);
     for i in 0..L {
-        let (n, m, old) = (at(normal, i), at(next, i), at(p, i));
-        let found = (-g[i]).multiply_add(over_slope[i], multiplier[i]);
+        let (n, m, old, found) = (at(normal, i), at(next, i), at(way, i), multiplier[i]);
         let place = if SUMS == 0 {
             add_scaled(&at(free, i), found, &n)
         } else {
-            let way = add_scaled(&add_scaled(&kept_back(h, q_low, p_low, i), h, &old), found, &n);
-            let (place, low) = two_sum(&at(q, i), &way);
+            let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i);
+            let change = add_scaled(&plus::<S, D, EQUAL>(&back, share, &old), found, &n);
+            let (place, low) = two_sum(&at(q, i), &change);
             put(&mut q_low[0], i, low);
             place
         };
-        let length = dot(&m, &m);
-        let over_length = one / length; // while other sums are on their way
+        let push = if EQUAL { found } else { over_share * found };
+        // Equal steps: Λ of the next one projects.
+        let project = |change: [S; D], along: S| {
+            if EQUAL { change } else { add_scaled(&change, -along / dot(&m, &m), &m) }
+        };
         let new = if SUMS == 0 {
-            let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, found * over_h, &n));
-            add_scaled(&pushed, -(dot(&m, &pushed) * over_length), &m)
+            let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, push, &n));
+            project(pushed, dot(&m, &pushed))
         } else {
-            let change = laws.field(i).kick(&place, kick, add_scaled(&at(&p_low[0], i), found * over_h, &n));
-            let back = dot(&m, &sum(&old, &change)) * over_length;
-            let (new, low) = two_sum(&old, &add_scaled(&change, -back, &m));
-            put(&mut p_low[0], i, low);
+            let change = laws.field(i).kick(&place, kick, add_scaled(&at(&way_low[0], i), push, &n));
+            let (new, low) = two_sum(&old, &project(change, dot(&m, &sum(&old, &change))));
+            put(&mut way_low[0], i, low);
             new
         };
         put(q, i, place);
-        put(p, i, new);
-        square[i] = length;
+        put(way, i, new);
         rest[i] = at_rest(&m, &place);
-        earlier[i] = found;
-        bend[i] = found - linear[i];
+        let extrapolated = if EQUAL {
+            S::from_f64(3.0).multiply_add(found - last[i], earlier[i])
+        } else {
+            a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
+        };
+        guess[i] = ratio[i] * extrapolated;
+        earlier[i] = ratio[i] * last[i];
+        last[i] = ratio[i] * found;
     }
 }
 

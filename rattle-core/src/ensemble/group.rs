@@ -90,7 +90,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> 
 }
 
 /// Steps after which a block is put back: what is gone through again when a lane fails.
-const STRETCH: u64 = 64;
+const STRETCH: u64 = 1024;
 
 /// Trajectories in the lanes of a block.
 pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> {
@@ -273,8 +273,12 @@ where
         let laws = laws.clone();
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         for _ in 0..self.steps {
+            if let [_] = &parts[..] {
+                desk.block.advance::<K, F, true>(&laws, parts, &mut desk.scratch)?;
+                continue;
+            }
             for _ in 0..parts.len() {
-                desk.block.advance(&laws, parts, &mut desk.scratch)?;
+                desk.block.advance::<K, F, false>(&laws, parts, &mut desk.scratch)?;
             }
         }
         desk.block.check(&laws)?;
