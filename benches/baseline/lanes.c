@@ -5,11 +5,11 @@
 
 #define MOST 6 /* registers side by side */
 
-enum guess { PREVIOUS, LINEAR, QUADRATIC };
+enum guess { PREVIOUS, LINEAR, QUADRATIC, BEND }; /* see scalar.c */
 enum solve { NEWTON, CHORD, OSTROWSKI };
 
 struct group {
-  vec q[3][MOST], v[3][MOST], n[3][MOST], s[3][MOST];
+  vec q[3][MOST], v[3][MOST], n[3][MOST], s[3][MOST], square[MOST];
 };
 
 /* g and m = ∇g/2. */
@@ -29,7 +29,7 @@ INLINE vec value(const vec q[3]) {
 INLINE vec dot(const vec a[3], const vec b[3]) { return FMA(a[0], b[0], FMA(a[1], b[1], a[2] * b[2])); }
 
 /* One step of a group; returns passes through the loop. */
-INLINE long step(struct group *p, int U, enum guess guess, enum solve solve, int divide) {
+INLINE long step(struct group *p, int U, enum guess guess, enum solve solve, int divide, int project) {
   vec X[3][MOST], m[3][MOST], s[MOST], r[MOST], g[MOST];
   const vec h = SPLAT(H);
 #define EACH for (int i = 0; i < U; i++)
@@ -40,7 +40,7 @@ INLINE long step(struct group *p, int U, enum guess guess, enum solve solve, int
     vec s0 = p->s[0][i], s1 = p->s[1][i], s2 = p->s[2][i];
     s[i] = guess == PREVIOUS ? s0 : guess == LINEAR ? FMS(SPLAT(2), s0, s1) : FMA(SPLAT(3), s0 - s1, s2);
     p->s[1][i] = s0;
-    if (guess == QUADRATIC) p->s[2][i] = s1;
+    if (guess == QUADRATIC || guess == BEND) p->s[2][i] = s1;
     X[0][i] = FMA(h, p->v[0][i], p->q[0][i]);
     X[1][i] = FMA(h, p->v[1][i], p->q[1][i]);
     X[2][i] = FMA(h, p->v[2][i], p->q[2][i] - SPLAT(0.5 * H * H));
@@ -94,14 +94,22 @@ INLINE long step(struct group *p, int U, enum guess guess, enum solve solve, int
     v[2] = FNMA(k, p->n[2][i], p->v[2][i] - h);
     const vec b[3] = {m[0][i], m[1][i], m[2][i]};
     vec square = dot(b, b), inverse = reciprocal(square, divide, 2);
-    vec mu = dot(b, v) * inverse;
-    for (int c = 0; c < 3; c++) p->v[c][i] = FNMA(mu, b[c], v[c]), p->n[c][i] = b[c];
+    if (project) {
+      vec mu = dot(b, v) * inverse;
+      for (int c = 0; c < 3; c++) v[c] = FNMA(mu, b[c], v[c]);
+    }
+    for (int c = 0; c < 3; c++) p->v[c][i] = v[c], p->n[c][i] = b[c];
     p->s[0][i] = s[i];
+    if (guess == BEND) {
+      vec ratio = p->square[i] * inverse;
+      for (int k = 0; k < 3; k++) p->s[k][i] *= ratio;
+      p->square[i] = square;
+    }
   }
   return passes;
 }
 
-INLINE void advance(struct ensemble *e, long steps, int U, int RR, enum guess guess, enum solve solve, int divide) {
+INLINE void advance(struct ensemble *e, long steps, int U, int RR, enum guess guess, enum solve solve, int divide, int verlet) {
   struct group groups[2];
   long passes = 0;
   for (long base = 0; base < e->padded; base += RR * U * WIDTH) {
@@ -118,9 +126,12 @@ INLINE void advance(struct ensemble *e, long steps, int U, int RR, enum guess gu
         }
         value_and_half_gradient(q, n);
         for (int c = 0; c < 3; c++) p->n[c][i] = n[c];
+        p->square[i] = dot(n, n);
       }
-    for (long k = 0; k < steps; k++)
-      for (int j = 0; j < RR; j++) passes += step(&groups[j], U, guess, solve, divide);
+    for (long k = 0; k < steps - verlet; k++)
+      for (int j = 0; j < RR; j++) passes += step(&groups[j], U, guess, solve, divide, !verlet);
+    if (verlet)
+      for (int j = 0; j < RR; j++) passes += step(&groups[j], U, guess, solve, divide, 1);
     for (int j = 0; j < RR; j++)
 #pragma GCC unroll 8
       EACH {
@@ -138,18 +149,23 @@ INLINE void advance(struct ensemble *e, long steps, int U, int RR, enum guess gu
   e->gradients += lanes + (solve == NEWTON ? 2 : 1) * all;
 }
 
-#define ROW(name, u, rr, guess, solve, divide) \
-  static void name(struct ensemble *e, long steps) { advance(e, steps, u, rr, guess, solve, divide); }
+#define ROW(name, u, rr, guess, solve, divide, verlet) \
+  static void name(struct ensemble *e, long steps) { advance(e, steps, u, rr, guess, solve, divide, verlet); }
 #define ROWS(ROW, u)                                                       \
-  ROW(linear_ostrowski_u##u, u, 1, LINEAR, OSTROWSKI, 1)                   \
-  ROW(linear_ostrowski_u##u##_rr2, u, 2, LINEAR, OSTROWSKI, 1)             \
-  ROW(quadratic_ostrowski_u##u, u, 1, QUADRATIC, OSTROWSKI, 1)             \
-  ROW(quadratic_ostrowski_u##u##_rr2, u, 2, QUADRATIC, OSTROWSKI, 1)       \
-  ROW(quadratic_ostrowski_rcp_u##u, u, 1, QUADRATIC, OSTROWSKI, 0)         \
-  ROW(quadratic_chord_u##u, u, 1, QUADRATIC, CHORD, 1)                     \
-  ROW(quadratic_chord_u##u##_rr2, u, 2, QUADRATIC, CHORD, 1)               \
-  ROW(linear_newton_rcp_u##u##_rr2, u, 2, LINEAR, NEWTON, 0)               \
-  ROW(previous_newton_u##u, u, 1, PREVIOUS, NEWTON, 1)
+  ROW(linear_ostrowski_u##u, u, 1, LINEAR, OSTROWSKI, 1, 0)                   \
+  ROW(linear_ostrowski_u##u##_rr2, u, 2, LINEAR, OSTROWSKI, 1, 0)             \
+  ROW(quadratic_ostrowski_u##u, u, 1, QUADRATIC, OSTROWSKI, 1, 0)             \
+  ROW(quadratic_ostrowski_u##u##_rr2, u, 2, QUADRATIC, OSTROWSKI, 1, 0)       \
+  ROW(quadratic_ostrowski_rcp_u##u, u, 1, QUADRATIC, OSTROWSKI, 0, 0)         \
+  ROW(quadratic_chord_u##u, u, 1, QUADRATIC, CHORD, 1, 0)                     \
+  ROW(quadratic_chord_u##u##_rr2, u, 2, QUADRATIC, CHORD, 1, 0)               \
+  ROW(linear_newton_rcp_u##u##_rr2, u, 2, LINEAR, NEWTON, 0, 0)               \
+  ROW(previous_newton_u##u, u, 1, PREVIOUS, NEWTON, 1, 0) \
+  ROW(bend_ostrowski_u##u, u, 1, BEND, OSTROWSKI, 1, 0) \
+  ROW(bend_chord_u##u, u, 1, BEND, CHORD, 1, 0) \
+  ROW(bend_ostrowski_verlet_u##u, u, 1, BEND, OSTROWSKI, 1, 1) \
+  ROW(bend_ostrowski_rcp_verlet_u##u, u, 1, BEND, OSTROWSKI, 0, 1) \
+  ROW(bend_ostrowski_verlet_u##u##_rr2, u, 2, BEND, OSTROWSKI, 1, 1)
 #define ALL(ROW) ROWS(ROW, 1) ROWS(ROW, 2) ROWS(ROW, 3) ROWS(ROW, 4) ROWS(ROW, 5) ROWS(ROW, 6)
 ALL(ROW)
 

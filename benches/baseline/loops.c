@@ -1,7 +1,7 @@
 /* RATTLE on the lemniscate surface as plain loops over blocks of trajectories, for the compiler to vectorise. */
 #include "opponent.h"
 
-enum guess { PREVIOUS, LINEAR, QUADRATIC };
+enum guess { PREVIOUS, LINEAR, QUADRATIC, BEND }; /* see scalar.c */
 enum solve { NEWTON, CHORD, OSTROWSKI };
 
 #define MOST 64
@@ -14,6 +14,7 @@ struct block {
   _Alignas(64) double X[3][MOST];
   _Alignas(64) double s[3][MOST];
   _Alignas(64) double g[MOST];
+  _Alignas(64) double square[MOST];
   _Alignas(64) double r[MOST];
 };
 
@@ -31,7 +32,7 @@ INLINE long step(struct block *restrict p, int L, enum guess guess, enum solve s
     double s0 = p->s[0][i], s1 = p->s[1][i], s2 = p->s[2][i];
     double s = guess == PREVIOUS ? s0 : guess == LINEAR ? 2 * s0 - s1 : 3 * (s0 - s1) + s2;
     if (guess != PREVIOUS) p->s[1][i] = s0;
-    if (guess == QUADRATIC) p->s[2][i] = s1;
+    if (guess == QUADRATIC || guess == BEND) p->s[2][i] = s1;
     double X = p->q[0][i] + H * p->v[0][i], Y = p->q[1][i] + H * p->v[1][i];
     double Z = p->q[2][i] - 0.5 * H * H + H * p->v[2][i];
     p->X[0][i] = X, p->X[1][i] = Y, p->X[2][i] = Z;
@@ -70,7 +71,11 @@ INLINE long step(struct block *restrict p, int L, enum guess guess, enum solve s
     double k = p->s[0][i] * (1 / H);
     double u = p->v[0][i] - k * p->n[0][i], v = p->v[1][i] - k * p->n[1][i], w = p->v[2][i] - H - k * p->n[2][i];
     double a = p->m[0][i], b = p->m[1][i], c = p->m[2][i];
-    double mu = (a * u + b * v + c * w) / (a * a + b * b + c * c);
+    double square = a * a + b * b + c * c, inverse = 1 / square, mu = (a * u + b * v + c * w) * inverse;
+    if (guess == BEND) {
+      double ratio = p->square[i] * inverse;
+      p->s[0][i] *= ratio, p->s[1][i] *= ratio, p->s[2][i] *= ratio, p->square[i] = square;
+    }
     p->v[0][i] = u - mu * a, p->v[1][i] = v - mu * b, p->v[2][i] = w - mu * c;
     p->n[0][i] = a, p->n[1][i] = b, p->n[2][i] = c;
   }
@@ -89,7 +94,7 @@ INLINE void advance(struct ensemble *e, long steps, int L, enum guess guess, enu
       }
       VALUE_AND_HALF_GRADIENT(p.q[0][i], p.q[1][i], p.q[2][i], g, a, b, c);
       (void)g;
-      p.n[0][i] = a, p.n[1][i] = b, p.n[2][i] = c;
+      p.n[0][i] = a, p.n[1][i] = b, p.n[2][i] = c, p.square[i] = a * a + b * b + c * c;
     }
     for (long k = 0; k < steps; k++) passes += step(&p, L, guess, solve);
     for (int i = 0; i < L; i++)
@@ -112,7 +117,9 @@ INLINE void advance(struct ensemble *e, long steps, int L, enum guess guess, enu
   ROW(quadratic_ostrowski_24, 24, QUADRATIC, OSTROWSKI) \
   ROW(quadratic_ostrowski_32, 32, QUADRATIC, OSTROWSKI) \
   ROW(quadratic_ostrowski_48, 48, QUADRATIC, OSTROWSKI) \
-  ROW(quadratic_ostrowski_64, 64, QUADRATIC, OSTROWSKI)
+  ROW(quadratic_ostrowski_64, 64, QUADRATIC, OSTROWSKI) \
+  ROW(bend_ostrowski_32, 32, BEND, OSTROWSKI)           \
+  ROW(bend_ostrowski_64, 64, BEND, OSTROWSKI)
 
 #define ROW(name, L, guess, solve) \
   static void name(struct ensemble *e, long steps) { advance(e, steps, L, guess, solve); }

@@ -40,8 +40,8 @@ pub(crate) const ROWS: [&str; 5] = [SIMULATION, SCALAR, ENSEMBLE, COMPENSATED, T
 pub(crate) const SIMULATION: &str = "simulation";
 /// Ensembles of one trajectory, one after the other …
 pub(crate) const SCALAR: &str = "one_lane";
-/// … and the variant of `scalar.c` whose first guess is theirs.
-pub(crate) const SCALAR_GUESS: &str = "quadratic";
+/// … and the variants of `scalar.c` whose first guess is theirs: as RATTLE is written, and as they write it.
+pub(crate) const SCALAR_GUESS: [&str; 2] = ["bend", "bend_verlet"];
 /// All side by side.
 pub(crate) const ENSEMBLE: &str = "ensemble";
 /// The same with positions and momenta as compensated sums.

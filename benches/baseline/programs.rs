@@ -92,7 +92,7 @@ impl Programs {
                 &[ours::SIMULATION],
                 us("trajectories"),
             ),
-            entrant("C, guess as ours", Some("scalar_over_c"), &[ours::SCALAR_GUESS], c()),
+            entrant("C, guess as ours", Some("scalar_over_c"), &ours::SCALAR_GUESS, c()),
             entrant("C, guess of a simulation", Some("scalar_over_c_curvature"), &["curvature"], c()),
             entrant("C, fastest", Some("scalar_over_fastest_c"), &[], c()),
         ]))

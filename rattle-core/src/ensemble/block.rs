@@ -441,12 +441,13 @@ where
         let n = at(normal, 0);
         let point = add_scaled(&at(free, 0), newton.multiplier, &n);
         let ([residual], [gradient]) = laws.constraint(0).value_and_jacobian(&point);
-        (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
         if residual.abs().le(rest[0]) {
             put(next, 0, gradient);
-            (multiplier[0], g[0], ratio[0]) = last_correction(&n, residual, multiplier[0], over_slope[0]);
+            (multiplier[0], g[0], ratio[0]) =
+                last_correction(&n, residual, newton.multiplier, newton.over_slope);
             unrest = !g[0].abs().le(rest[0]);
         } else {
+            (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
             unrest = examine(laws, normal, free, rest, over_slope, multiplier, g, ratio, next);
         }
     } else {
@@ -548,7 +549,7 @@ struct Newton<S> {
 }
 
 impl<S: Lane> Newton<S> {
-    /// Λ₂ and 1/s there, from g₁; Λ₁ where it is at rest.
+    /// Λ₂ and 1/s there, from g₁; Λ₁ and 1/s where it is at rest.
     #[inline(always)]
     fn improved(&self, residual: S, rest: S) -> (S, S) {
         let [one, two, five, most] = [1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
@@ -558,7 +559,8 @@ impl<S: Lane> Newton<S> {
         let series = five.multiply_add(ratio, two).multiply_add(ratio, one);
         let over_slope = self.over_slope * series;
         let improved = (-residual).multiply_add(over_slope, self.multiplier);
-        (S::select(residual.abs().le(rest), self.multiplier, improved), over_slope)
+        let rests = residual.abs().le(rest);
+        (S::select(rests, self.multiplier, improved), S::select(rests, self.over_slope, over_slope))
     }
 }
 
