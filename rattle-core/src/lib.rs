@@ -26,7 +26,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
-mod series;
+pub mod series;
 pub mod shadow;
 pub mod shake;
 pub mod simulation;

@@ -5,8 +5,8 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! The coefficients come order by order from recurrences for every operation that the macros wrote (`series`), N²/2
-//! products each. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
+//! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::series)), N²/2 products for
+//! each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
 //! reference to test others with, and for short runs of high accuracy. On surfaces, where functions are smooth.
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no second

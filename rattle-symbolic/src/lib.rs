@@ -36,6 +36,8 @@ pub mod schedule;
 
 mod emit;
 
+mod recurrence;
+
 mod interface;
 
 mod formula;
