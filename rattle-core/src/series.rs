@@ -20,6 +20,10 @@ use crate::ensemble::{InstructionSet, Work};
 use crate::real::Real;
 pub use recurrences::Recurrences;
 
+/// What messages call functions without series.
+pub(crate) const NO_SERIES: &str =
+    "functions without power series (of more than 2000 operations, or not written by a macro)";
+
 /// Products side by side: a cache line of doubles.
 pub const WIDTH: usize = 8;
 
@@ -134,6 +138,12 @@ impl<'a, T: Real, const FIRST: bool> Order<'a, T, FIRST> {
         let first = [first_of(first_left, blocks), first_of(first_right, blocks)];
         Recurrences::new(self.k, first, first_of(&mut self.sums, blocks), [left, right])
     }
+}
+
+/// Either, where a type cannot depend on which.
+pub(crate) enum AnyOrder<'o, 'a, T> {
+    First(&'o mut Order<'a, T, true>),
+    Next(&'o mut Order<'a, T, false>),
 }
 
 /// Takes the first `n` off.

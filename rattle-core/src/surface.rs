@@ -10,6 +10,7 @@ use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
+use crate::series::NO_SERIES;
 use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
 use crate::start::MAX_PROJECTION_STEPS;
 use crate::stepper::{Failure, Need, Witness};
@@ -183,9 +184,7 @@ where
 
     fn refuses(&self, need: Need) -> Option<&'static str> {
         let without = K::SERIES.and(self.field.series_blocks(self.count.number())).is_none();
-        (need == Need::Series && without).then_some(
-            "functions without power series (of more than 2000 operations, or not written by a macro)",
-        )
+        (need == Need::Series && without).then_some(NO_SERIES)
     }
 
     fn collocate<W: Witness<T>, const S: usize>(

@@ -150,6 +150,12 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Err(Failure { body: 0, cause: StepFailure::NoSeries })
     }
 
+    /// The work that moving constraints do in a time h from where the motion was expanded last.
+    #[inline(always)]
+    fn expanded_work(&self, _bodies: &Bodies<Self::Count, T, Self::Kept, D>, _h: f64) -> T {
+        T::from_f64(0.0)
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

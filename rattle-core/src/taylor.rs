@@ -200,6 +200,7 @@ fn arrive<T: Real, Y: System<T, D>, const D: usize>(
         let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
         (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
     }
+    bodies.work = bodies.work + system.expanded_work(bodies, h);
     bodies.time += h;
     system.project(h, bodies)?;
     system.settle(0.0, h, bodies, &mut ())
