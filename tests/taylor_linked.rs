@@ -1,4 +1,4 @@
-//! Taylor's method on linked bodies: masses, trees and nets, redundant, moving and acting links, against exact motions,
+//! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against exact motions,
 //! references, and DOP853, which shares no recurrence with it.
 
 mod common;
@@ -192,6 +192,48 @@ fn a_rigid_body_under_redundant_equations() {
     simulation.run(20).unwrap();
     let attitude = row.numbers(["Q11", "Q12", "Q13", "Q21", "Q22", "Q23", "Q31", "Q32", "Q33"]);
     assert!(distance(simulation.position(), attitude) <= 1e-14, "{}", simulation.position());
+}
+
+potential! {
+    /// The weight of a top, and an uneven field.
+    struct TopWeight { g }
+    |q: [[f64; 3]; 3]| g * q[2][2] + g / (3 + q[0][1]) + sin(q[1][0] * q[2][1])
+}
+
+/// The same reduced to three unknowns, and two tops that act on each other.
+#[test]
+fn rigid_bodies() {
+    let body = Rigid::new([0.6, 0.8, 1.0]);
+    let start = Rigid::start(&Matrix3::identity(), &Vector3::new(1.8, 0.4, -0.9));
+    let rows = table("rigid_body");
+    let row = rows.iter().find(|row| row.number("t") == 1.0).unwrap();
+    let mut simulation = Scene::rigid(body).simulate(start, Taylor::new(18, 0.05)).unwrap();
+    simulation.run(20).unwrap();
+    let attitude = row.numbers(["Q11", "Q12", "Q13", "Q21", "Q22", "Q23", "Q31", "Q32", "Q33"]);
+    assert!(distance(simulation.position(), attitude) <= 2e-15, "{}", simulation.position());
+    let p = simulation.momentum();
+    assert!(distance([p[0], p[1], p[2]], row.numbers(["m1", "m2", "m3"])) <= 2e-15);
+
+    let tops = Scene::rigid(Rigid::new([0.6, 0.6, 0.4])).particles(2).with(TopWeight { g: 1.0 });
+    let tops = tops.with(Ricker { depth: 0.5, radius: 0.8 });
+    let turned = rattle::nalgebra::Rotation3::from_euler_angles(0.4, 0.2, 0.0);
+    let coordinates = [turned.matrix(), &Matrix3::identity()].map(Rigid::coordinates);
+    let start = State::of(coordinates).with_momenta([
+        [0.3, -0.2, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.1, 0.9, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    ]);
+    let after = |method: Taylor| {
+        let mut simulation = tops.simulate(start.clone(), method).unwrap();
+        simulation.run((1.0 / method.step_size()).round() as u64).unwrap();
+        phase(&simulation.state())
+    };
+    let mut other = tops.simulate(start.clone(), Dop853::new(0.005)).unwrap();
+    other.run(200).unwrap();
+    let other = phase(&other.state());
+    let errors =
+        [Taylor::new(18, 0.0125), Taylor::new(4, 0.0125)].map(|method| apart(&after(method), &other));
+    println!("tops: {errors:?}");
+    assert!(errors[0] <= 1e-13 && errors[1] > 1e-8, "{errors:?}");
 }
 
 /// The multipliers that a recorder hears are those of the motion at the two ends of the step.

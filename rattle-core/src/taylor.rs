@@ -7,7 +7,8 @@
 //!
 //! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::series)), N²/2 products for
 //! each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
-//! reference to test others with, and for short runs of high accuracy. On surfaces, where functions are smooth.
+//! reference to test others with, and for short runs of high accuracy. For bodies on surfaces and linked ones, where functions
+//! are smooth; where one is not, coefficients are not finite, and the step is an error.
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no second
 //! try, and a step is a function of the state alone.
@@ -194,7 +195,7 @@ fn arrive<T: Real, Y: System<T, D>, const D: usize>(
         if !finite {
             return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
         }
-        let impulse = system.momentum(body, &change);
+        let impulse = system.expanded_impulse(bodies, body, &change, h);
         let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
         (*q, *q_low) = two_sum(q, &sum(q_low, &way));
         let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
