@@ -8,7 +8,9 @@
 //! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::series)), N²/2 products for
 //! each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
 //! reference to test others with, and for short runs of high accuracy. For bodies on surfaces and linked ones, where functions
-//! are smooth; where one is not, coefficients are not finite, and the step is an error.
+//! are smooth; where one is not, coefficients are not finite, and the step is an error. With a tolerance it takes the least time
+//! of all methods on a double pendulum, from errors of 1e-4 on, and less than DOP853 on surfaces from 1e-10 on
+//! (`examples/accuracy.rs`).
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no second
 //! try, and a step is a function of the state alone.
