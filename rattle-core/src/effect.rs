@@ -267,14 +267,18 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn energy(&self, positions: &[[T; D]]) -> T;
 
     /// Blocks of products that a coefficient of the forces takes; none if they have no power series.
-    fn series_blocks(&self, bodies: usize) -> Option<usize>;
-    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions.
+    fn series_blocks(&self, _bodies: usize) -> Option<usize> {
+        None
+    }
+    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions. Not called
+    /// where there is none.
     fn add_series<const FIRST: bool>(
         &self,
-        positions: &[[T; D]],
-        forces: &mut [[T; D]],
-        order: &mut Order<'_, T, FIRST>,
-    );
+        _positions: &[[T; D]],
+        _forces: &mut [[T; D]],
+        _order: &mut Order<'_, T, FIRST>,
+    ) {
+    }
 }
 
 /// A potential that acts on each body by itself.
