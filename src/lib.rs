@@ -52,8 +52,8 @@ pub mod view;
 
 pub use rattle_core::{
     bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, guess, iteration, kernel,
-    lanes, linked, lobatto, network, phase, real, recorder, scene, shadow, simulation, stepper, surface,
-    system, taylor, variable,
+    lanes, linked, lobatto, network, phase, real, recorder, scene, series, shadow, simulation, stepper,
+    surface, system, taylor, variable,
 };
 
 pub use rattle_core::bdf2::Bdf2;

@@ -190,10 +190,16 @@ fn rows() -> Vec<Row> {
             "Taylor, order 6",
             6,
             Method::Taylor(Taylor::new(6, 1.0)),
-            [[512, 1600], [32, 90], NONE],
+            [[512, 1600], [32, 90], [64, 180]],
             [0.05; 2],
         ),
-        free("Taylor, order 10", 10, Method::Taylor(Taylor::new(10, 1.0)), [NONE, [6, 14], NONE], [0.06; 2]),
+        free(
+            "Taylor, order 10",
+            10,
+            Method::Taylor(Taylor::new(10, 1.0)),
+            [NONE, [6, 14], [34, 56]],
+            [0.06, 0.15],
+        ),
     ]
 }
 
@@ -361,11 +367,6 @@ const BROKEN: f64 = 1e-9;
 /// Steps after which that is seen: the first step of BDF2 is another method's.
 const SOME: u32 = 3;
 
-/// Whether the method moves linked bodies.
-fn links(method: Method) -> bool {
-    method.need() != Need::Series
-}
-
 /// How far so many steps forth and back lead from the start.
 fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
@@ -393,8 +394,8 @@ fn symmetric_methods_go_back_and_others_do_not() {
         let steps = if unstructured.is_some() { SOME } else { 1 };
         let [one, two] = unstructured.unwrap_or([0.01; 2]).map(|h| method.with_step(h));
         let on_surface = there_and_back(&surface, &on_the_way(77), one, steps);
-        let on_links = links(two).then(|| there_and_back(&linked, &both_swinging(), two, steps));
-        for (dq, dp) in [Some(on_surface), on_links].into_iter().flatten() {
+        let on_links = there_and_back(&linked, &both_swinging(), two, steps);
+        for (dq, dp) in [on_surface, on_links] {
             println!("{name:40} {dq:.1e} {dp:.1e}");
             if method.is_symmetric() {
                 // A rounding or two of q and p, which low parts keep from adding up.
@@ -438,11 +439,7 @@ fn methods_are_symplectic_or_shown_not_to_be() {
         let [one, two] = unstructured.unwrap_or([0.02; 2]).map(|h| method.with_step(h));
         let on_surface =
             symplectic_defect(&surface, &on_the_way(40), |state| run(&surface, &state, one, steps));
-        let on_links = if links(two) {
-            symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, two, steps))
-        } else {
-            on_surface
-        };
+        let on_links = symplectic_defect(&linked, &both_swinging(), |state| run(&linked, &state, two, steps));
         println!("{name:40} {on_surface:.1e} {on_links:.1e}");
         if unstructured.is_some() {
             assert!(on_surface > BROKEN && on_links > BROKEN, "{name}: {on_surface:e}, {on_links:e}");
@@ -465,19 +462,16 @@ fn every_method_stays_on_the_constraint() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods =
-            links(method).then(|| linked.simulate(linked.staggered(&start, &method), method).unwrap());
+        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
         let mut worst = [0.0_f64; 4];
         for _ in 0..2000 {
             particle.step().unwrap();
-            if let Some(rods) = &mut rods {
-                rods.step().unwrap();
-            }
+            rods.step().unwrap();
             let found = [
                 particle.constraint_residual(),
                 particle.cotangent_residual(),
-                rods.as_ref().map_or(0.0, Simulation::constraint_residual),
-                rods.as_ref().map_or(0.0, Simulation::cotangent_residual),
+                rods.constraint_residual(),
+                rods.cotangent_residual(),
             ];
             worst = std::array::from_fn(|i| worst[i].max(found[i]));
         }
@@ -543,12 +537,10 @@ fn energy_stays_bounded_in_chaos() {
     let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
-        let on_links = links(method).then(|| energy_errors(&linked, &start, method, 200.0));
         for (problem, quarters) in [
-            ("lemniscate", Some(energy_errors(&surface, &billiard_45(), method, 200.0))),
-            ("double pendulum", on_links),
+            ("lemniscate", energy_errors(&surface, &billiard_45(), method, 200.0)),
+            ("double pendulum", energy_errors(&linked, &start, method, 200.0)),
         ] {
-            let Some(quarters) = quarters else { continue };
             let [a, b, c, d] = quarters.map(|quarter| quarter.1);
             let (first, last) = (a.max(b), c.max(d));
             println!("{name:40} {problem:16} {first:.1e} {last:.1e}");
@@ -633,9 +625,7 @@ fn a_saved_state_goes_on_bit_for_bit() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method), method);
-        if links(method) {
-            goes_on(name, &linked, &linked.staggered(&start, &method), method);
-        }
+        goes_on(name, &linked, &linked.staggered(&start, &method), method);
     }
 }
 
@@ -662,16 +652,13 @@ fn no_step_allocates() {
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
         let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods =
-            links(method).then(|| linked.simulate(linked.staggered(&start, &method), method).unwrap());
+        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
         let allocated = allocation_counter::measure(|| {
             particle.run(50).unwrap();
-            if let Some(rods) = &mut rods {
-                rods.run(50).unwrap();
-            }
+            rods.run(50).unwrap();
         });
         assert_eq!((particle.steps(), allocated.count_total), (50, 0), "{name}");
-        assert!(rods.is_none_or(|rods| rods.steps() == 50), "{name}");
+        assert_eq!(rods.steps(), 50, "{name}");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::kernel::{Constraint, ConstraintKernel, Potential, PotentialKernel};
 use crate::real::Real;
+use crate::series::Order;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -29,7 +30,7 @@ pub struct Counted<X> {
     counts: Counts,
 }
 
-/// How often each function was evaluated, for however many copies of a kernel.
+/// How often each function was evaluated, for however many copies of a kernel; coefficients of power series do not count.
 #[derive(Debug, Clone, Default)]
 pub struct Counts(Arc<[AtomicU64; 3]>);
 
@@ -107,6 +108,11 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
         self.counts.add(false, false, true);
         self.inner.jet(q, v)
     }
+
+    const SERIES: Option<usize> = K::SERIES;
+    fn jacobian_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [[T; D]; M] {
+        self.inner.jacobian_series(q, order)
+    }
 }
 
 impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
@@ -128,5 +134,10 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> PotentialKernel<T, D> fo
     fn gradient(&self, q: &[T; D]) -> [T; D] {
         self.counts.add(false, true, false);
         self.inner.gradient(q)
+    }
+
+    const SERIES: Option<usize> = K::SERIES;
+    fn gradient_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [T; D] {
+        self.inner.gradient_series(q, order)
     }
 }

@@ -9,7 +9,8 @@ use crate::kernel::{PairKernel, PairPotential, Potential, PotentialKernel};
 use crate::lanes::Fused;
 use crate::pairs;
 use crate::real::Real;
-use crate::vector::{add_scaled, dot};
+use crate::series::{Order, blocks};
+use crate::vector::{add_scaled, dot, sum};
 use std::any::type_name;
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -106,6 +107,16 @@ pub trait Field<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn energy(&self, positions: &[[T; D]]) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force.
     fn culprit(&self, positions: &[[T; D]], body: usize) -> Option<(&'static str, [T; D])>;
+
+    /// Blocks of products that a coefficient of all forces takes; none if one has no power series.
+    fn series_blocks(&self, bodies: usize) -> Option<usize>;
+    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions.
+    fn contribute_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    );
 }
 
 /// The effects `E` and one more, `P`.
@@ -137,6 +148,17 @@ impl<T: Real, const D: usize> Field<T, D> for () {
     }
     fn culprit(&self, _: &[[T; D]], _: usize) -> Option<(&'static str, [T; D])> {
         None
+    }
+    fn series_blocks(&self, _: usize) -> Option<usize> {
+        Some(0)
+    }
+    #[inline(always)]
+    fn contribute_series<const FIRST: bool>(
+        &self,
+        _: &[[T; D]],
+        _: &mut [[T; D]],
+        _: &mut Order<'_, T, FIRST>,
+    ) {
     }
 }
 
@@ -190,6 +212,19 @@ impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for S
             (!finite).then_some((self.name, force))
         })
     }
+    fn series_blocks(&self, bodies: usize) -> Option<usize> {
+        Some(self.others.series_blocks(bodies)? + self.effect.series_blocks(bodies)?)
+    }
+    #[inline(always)]
+    fn contribute_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        self.others.contribute_series(positions, forces, order);
+        self.effect.add_series(positions, forces, order);
+    }
 }
 
 /// The name of a type without paths; of a potential over bodies, that of the potential.
@@ -230,6 +265,20 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U.
     fn energy(&self, positions: &[[T; D]]) -> T;
+
+    /// Blocks of products that a coefficient of the forces takes; none if they have no power series.
+    fn series_blocks(&self, _bodies: usize) -> Option<usize> {
+        None
+    }
+    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions. Not called
+    /// where there is none.
+    fn add_series<const FIRST: bool>(
+        &self,
+        _positions: &[[T; D]],
+        _forces: &mut [[T; D]],
+        _order: &mut Order<'_, T, FIRST>,
+    ) {
+    }
 }
 
 /// A potential that acts on each body by itself.
@@ -257,6 +306,20 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
+    }
+    fn series_blocks(&self, bodies: usize) -> Option<usize> {
+        Some(bodies * K::SERIES?)
+    }
+    #[inline(always)]
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for (q, force) in positions.iter().zip(forces) {
+            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient_series(q, order));
+        }
     }
 }
 
@@ -308,6 +371,28 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
             }
         }
         energy
+    }
+    fn series_blocks(&self, bodies: usize) -> Option<usize> {
+        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + K::SERIES?))
+    }
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for i in 1..positions.len() {
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                let mut own = order.take(blocks(2 * D));
+                let squares = (0..D).map(|d| own.square(d, apart[d]));
+                let s = squares.fold(T::from_f64(0.0), |sum, square| sum + square);
+                let slope = self.kernel.slope_series(s, order);
+                let pull: [T; D] = from_fn(|d| T::from_f64(-2.0) * own.product(D + d, apart[d], slope));
+                forces[i] = sum(&forces[i], &pull);
+                forces[j] = add_scaled(&forces[j], T::from_f64(-1.0), &pull);
+            }
+        }
     }
 }
 
@@ -394,5 +479,21 @@ impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A:
     fn energy(&self, positions: &[[T; D]]) -> T {
         let energies = self.each(positions).map(|(kernel, _, variables)| kernel.value(&variables));
         energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
+    }
+    fn series_blocks(&self, _: usize) -> Option<usize> {
+        Some(self.members.len() * X::SERIES?)
+    }
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for (kernel, member, variables) in self.each(positions) {
+            let gradient = kernel.gradient_series(&variables, order);
+            for (a, &body) in member.iter().enumerate() {
+                forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
+            }
+        }
     }
 }

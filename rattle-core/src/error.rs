@@ -719,9 +719,7 @@ pub enum StepFailure {
         stages: usize,
     },
     /// The system has no power series.
-    #[error(
-        "these bodies have no power series of their motion; simulate them by `Taylor` on a surface, or use another method"
-    )]
+    #[error("these bodies have no power series of their motion; use another method")]
     NoSeries,
     /// The system has no collocation.
     #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]

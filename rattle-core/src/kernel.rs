@@ -11,6 +11,7 @@
 
 use crate::effect::Over;
 use crate::real::Real;
+use crate::series::Order;
 use nalgebra::{SMatrix, SVector};
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
@@ -113,6 +114,18 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         sum
     }
 
+    /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series, for
+    /// functions of more than 2000 operations.
+    const SERIES: Option<usize> = None;
+    /// The next coefficient of ∂g/∂q along a curve as a power series in time, from that of q; lower ones are known.
+    fn jacobian_series<const FIRST: bool>(
+        &self,
+        _q: &[T; D],
+        _order: &mut Order<'_, T, FIRST>,
+    ) -> [[T; D]; M] {
+        [[T::from_f64(f64::NAN); D]; M]
+    }
+
     /// How many numbers [`kinks`](Self::kinks) writes.
     const KINKS: usize = 0;
     /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
@@ -164,6 +177,13 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
     fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
         (self.value(q), self.gradient(q))
     }
+
+    /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
+    const SERIES: Option<usize> = None;
+    /// The next coefficient of ∇U along a curve as a power series in time, from that of q; lower ones are known.
+    fn gradient_series<const FIRST: bool>(&self, _q: &[T; D], _order: &mut Order<'_, T, FIRST>) -> [T; D] {
+        [T::from_f64(f64::NAN); D]
+    }
 }
 
 /// A potential energy U(r) of two bodies at distance r. Written by `pair_potential!`.
@@ -200,6 +220,13 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
     fn slope(&self, s: T) -> T;
+
+    /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
+    const SERIES: Option<usize> = None;
+    /// The next coefficient of dU/ds as a power series in time, from that of s; lower ones are known.
+    fn slope_series<const FIRST: bool>(&self, _s: T, _order: &mut Order<'_, T, FIRST>) -> T {
+        T::from_f64(f64::NAN)
+    }
 }
 
 /// An energy H(q, p) with D degrees of freedom. Written by `hamiltonian!`.

@@ -27,7 +27,7 @@ pub mod real;
 pub mod recorder;
 pub mod rigid;
 pub mod scene;
-mod series;
+pub mod series;
 pub mod shadow;
 pub mod shake;
 pub mod simulation;

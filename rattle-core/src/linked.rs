@@ -21,6 +21,7 @@
 
 mod chords;
 mod collocation;
+mod series;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
@@ -28,6 +29,7 @@ use crate::error::{EquationAt, Passing, StepFailure};
 use crate::iteration::{Iteration, Kind};
 use crate::lobatto::Table;
 use crate::network::{Report, Root, Rows, Shape, Solver};
+use crate::series::NO_SERIES;
 use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, largest, sum, two_sum};
@@ -85,6 +87,8 @@ pub struct Kept<F, const D: usize> {
     room: Room<D>,
     /// Room for a method with inner stages.
     stages: Option<Box<Stages<F, D>>>,
+    /// Room for power series.
+    series: Option<Box<series::Room<D>>>,
 }
 
 /// What the position equations have cost since the start of a simulation.
@@ -208,6 +212,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             counts: Counts::default(),
             room,
             stages: None,
+            series: None,
         };
         let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
@@ -227,7 +232,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         match need {
             Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
             Need::Differences => self.moves_with_time().then_some("a network whose links move"),
-            Need::Series => Some("a network"),
+            Need::Series => self.series_blocks().is_none().then_some(NO_SERIES),
             Need::Verbs | Need::PositionEquation => None,
         }
     }
@@ -472,6 +477,24 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         witness: &mut W,
     ) -> Result<(), Failure> {
         self.collocate(table, h, bodies, memory, witness)
+    }
+
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize) {
+        bodies.kept.series = self.room_for_series(orders);
+    }
+
+    fn expand<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        series: &mut [[f64; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series, witness)
+    }
+
+    fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
+        let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
+        work.fold(0.0, |sum, coefficient| coefficient + h * sum)
     }
 
     fn equations(&self) -> usize {

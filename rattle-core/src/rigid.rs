@@ -13,12 +13,15 @@
 //!
 //! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to rounding.
 
+mod series;
+
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Effects, Field, Force};
 use crate::error::{Error, NetworkMistake, Passing, StartFailure, StepFailure};
 use crate::iteration::Iteration;
 use crate::lobatto::Table;
 use crate::scene::Hold;
+use crate::series::NO_SERIES;
 use crate::solver::START_TOLERANCE;
 use crate::start::finite;
 use crate::state::State;
@@ -146,10 +149,10 @@ struct Place {
 }
 
 impl Place {
-    fn of<N: Count, X: Force<f64, 9>>(bodies: &Bodies<N, f64, Vec<X>, 9>, number: usize) -> Self {
+    fn of<N: Count, X: Force<f64, 9>>(bodies: &Bodies<N, f64, Kept<X>, 9>, number: usize) -> Self {
         let body = bodies.body(number);
         let attitude = Rigid::attitude(&body.q);
-        let torque = turning_part(&attitude, &Rigid::attitude(&bodies.kept[number].components()));
+        let torque = turning_part(&attitude, &Rigid::attitude(&bodies.kept.force[number].components()));
         Self { attitude, m: Vector3::from_row_slice(&body.p[..3]), torque, body }
     }
 
@@ -185,7 +188,16 @@ pub struct Turning<F, N> {
     count: N,
 }
 
-type BodiesOf<F, N> = Bodies<N, f64, Vec<<F as Field<f64, 9>>::Force>, 9>;
+/// What is kept from one step to the next.
+#[derive(Debug, Clone)]
+pub struct Kept<X> {
+    /// Forces last evaluated.
+    force: Vec<X>,
+    /// Room for power series.
+    series: Option<Box<series::Room>>,
+}
+
+type BodiesOf<F, N> = Bodies<N, f64, Kept<<F as Field<f64, 9>>::Force>, 9>;
 
 impl Hold<9> for Rigid {
     type System<E: Effects<9>, N: Count> = Turning<E::Field<f64>, N>;
@@ -257,11 +269,11 @@ fn check(state: &Body<f64, 9>) -> Result<(), StartFailure> {
 
 impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Count = N;
-    type Kept = Vec<F::Force>;
+    type Kept = Kept<F::Force>;
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, 9>, time: f64) -> BodiesOf<F, N> {
-        let forces = vec![F::Force::zero(); self.count.number()];
-        let mut bodies = Bodies::new(self.count, forces, place, time);
+        let kept = Kept { force: vec![F::Force::zero(); self.count.number()], series: None };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
         bodies
     }
@@ -300,7 +312,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N>) {
-        self.field.evaluate(bodies.q.as_ref(), &mut bodies.kept);
+        self.field.evaluate(bodies.q.as_ref(), &mut bodies.kept.force);
     }
 
     fn settle<W: Witness<f64>>(
@@ -374,8 +386,30 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
     }
 
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
+        bodies.kept.series = self.room_for_series(orders);
+    }
+
+    fn expand<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N>,
+        series: &mut [[f64; 9]],
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series)
+    }
+
+    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, _: &[f64; 9], h: f64) -> [f64; 9] {
+        let impulse = bodies.kept.series.as_ref().map_or([0.0; 3], |room| room.impulse(body, h));
+        spread(&impulse.into())
+    }
+
     fn refuses(&self, need: Need) -> Option<&'static str> {
-        (need != Need::Verbs).then_some(REDUCED)
+        match need {
+            Need::Verbs => None,
+            Need::Series => self.field.series_blocks(self.count.number()).is_none().then_some(NO_SERIES),
+            _ => Some(REDUCED),
+        }
     }
 
     fn equations(&self) -> usize {

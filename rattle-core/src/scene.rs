@@ -14,12 +14,11 @@ use crate::simulation::Simulation;
 use crate::start;
 use crate::state::State;
 use crate::stepper::{Need, Stepper, check_step_size};
-use crate::surface::{Motion, OnSurface};
+use crate::surface::OnSurface;
 use crate::system::System;
 use crate::vector::{add_scaled, dot, two_sum};
 use nalgebra::SVector;
 use std::marker::PhantomData;
-use std::sync::Arc;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
 ///
@@ -127,9 +126,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
             start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
-        let motion = (method.need() == Need::Series).then(|| Motion::of(self, effects, count.number()));
-        let motion = motion.flatten().map(Arc::new);
-        Ok(OnSurface { motion, ..OnSurface::new(constraint, effects.field(), count) })
+        Ok(OnSurface::new(constraint, effects.field(), count))
     }
 
     fn particles(self, _: usize) -> Self {

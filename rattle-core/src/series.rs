@@ -1,175 +1,162 @@
-//! Power series of recorded functions: what a macro wrote, run once over a scalar that notes its operations, then any
-//! number of coefficients of it along a curve, each from those before.
+//! Power series, one coefficient at a time: what the macros' functions are along a curve q(t) = Σ qₖ tᵏ.
 //!
 //! ```text
-//! (a b)ₖ = Σⱼ aⱼ bₖ₋ⱼ      (a/b)ₖ = (aₖ − Σⱼ≥₁ bⱼ (a/b)ₖ₋ⱼ)/b₀      y = f(a):  yₖ = (1/k) Σⱼ≥₁ j aⱼ wₖ₋ⱼ,  w = f′(a)
+//! (a b)ₖ = a₀ bₖ + aₖ b₀ + Σ aⱼ bₖ₋ⱼ,   0 < j < k
 //! ```
 //!
-//! xₖ is the coefficient of tᵏ. w is recorded too: √ has ½/y, exp itself, sin has cos. One coefficient of one operation
-//! costs k products: N of them N²/2, where a scalar of whole series in the same code would cost N³/3 in a differential
-//! equation, all N coefficients for each new one. Signs and choices are those at t = 0; where one turns just there, there is
-//! no series, and coefficients are NaN.
+//! Every operation that is not linear comes down to such a product, of two series of which one may be the result itself
+//! ([`Recurrences`]). The sum is known before the coefficient k of anything is. So the [`Products`] of all functions of a
+//! system are kept side by side, eight in a block: first their sums are formed, as wide as the processor's registers are;
+//! then each function goes through its operations once, with two products for each.
+//!
+//! N coefficients of one operation cost N²/2 products. A scalar of whole series in the same code would cost N³/3 in a
+//! differential equation, all N for each new one.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
-mod recording;
+mod recurrences;
 
-use crate::real::{Mask, Real};
-pub(crate) use recording::{Recorded, record};
+use crate::ensemble::{InstructionSet, Work};
+use crate::real::Real;
+pub use recurrences::Recurrences;
 
-/// An operation, on earlier ones by their number; a slope may also be a later one, and is then known one order behind.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Operation {
-    Constant(f64),
-    Input(usize),
-    Shift(usize, f64),
-    Scale(usize, f64),
-    /// a divided by a number.
-    Ratio(usize, f64),
-    Add(usize, usize),
-    Subtract(usize, usize),
-    Negate(usize),
-    Multiply(usize, usize),
-    Divide(usize, usize),
-    Root(usize),
-    /// f of a, with its derivative.
-    Function(Function, usize, usize),
-    /// f of a and b, with both derivatives.
-    Function2(Function2, [usize; 2], [usize; 2]),
-    Sign(usize),
-    /// 1 or 0 by the values at t = 0.
-    Less(usize, usize),
-    AtMost(usize, usize),
-    And(usize, usize),
-    Or(usize, usize),
-    Not(usize),
-    /// b or c, as a is 1 or 0.
-    Select(usize, usize, usize),
+/// What messages call functions without series.
+pub(crate) const NO_SERIES: &str =
+    "functions without power series (of more than 2000 operations, or not written by a macro)";
+
+/// Products side by side: a cache line of doubles.
+pub const WIDTH: usize = 8;
+
+/// One coefficient of a factor of eight products.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct Block<T>([T; WIDTH]);
+
+/// How many blocks so many products take.
+pub(crate) const fn blocks(products: usize) -> usize {
+    products.div_ceil(WIDTH)
 }
 
-macro_rules! functions {
-    ($($name:ident $method:ident)*) => {
-        /// Functions of one number; other than those of `Operation` only in their first coefficient.
-        #[derive(Debug, Clone, Copy, PartialEq)]
-        enum Function { $($name),* }
-
-        impl Function {
-            fn value<T: Real>(self, x: T) -> T {
-                match self { $(Self::$name => x.$method()),* }
-            }
-        }
-    };
-}
-functions! {
-    Cbrt cbrt Exp exp Ln ln Log10 log10 Log2 log2 Sin sin Cos cos Tan tan Asin asin Acos acos Atan atan
-    Sinh sinh Cosh cosh Tanh tanh Asinh asinh Acosh acosh Atanh atanh Erf erf
-}
-
-/// Functions of two numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Function2 {
-    Power,
-    Angle,
-    Length,
-}
-
-/// A recorded function of some inputs.
+/// The factors of all products of a system, with all coefficients that are known.
+///
+/// ```
+/// use rattle_core::series::Products;
+///
+/// // 1/(1 − t)² from 1/(1 − t) = 1 + t + t² + …
+/// let mut products = Products::new(1, 4);
+/// let mut found = vec![products.first().take(1).square(0, 1.0)];
+/// found.extend((1..4).map(|k| products.next(k).take(1).square(0, 1.0)));
+/// assert_eq!(found, [1.0, 2.0, 3.0, 4.0]);
+/// ```
 #[derive(Debug, Clone)]
-pub(crate) struct Program {
-    operations: Vec<Operation>,
-    outputs: Vec<usize>,
+pub struct Products<T> {
+    /// Blocks of one coefficient.
+    blocks: usize,
+    /// Coefficient by coefficient.
+    left: Vec<Block<T>>,
+    right: Vec<Block<T>>,
+    /// Σ aⱼ bₖ₋ⱼ over 0 < j < k, of the order under way.
+    sums: Vec<Block<T>>,
 }
 
-impl Program {
-    /// How many numbers the coefficients of all operations need, up to those of so many orders.
-    pub(crate) fn room(&self, orders: usize) -> usize {
-        self.operations.len() * orders
+impl<T: Real> Products<T> {
+    /// Room for so many blocks of [`WIDTH`] products, and so many coefficients of each.
+    #[must_use]
+    pub fn new(blocks: usize, orders: usize) -> Self {
+        let zeros = |n| vec![Block([T::from_f64(0.0); WIDTH]); n];
+        Self { blocks, left: zeros(blocks * orders), right: zeros(blocks * orders), sums: zeros(blocks) }
     }
 
-    /// The coefficients of an output that are known.
-    pub(crate) fn output<'a, T>(&self, output: usize, orders: usize, tape: &'a [T]) -> &'a [T] {
-        &tape[self.outputs[output] * orders..][..orders]
+    /// Begins with the coefficients 0: values.
+    #[inline(always)]
+    pub fn first(&mut self) -> Order<'_, T, true> {
+        let n = self.blocks;
+        let (left, right) = (&mut self.left[..n], &mut self.right[..n]);
+        let unknown = &self.sums[..n];
+        Order { k: 0, first: [unknown; 2], sums: unknown, now: [left, right] }
     }
 
-    /// Adds the coefficients of order `k` to the lower ones on the tape; `input` has those of the inputs.
-    pub(crate) fn extend<T: Real>(
-        &self,
-        k: usize,
-        orders: usize,
-        tape: &mut [T],
-        input: impl Fn(usize) -> T,
-    ) {
-        for (number, &operation) in self.operations.iter().enumerate() {
-            let of = |a: usize| &tape[a * orders..][..=k];
-            let at = |a: usize| tape[a * orders + k];
-            let first = |a: usize| tape[a * orders];
-            let constant = |x: f64| T::from_f64(if k == 0 { x } else { 0.0 });
-            let holds = |mask: T::Mask| T::select(mask, T::from_f64(1.0), T::from_f64(0.0));
-            let is = |a: usize| T::from_f64(0.5).lt(first(a));
-            // A choice that turns just here has no series: 0 if a = b stays so, else NaN.
-            let tie = |a: T, b: T, change: T| {
-                let (zero, nan) = (T::from_f64(0.0), T::from_f64(f64::NAN));
-                T::select(a.lt(b).or(b.lt(a)).or(change.le(zero).and(zero.le(change))), zero, nan)
-            };
-            let new = match operation {
-                Operation::Constant(x) => constant(x),
-                Operation::Input(i) => input(i),
-                Operation::Shift(a, x) if k == 0 => at(a) + T::from_f64(x),
-                Operation::Shift(a, _) => at(a),
-                Operation::Scale(a, x) => at(a) * T::from_f64(x),
-                Operation::Ratio(a, x) => at(a) / T::from_f64(x),
-                Operation::Add(a, b) => at(a) + at(b),
-                Operation::Subtract(a, b) => at(a) - at(b),
-                Operation::Negate(a) => -at(a),
-                Operation::Multiply(a, b) => convolution(of(a), of(b)),
-                Operation::Divide(a, b) if k == 0 => at(a) / at(b),
-                Operation::Divide(a, b) => (at(a) - convolution(&of(b)[1..], &of(number)[..k])) / first(b),
-                Operation::Root(a) if k == 0 => at(a).sqrt(),
-                Operation::Root(a) => {
-                    let y = &of(number)[1..k];
-                    (at(a) - convolution(y, y)) / (first(number) + first(number))
+    /// Goes on with the coefficients k ≥ 1; lower ones are known.
+    #[inline(always)]
+    pub fn next(&mut self, k: usize) -> Order<'_, T, false> {
+        let n = self.blocks;
+        let (left, right) = (&self.left[..k * n], &self.right[..k * n]);
+        InstructionSet::Avx2.run(Sums { left, right, sums: &mut self.sums });
+        let (known_left, left) = self.left.split_at_mut(k * n);
+        let (known_right, right) = self.right.split_at_mut(k * n);
+        let first = [&known_left[..n], &known_right[..n]];
+        Order { k, first, sums: &self.sums, now: [&mut left[..n], &mut right[..n]] }
+    }
+}
+
+/// Forms the sums of a new order, the same bits with any instructions: products and sums are rounded one by one.
+struct Sums<'a, T> {
+    left: &'a [Block<T>],
+    right: &'a [Block<T>],
+    sums: &'a mut [Block<T>],
+}
+
+impl<T: Real> Work for Sums<'_, T> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let n = self.sums.len();
+        for b in 0..n {
+            let mut total = [T::from_f64(0.0); WIDTH];
+            let (mut i, mut j) = (n + b, self.right.len() - n + b);
+            while i < self.left.len() {
+                let (a, b) = (&self.left[i].0, &self.right[j].0);
+                for lane in 0..WIDTH {
+                    total[lane] = total[lane] + a[lane] * b[lane];
                 }
-                Operation::Function(function, a, _) if k == 0 => function.value(at(a)),
-                Operation::Function(_, a, slope) => integral(of(a), &of(slope)[..k]),
-                Operation::Function2(function, [a, b], _) if k == 0 => match function {
-                    Function2::Power => at(a).powf(at(b)),
-                    Function2::Angle => at(a).atan2(at(b)),
-                    Function2::Length => at(a).hypot(at(b)),
-                },
-                Operation::Function2(_, [a, b], [slope_a, slope_b]) => {
-                    integral(of(a), &of(slope_a)[..k]) + integral(of(b), &of(slope_b)[..k])
-                }
-                Operation::Select(a, b, c) if k == 0 => T::select(is(a), at(b), at(c)),
-                Operation::Select(a, b, c) => T::select(is(a), at(b), at(c)) + at(a),
-                // What follows is locally constant.
-                Operation::Sign(a) if k == 0 => at(a).sign(),
-                Operation::Sign(a) => tie(first(a), T::from_f64(0.0), at(a)),
-                Operation::Less(a, b) if k == 0 => holds(at(a).lt(at(b))),
-                Operation::AtMost(a, b) if k == 0 => holds(at(a).le(at(b))),
-                Operation::Less(a, b) | Operation::AtMost(a, b) => tie(first(a), first(b), at(a) - at(b)),
-                Operation::And(a, b) if k == 0 => at(a) * at(b),
-                Operation::Or(a, b) if k == 0 => at(a).max(at(b)),
-                Operation::And(a, b) | Operation::Or(a, b) => at(a) + at(b),
-                Operation::Not(a) if k == 0 => T::from_f64(1.0) - at(a),
-                Operation::Not(a) => at(a),
-            };
-            tape[number * orders + k] = new;
+                (i, j) = (i + n, j - n);
+            }
+            self.sums[b] = Block(total);
         }
     }
 }
 
-/// Σ aᵢ bⱼ over i + j = the last index of both.
-fn convolution<T: Real>(a: &[T], b: &[T]) -> T {
-    let products = a.iter().zip(b.iter().rev());
-    products.fold(T::from_f64(0.0), |sum, (&a, &b)| sum + a * b)
+/// The coefficients k of all products, those not yet taken: functions take theirs in turn, in the same order for each k.
+/// `FIRST` where k = 0.
+#[derive(Debug)]
+pub struct Order<'a, T, const FIRST: bool> {
+    k: usize,
+    /// The coefficients 0 of both factors; nothing where these are the first.
+    first: [&'a [Block<T>]; 2],
+    sums: &'a [Block<T>],
+    now: [&'a mut [Block<T>]; 2],
 }
 
-/// The coefficient k ≥ 1 of ∫ a′ w dt, from a₀ … aₖ and w₀ … wₖ₋₁.
-fn integral<T: Real>(a: &[T], slope: &[T]) -> T {
-    let (mut sum, mut j) = (T::from_f64(0.0), 0.0);
-    for (&a, &w) in a[1..].iter().zip(slope.iter().rev()) {
-        j += 1.0;
-        sum = sum + T::from_f64(j) * a * w;
+impl<'a, T: Real, const FIRST: bool> Order<'a, T, FIRST> {
+    /// The next so many blocks.
+    #[inline(always)]
+    pub fn take(&mut self, blocks: usize) -> Recurrences<'a, T, FIRST> {
+        let [left, right] = &mut self.now;
+        let (left, right) = (first_mut(left, blocks), first_mut(right, blocks));
+        let [first_left, first_right] = &mut self.first;
+        let first = [first_of(first_left, blocks), first_of(first_right, blocks)];
+        Recurrences::new(self.k, first, first_of(&mut self.sums, blocks), [left, right])
     }
-    sum / T::from_f64(j)
+}
+
+/// Either, where a type cannot depend on which.
+pub(crate) enum AnyOrder<'o, 'a, T> {
+    First(&'o mut Order<'a, T, true>),
+    Next(&'o mut Order<'a, T, false>),
+}
+
+/// Takes the first `n` off.
+#[inline(always)]
+fn first_of<'a, B>(all: &mut &'a [B], n: usize) -> &'a [B] {
+    let (first, rest) = all.split_at(n);
+    *all = rest;
+    first
+}
+
+#[inline(always)]
+fn first_mut<'a, B>(all: &mut &'a mut [B], n: usize) -> &'a mut [B] {
+    let (first, rest) = std::mem::take(all).split_at_mut(n);
+    *all = rest;
+    first
 }

@@ -1,4 +1,16 @@
-//! What a method is: a map that takes all bodies one step on.
+//! What a method is: a map that takes all bodies one step on. Which method moves which system:
+//!
+//! | method | surfaces | free bodies | links | links that move | acting links | rigid bodies | phase space |
+//! |---|---|---|---|---|---|---|---|
+//! | `Rattle`, and compositions of it | yes | yes | yes | yes | yes | yes | yes |
+//! | `Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler` | yes | yes | yes | yes | yes | yes | – |
+//! | `Lobatto` | yes | yes | yes | yes | – | – | – |
+//! | `Leapfrog` | – | yes | – | – | – | yes | – |
+//! | `Dop853` | yes | yes | yes | yes | yes | yes | – |
+//! | `Taylor` | yes | yes | yes | yes | yes | yes | – |
+//! | `Bdf2` | yes | yes | yes | – | yes | – | – |
+//!
+//! Others are refused before a run, see [`Need`].
 
 use crate::bodies::Bodies;
 use crate::effect::Field;

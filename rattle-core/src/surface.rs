@@ -11,16 +11,14 @@ use crate::iteration::{Iteration, Kind};
 use crate::kernel::ConstraintKernel;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
+use crate::series::NO_SERIES;
 use crate::solver::{Departure, FAR_GUESS, Landing, multiplier_from_curvature};
 use crate::start::MAX_PROJECTION_STEPS;
 use crate::stepper::{Failure, Need, Witness};
 use crate::system::System;
 use crate::vector::{dot, largest, scaled, sum, two_sum};
 use collocation::Stages;
-use series::Tapes;
-use std::sync::Arc;
-
-pub(crate) use series::Motion;
+use series::Room;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
@@ -31,14 +29,12 @@ pub struct OnSurface<K, F, N> {
     pub field: F,
     /// How many bodies there are.
     pub count: N,
-    /// g and U recorded, for methods that ask for power series.
-    pub(crate) motion: Option<Arc<Motion>>,
 }
 
 impl<K, F, N> OnSurface<K, F, N> {
     /// So many bodies on this surface in this field.
     pub fn new(constraint: K, field: F, count: N) -> Self {
-        Self { constraint, field, count, motion: None }
+        Self { constraint, field, count }
     }
 }
 
@@ -61,7 +57,7 @@ pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
     /// Room for a method with inner stages.
     stages: Option<Box<Stages<T, F, D>>>,
     /// Room for power series.
-    tapes: Option<Box<Tapes<T>>>,
+    series: Option<Box<Room<T, D>>>,
 }
 
 type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
@@ -78,7 +74,7 @@ where
 
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, tapes: None };
+        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, place, 0.0);
         self.refresh(&mut bodies);
         bodies
@@ -172,8 +168,7 @@ where
     }
 
     fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
-        let tapes = |motion: &Arc<Motion>| Box::new(Tapes::new(motion, self.count.number(), orders));
-        bodies.kept.tapes = self.motion.as_ref().map(tapes);
+        bodies.kept.series = self.room_for_series(orders);
     }
 
     fn expand<W: Witness<T>>(
@@ -186,8 +181,8 @@ where
     }
 
     fn refuses(&self, need: Need) -> Option<&'static str> {
-        let unknown = need == Need::Series && self.motion.is_none();
-        unknown.then_some("functions that go different ways by their values")
+        let without = K::SERIES.and(self.field.series_blocks(self.count.number())).is_none();
+        (need == Need::Series && without).then_some(NO_SERIES)
     }
 
     fn collocate<W: Witness<T>, const S: usize>(

@@ -154,6 +154,24 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Err(Failure { body: 0, cause: StepFailure::NoSeries })
     }
 
+    /// The change of a body's momentum in a time h from where the motion was expanded last, from that of its velocity.
+    #[inline(always)]
+    fn expanded_impulse(
+        &self,
+        _bodies: &Bodies<Self::Count, T, Self::Kept, D>,
+        body: usize,
+        change: &[T; D],
+        _h: f64,
+    ) -> [T; D] {
+        self.momentum(body, change)
+    }
+
+    /// The work that moving constraints do in a time h from where the motion was expanded last.
+    #[inline(always)]
+    fn expanded_work(&self, _bodies: &Bodies<Self::Count, T, Self::Kept, D>, _h: f64) -> T {
+        T::from_f64(0.0)
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

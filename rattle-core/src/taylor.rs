@@ -5,9 +5,12 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! The coefficients come order by order from recurrences for every operation that the macros wrote (`series`), N²/2
-//! products each. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
-//! reference to test others with, and for short runs of high accuracy. On surfaces, where functions are smooth.
+//! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::series)), N²/2 products for
+//! each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
+//! reference to test others with, and for short runs of high accuracy. For bodies on surfaces and linked ones, where functions
+//! are smooth; where one is not, coefficients are not finite, and the step is an error. With a tolerance it takes the least time
+//! of all methods on a double pendulum, from errors of 1e-4 on, and less than DOP853 on surfaces from 1e-10 on
+//! (`examples/accuracy.rs`).
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no second
 //! try, and a step is a function of the state alone.
@@ -194,12 +197,13 @@ fn arrive<T: Real, Y: System<T, D>, const D: usize>(
         if !finite {
             return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
         }
-        let impulse = system.momentum(body, &change);
+        let impulse = system.expanded_impulse(bodies, body, &change, h);
         let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
         (*q, *q_low) = two_sum(q, &sum(q_low, &way));
         let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
         (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
     }
+    bodies.work = bodies.work + system.expanded_work(bodies, h);
     bodies.time += h;
     system.project(h, bodies)?;
     system.settle(0.0, h, bodies, &mut ())

@@ -62,6 +62,9 @@ use rattle_symbolic::expand::{Macro, expand};
 ///
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
 /// no influence, NaN or not.
+///
+/// Power series of derivatives along a curve, for `Taylor`, are those of the branch at its start; where one turns just there,
+/// or a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0), coefficients are NaN or infinite, and a step is an error.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()

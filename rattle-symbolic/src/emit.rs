@@ -46,7 +46,7 @@ impl Contraction {
 }
 
 pub(crate) struct Emitter<'a> {
-    graph: &'a Graph,
+    pub(crate) graph: &'a Graph,
     /// The nodes that the kernel holds, ascending.
     fields: Vec<Id>,
 }
@@ -152,7 +152,7 @@ impl<'a> Emitter<'a> {
     }
 
     /// The statement for what costs nothing to have: fields, constants and inputs.
-    fn given(&self, id: Id, spelling: Spelling, owner: &TokenStream) -> TokenStream {
+    pub(crate) fn given(&self, id: Id, spelling: Spelling, owner: &TokenStream) -> TokenStream {
         let name = temporary(id);
         match self.fields.binary_search(&id) {
             Ok(place) => {
@@ -347,7 +347,7 @@ fn infix(a: Ident, operator: TokenStream, b: Ident) -> TokenStream {
     quote!(#a #operator #b)
 }
 
-fn temporary(id: Id) -> Ident {
+pub(crate) fn temporary(id: Id) -> Ident {
     format_ident!("__t{}", id.0, span = Span::call_site()) // a user's constant `t0` would be a pattern
 }
 

@@ -7,6 +7,7 @@ use crate::interface::Method;
 use crate::lower::{Expectation, Lowered, lower};
 use crate::parse::parse;
 use crate::problems::Problems;
+use crate::recurrence::Series;
 use crate::routine::{self, Routines};
 use crate::syntax::{Item, Parameter, Shape};
 use proc_macro2::{Ident, Literal, TokenStream, TokenTree};
@@ -214,6 +215,7 @@ impl Kernel<'_> {
         let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
         let functions = functions.map(|method| self.function(&method, which));
         let (constants, kinks) = self.structure_of_equations(which);
+        let series = self.series(which);
         let declarations = self.emitter.declarations();
         let parameters = self.parameters();
         let construction = self.emitter.construction(&kernel, &|input| match input {
@@ -247,6 +249,7 @@ impl Kernel<'_> {
                 impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
                     #kinks
+                    #series
                 }
             };
         }
@@ -292,6 +295,28 @@ impl Kernel<'_> {
             }
         };
         (sparsity, kinks)
+    }
+
+    /// The recurrences of the derivatives along a curve, for functions that are not too large for it.
+    fn series(&self, which: Macro) -> TokenStream {
+        let Some((of, method)) = which.series(self.sizes) else { return TokenStream::new() };
+        let Some(routine) = self.routines.named(of) else { return TokenStream::new() };
+        if self.routines.operations(&routine.roots) > routine::LARGE {
+            return TokenStream::new();
+        }
+        let Series { blocks, statements, results } =
+            Series::of(self.emitter, &routine.roots, &which.spelling(self.sizes));
+        let result = method.result.filled(&mut results.into_iter());
+        let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
+        quote! {
+            const SERIES: Option<usize> = Some(#blocks);
+
+            #[inline(always)]
+            #signature {
+                #statements
+                #result
+            }
+        }
     }
 
     /// Each component of the parameters, as the scalar.

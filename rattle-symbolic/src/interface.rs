@@ -60,11 +60,28 @@ pub(crate) struct Method {
 }
 
 impl Method {
+    fn new(name: &'static str, arguments: &[(&'static str, &Form)], result: Form) -> Self {
+        let arguments = arguments.iter().map(|&(name, form)| (name, form.clone())).collect();
+        Self { name, arguments, result }
+    }
+
     pub(crate) fn signature(&self) -> TokenStream {
         let name = Ident::new(self.name, Span::call_site());
         let arguments = self.arguments().into_iter().map(|(name, form)| quote!(#name: #form));
         let result = self.result.tokens();
         quote!(fn #name(&self, #(#arguments),*) -> #result)
+    }
+
+    /// The same for the function that makes coefficients of power series.
+    pub(crate) fn series_signature(&self) -> TokenStream {
+        let name = Ident::new(self.name, Span::call_site());
+        let arguments = self.arguments().into_iter().map(|(name, form)| quote!(#name: #form));
+        let result = self.result.tokens();
+        quote! {
+            fn #name<const FIRST: bool>(
+                &self, #(#arguments,)* __order: &mut ::rattle::series::Order<'_, T, FIRST>,
+            ) -> #result
+        }
     }
 
     /// The names and types of the arguments.
@@ -103,11 +120,7 @@ impl Macro {
     /// The functions of the kernel's trait; their results are those of the routines of that name.
     pub(crate) fn methods(self, sizes: &Sizes) -> Vec<Method> {
         let (d, m) = (sizes.variables, sizes.roots);
-        let method = |name, arguments: &[(&'static str, &Form)], result: Form| Method {
-            name,
-            arguments: arguments.iter().map(|&(name, form)| (name, form.clone())).collect(),
-            result,
-        };
+        let method = Method::new;
         let tuple = |parts: &[&Form]| Form::Tuple(parts.iter().map(|&part| part.clone()).collect());
         let number = Form::Number;
         match self {
@@ -159,6 +172,20 @@ impl Macro {
                     method("hessian_vector", &[("q", &q), ("p", &q), ("dq", &q), ("dp", &q)], both),
                 ]
             }
+        }
+    }
+
+    /// The function of which the kernel has power series too, and the one that makes their coefficients.
+    pub(crate) fn series(self, sizes: &Sizes) -> Option<(&'static str, Method)> {
+        let (q, number) = (Form::array(sizes.variables), Form::Number);
+        let rows = q.clone().of(sizes.roots);
+        match self {
+            Macro::Constraint => Some(("jacobian", Method::new("jacobian_series", &[("q", &q)], rows))),
+            Macro::Potential => Some(("gradient", Method::new("gradient_series", &[("q", &q)], q.clone()))),
+            Macro::PairPotential => {
+                Some(("slope", Method::new("slope_series", &[("s", &number)], number.clone())))
+            }
+            Macro::Hamiltonian | Macro::PhaseConstraint => None,
         }
     }
 

@@ -3,6 +3,7 @@
 //! ```text
 //! tokens ─parse─▶ syntax ─lower─▶ graph ─differentiate─▶ more roots ─schedule─▶ binary operations ─emit─▶ Rust
 //!                (all mistakes at once, each at its token)     (algebra: sums and products in one form)
+//!                                                                        └─recurrence─▶ Rust for power series
 //! ```
 //!
 //! Parsing and lowering may find mistakes; every later stage is a total function. The same input
@@ -35,6 +36,8 @@ pub mod routine;
 pub mod schedule;
 
 mod emit;
+
+mod recurrence;
 
 mod interface;
 

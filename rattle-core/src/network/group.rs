@@ -2,6 +2,7 @@
 
 use crate::effect::short_name;
 use crate::kernel::{Constraint, ConstraintKernel};
+use crate::series::AnyOrder;
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -43,6 +44,19 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
         v: &[[f64; D]],
         bends: &mut [f64],
         turns: &mut [f64],
+    );
+
+    /// Blocks of products that the power series of a member's gradients take; none where there is no series.
+    fn series_blocks(&self) -> Option<usize>;
+    /// The next coefficient of the blocks ∂g/∂q, and of ∂g/∂t if g moves, along a motion; `time` is that of t.
+    fn gradients_series(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+        order: &mut AnyOrder<'_, '_, f64>,
     );
 }
 
@@ -89,6 +103,19 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     fn gather(&self, member: usize, of_bodies: &[[f64; D]], last: f64) -> [f64; K] {
         let bodies = &self.members[member];
         from_fn(|k| if k < A * D { of_bodies[bodies[k / D]][k % D] } else { last })
+    }
+
+    /// Writes the rows of a member's Jacobian as blocks and ∂g/∂t.
+    #[inline(always)]
+    fn spread(rows: &[[f64; K]; M], blocks: &mut [[f64; D]], rates: &mut [f64]) {
+        for (i, row) in rows.iter().enumerate() {
+            for (a, block) in blocks[i * A..(i + 1) * A].iter_mut().enumerate() {
+                *block = from_fn(|d| row[a * D + d]);
+            }
+            if Self::MOVING {
+                rates[i] = row[K - 1];
+            }
+        }
     }
 }
 
@@ -139,14 +166,7 @@ where
         for (member, ((g, blocks), rates)) in members.zip(outputs) {
             let (values, rows) = self.kernel(member).value_and_jacobian(&self.gather(member, q, time));
             g.copy_from_slice(&values);
-            for (i, row) in rows.iter().enumerate() {
-                for (a, block) in blocks[i * A..(i + 1) * A].iter_mut().enumerate() {
-                    *block = from_fn(|d| row[a * D + d]);
-                }
-                if Self::MOVING {
-                    rates[i] = row[K - 1];
-                }
-            }
+            Self::spread(&rows, blocks, rates);
         }
     }
 
@@ -167,6 +187,30 @@ where
                 bends[i] = row.iter().zip(&direction).map(|(h, v)| h * v).sum();
                 turns[i] = row[..A * D].iter().map(|h| h * h).sum();
             }
+        }
+    }
+
+    fn series_blocks(&self) -> Option<usize> {
+        G::SERIES
+    }
+
+    fn gradients_series(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+        order: &mut AnyOrder<'_, '_, f64>,
+    ) {
+        let outputs = blocks.chunks_exact_mut(M * A).zip(rates.chunks_exact_mut(M));
+        for (member, (blocks, rates)) in members.zip(outputs) {
+            let (kernel, variables) = (self.kernel(member), self.gather(member, q, time));
+            let rows = match order {
+                AnyOrder::First(order) => kernel.jacobian_series(&variables, order),
+                AnyOrder::Next(order) => kernel.jacobian_series(&variables, order),
+            };
+            Self::spread(&rows, blocks, rates);
         }
     }
 }

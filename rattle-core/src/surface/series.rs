@@ -3,70 +3,42 @@
 //! With aₖ the coefficient of tᵏ of a, n = ∇g and λ from n·v = 0, order by order:
 //!
 //! ```text
-//! qₖ₊₁ = vₖ/(k + 1),   vₖ₊₁ = (fₖ + Σⱼ λⱼ nₖ₋ⱼ)/(k + 1),   Σⱼ nⱼ·vₖ₊₁₋ⱼ = 0
+//! k vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ = 0,   qₖ₊₁ = vₖ/(k + 1)
 //! ```
 //!
-//! nₖ₊₁ is known from q₀ … qₖ₊₁, so that the last sum gives λₖ. No second derivative of g is needed.
+//! nₖ is known from q₀ … qₖ, so that the second sum gives λₖ₋₁. No second derivative of g is needed.
 
 use super::{BodiesOf, OnSurface};
 use crate::bodies::Count;
-use crate::effect::{Effects, Field, Force};
+use crate::effect::Field;
 use crate::error::StepFailure;
-use crate::kernel::{Constraint, ConstraintKernel};
+use crate::kernel::ConstraintKernel;
 use crate::real::Real;
-use crate::series::{Program, Recorded, record};
+use crate::series::{Products, blocks};
 use crate::stepper::{Failure, Witness};
-use crate::vector::{add_scaled, dot, scaled, sum};
+use crate::vector::{dot, scaled, sum};
 use std::array::from_fn;
 
-/// ∇g of a body, and the forces on all.
+/// Room for the products of all functions, and of λ and n and of n and v; and the forces of the order under way.
 #[derive(Debug, Clone)]
-pub(crate) struct Motion {
-    normal: Program,
-    force: Program,
-}
-
-impl Motion {
-    /// The functions of a scene, recorded; none if they go different ways by their values.
-    pub(crate) fn of<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
-        constraint: &C,
-        effects: &E,
-        bodies: usize,
-    ) -> Option<Self> {
-        let normal = record(D, |q| {
-            let [gradient] = constraint.kernel::<Recorded>().jacobian(&from_fn(|i| q[i]));
-            gradient.to_vec()
-        })?;
-        let force = record(D * bodies, |q| {
-            let positions: Vec<[Recorded; D]> = q.chunks(D).map(|q| from_fn(|i| q[i])).collect();
-            let mut forces = vec![Force::zero(); bodies];
-            effects.field::<Recorded>().evaluate(&positions, &mut forces);
-            forces.iter().flat_map(Force::components).collect()
-        })?;
-        Some(Self { normal, force })
-    }
-}
-
-/// Room for the coefficients of every operation, and of λ, body by body.
-#[derive(Debug, Clone)]
-pub(crate) struct Tapes<T> {
-    normal: Vec<T>,
-    force: Vec<T>,
-    lambda: Vec<T>,
-}
-
-impl<T: Real> Tapes<T> {
-    pub(super) fn new(motion: &Motion, bodies: usize, orders: usize) -> Self {
-        let zeros = |n| vec![T::from_f64(0.0); n];
-        Self {
-            normal: zeros(bodies * motion.normal.room(orders)),
-            force: zeros(motion.force.room(orders)),
-            lambda: zeros(bodies * orders),
-        }
-    }
+pub(crate) struct Room<T, const D: usize> {
+    products: Products<T>,
+    force: Vec<[T; D]>,
 }
 
 impl<K, F, N: Count> OnSurface<K, F, N> {
+    /// Room for so many coefficients; none where a function has no series.
+    pub(super) fn room_for_series<T: Real, const D: usize>(&self, orders: usize) -> Option<Box<Room<T, D>>>
+    where
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+    {
+        let n = self.count.number();
+        let blocks = n * (K::SERIES? + blocks(2 * D)) + self.field.series_blocks(n)?;
+        let products = Products::new(blocks, orders);
+        Some(Box::new(Room { products, force: vec![[T::from_f64(0.0); D]; n] }))
+    }
+
     /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
     pub(super) fn expand_motion<T, W, const D: usize>(
         &self,
@@ -80,45 +52,56 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
         F: Field<T, D>,
         W: Witness<T>,
     {
-        let n = self.count.number();
-        let orders = series.len() / n;
-        let (Some(motion), Some(tapes)) = (&self.motion, &mut bodies.kept.tapes) else {
+        let (n, zero) = (self.count.number(), T::from_f64(0.0));
+        let Some(Room { products, force }) = bodies.kept.series.as_deref_mut() else {
             return Err(Failure { body: 0, cause: StepFailure::NoSeries });
         };
-        let Tapes { normal, force, lambda } = &mut **tapes;
-        let part = motion.normal.room(orders);
+        let (start, v) = (bodies.kept.normal.as_ref(), bodies.p.as_ref());
         series[..n].copy_from_slice(bodies.q.as_ref());
-        series[n..2 * n].copy_from_slice(bodies.p.as_ref());
+        series[n..2 * n].copy_from_slice(v);
+
+        let order = &mut products.first();
         for body in 0..n {
-            let tape = &mut normal[body * part..][..part];
-            motion.normal.extend(0, orders, tape, |i| series[body][i]);
-        }
-        for k in 0..orders - 2 {
-            motion.force.extend(k, orders, force, |i| series[k * n + i / D][i % D]);
-            let next = T::from_f64((k + 1) as f64);
-            for body in 0..n {
-                let tape = &mut normal[body * part..][..part];
-                motion.normal.extend(k + 1, orders, tape, |i| series[(k + 1) * n + body][i]);
-                let n_of = |j: usize| -> [T; D] { from_fn(|i| motion.normal.output(i, orders, tape)[j]) };
-                let v_of = |j: usize| scaled(T::from_f64((j + 1) as f64), &series[(j + 1) * n + body]);
-                let mut turn = T::from_f64(0.0);
-                for j in 1..=k + 1 {
-                    turn = turn + dot(&n_of(j), &v_of(k + 1 - j));
-                }
-                let lambda = &mut lambda[body * orders..][..orders];
-                let mut pull = from_fn(|i| motion.force.output(body * D + i, orders, force)[k]);
-                for j in 0..k {
-                    pull = add_scaled(&pull, lambda[j], &n_of(k - j));
-                }
-                let normal = &bodies.kept.normal.as_ref()[body];
-                lambda[k] = -(next * turn + dot(&normal.gradient, &pull)) * normal.inverse_square;
-                pull = sum(&pull, &scaled(lambda[k], &normal.gradient));
-                let share = T::from_f64(1.0 / ((k + 1) * (k + 2)) as f64);
-                series[(k + 2) * n + body] = scaled(share, &pull);
+            let [normal] = self.constraint.jacobian_series(&series[body], order);
+            let mut own = order.take(blocks(2 * D));
+            for i in 0..D {
+                own.note(i, zero, normal[i]);
+                own.note(D + i, normal[i], v[body][i]);
             }
         }
-        for body in 0..n {
-            witness.position_multiplier(body, lambda[body * orders]);
+        force.fill([zero; D]);
+        self.field.contribute_series(&series[..n], force, order);
+
+        let last = series.len() / n - 1;
+        for k in 1..last {
+            let order = &mut products.next(k);
+            let number = |x: f64| T::from_f64(x);
+            let (share, next_share) = (number(1.0 / k as f64), number(1.0 / (k * (k + 1)) as f64));
+            for body in 0..n {
+                let [normal] = self.constraint.jacobian_series(&series[k * n + body], order);
+                let mut own = order.take(blocks(2 * D));
+                let pull = sum(&force[body], &from_fn(|i| own.sum(i)));
+                let turn = (1..D).fold(own.sum(D), |turn, i| turn + own.sum(D + i));
+                let first = &start[body].gradient;
+                // All that can be done before nₖ is known.
+                let scale = -(number(k as f64) * start[body].inverse_square);
+                let known = scale * turn - dot(first, &pull) * start[body].inverse_square;
+                let (away, step, pulled) =
+                    (scaled(scale, &v[body]), scaled(next_share, first), scaled(next_share, &pull));
+                let lambda = dot(&normal, &away) + known;
+                series[(k + 1) * n + body] = from_fn(|i| lambda.multiply_add(step[i], pulled[i]));
+                for i in 0..D {
+                    own.note(i, lambda, normal[i]);
+                    own.note(D + i, normal[i], share * lambda.multiply_add(first[i], pull[i]));
+                }
+                if k == 1 {
+                    witness.position_multiplier(body, lambda);
+                }
+            }
+            if k + 1 < last {
+                force.fill([zero; D]);
+                self.field.contribute_series(&series[k * n..][..n], force, order);
+            }
         }
         Ok(())
     }
