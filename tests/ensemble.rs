@@ -460,8 +460,10 @@ fn a_sweep_is_its_scenes() {
 /// sums lose less.
 #[test]
 fn compensated_sums_lose_less() {
-    let scene = Scene::on(Sphere { radius: 1.0 });
-    let start = || (0..64).map(|i| State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i) / 64.0, 0.0]));
+    // Not of radius 1: doubles above 1 are twice as far apart as those below, so that rounding of |q|² is biased, and the
+    // energy grows by 1.3e-17 of itself in each step.
+    let scene = Scene::on(Sphere { radius: 1.3 });
+    let start = || (0..64).map(|i| State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i) / 64.0, 0.0]));
     fn drift(mut ensemble: Ensemble<3>) -> f64 {
         let energies = |ensemble: &Ensemble<3>| {
             ensemble
@@ -479,7 +481,7 @@ fn compensated_sums_lose_less() {
     let plain = drift(scene.ensemble_in(Double, start(), Rattle::new(0.01)).unwrap());
     let compensated = drift(scene.ensemble_in(Compensated, start(), Rattle::new(0.01)).unwrap());
     println!("relative energy after 1e5 steps: double {plain:e}, compensated {compensated:e}");
-    assert!(compensated < 0.2 * plain && plain < 1e-12, "{compensated:e} {plain:e}");
+    assert!(compensated < 0.2 * plain && plain < 2e-13, "{compensated:e} {plain:e}");
 }
 
 #[test]
