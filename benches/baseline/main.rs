@@ -24,6 +24,14 @@ use std::path::Path;
 
 const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
 
+const LEGEND: &str = "\
+ns        CPU nanoseconds per trajectory (or particle) and step; by the clock for two threads
+g, ∇g     evaluations of the constraint and of its gradient per step
+max |g|   how far off the surface; opponents stop at 1e-14 (or as their name says), ours at the rounding floor
+ΔE/K      largest deviation of the energy, by the mean kinetic energy: the method's own, the same for all
+apart     largest difference of positions to the first row's, after few steps and after many
+ratio     their time over ours, median over rounds: above 1, ours is faster (of two threads: our time on one over that on two)";
+
 fn main() -> Result<(), String> {
     let arguments: Vec<String> = std::env::args().collect();
     let after = |flag: &str| arguments.iter().skip_while(move |word| *word != flag).nth(1);
@@ -50,6 +58,7 @@ fn main() -> Result<(), String> {
         Task { name: "gas of 21", n: 21, steps: 5000, entrants: programs.gas(21, 100, 0.01)? },
         Task { name: "gas of 1000", n: 1000, steps: 20, entrants: programs.gas(1000, 2, 0.0025)? },
     ];
+    println!("{LEGEND}");
     for task in &mut tasks {
         task.compare()?;
         task.race(rounds)?;

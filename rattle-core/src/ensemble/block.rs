@@ -28,7 +28,7 @@
 //! third term of the series three times as many steps need a further correction.
 //!
 //! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too: with it
-//! a fifth as many steps need a further correction. From step to step |∇g|² changes by (s/|∇g(q)|²)², but for a factor that
+//! a third as many steps need a further correction. From step to step |∇g|² changes by (s/|∇g(q)|²)², but for a factor that
 //! is as smooth as the path and near 1; so the last Λ are kept in units of the step to come, and nothing is divided.
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to the last correction, which leaves what chord steps
