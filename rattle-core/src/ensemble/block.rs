@@ -28,8 +28,7 @@
 //! third term of the series three times as many steps need a further correction.
 //!
 //! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too: with it
-//! a third as many steps need a further correction. From step to step |∇g|² changes by (s/|∇g(q)|²)², but for a factor that
-//! is as smooth as the path and near 1; so the last Λ are kept in units of the step to come, and nothing is divided.
+//! a third as many steps need a further correction. The last Λ are kept in units of the step to come.
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to the last correction, which leaves what chord steps
 //! leave of it, less than rounding does. Where it is larger, the lane is corrected again by itself. The normal is then that
@@ -56,6 +55,9 @@ const AT_REST: f64 = 256.0;
 /// Corrections of a lane, beyond those that all lanes have, before it is solved by itself.
 const CORRECTIONS: usize = 3;
 
+/// Steps that are shorter would take digits from momenta that are kept times h.
+const SHORT: f64 = 1e-15;
+
 /// D coordinates of L trajectories.
 type Vectors<S, const L: usize, const D: usize> = [[S; L]; D];
 
@@ -68,6 +70,8 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     way: Vectors<S, L, D>,
     /// ∇g(q): the one of the two that `even` says.
     normal: [Vectors<S, L, D>; 2],
+    /// |∇g(q)|².
+    square: [S; L],
     /// What |g| may be at rest.
     rest: [S; L],
     /// Λ₀ of the step to come.
@@ -93,14 +97,12 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     over_slope: [S; L],
     /// g₀, and then g₂, or not a number where the slope says that the surface may have been left.
     g: [S; L],
-    /// |∇g(q)|²/|∇g(q′)|² but for a smooth factor.
-    ratio: [S; L],
 }
 
 impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
     pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
-        Self { free: [zero; D], multiplier: zero, over_slope: zero, g: zero, ratio: zero }
+        Self { free: [zero; D], multiplier: zero, over_slope: zero, g: zero }
     }
 }
 
@@ -109,7 +111,7 @@ impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
 pub(crate) struct Part {
     /// Its length.
     h: f64,
-    /// What momenta are kept times: the length of the method's first step.
+    /// What momenta are kept times: h where all steps are equal, else 1.
     unit: f64,
     /// The kick after it.
     kick: f64,
@@ -120,6 +122,11 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    /// Whether all steps are of one length, and momenta kept times it.
+    pub(crate) fn are_equal(parts: &[Part]) -> bool {
+        parts.len() == 1 && parts[0].unit == parts[0].h
+    }
+
     /// The parts of a method that takes RATTLE steps of these lengths in turn, again and again.
     ///
     /// Λ/h² is a smooth function of time. In steps of one length it is extrapolated quadratically. In steps of different
@@ -133,8 +140,10 @@ impl Part {
             let far = last / earlier;
             let far = if far.abs() <= 2.0 { far } else { 0.0 };
             let linear = [(1.0 + far) * (next / h).powi(2), -far * (next / before).powi(2), 0.0];
+            let equal = n == 1 && h.abs() >= SHORT;
             let weights = if n == 1 { [3.0, -3.0, 1.0] } else { linear };
-            Part { h, unit: at(0), kick: 0.5 * (h + next), before: (before / h).powi(2), weights }
+            let unit = if equal { h } else { 1.0 };
+            Part { h, unit, kick: 0.5 * (h + next), before: (before / h).powi(2), weights }
         };
         (0..n).map(part).collect()
     }
@@ -257,6 +266,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
             q: vectors,
             way: vectors,
             normal: [vectors; 2],
+            square: zero,
             rest: zero,
             guess: zero,
             past: [zero; 2],
@@ -287,7 +297,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let [bend] = constraint.jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         // Equal steps: as if one had led here, which would have left half of Λ in the way.
-        let equal = parts.len() == 1;
+        let equal = Part::are_equal(parts);
         let ahead = if equal { add_scaled(&ahead, -guess / h, &gradient) } else { ahead };
         let guess = if equal { guess + guess } else { guess };
         put(&mut self.q, lane, q[0]);
@@ -297,6 +307,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
             put(low, lane, x);
         }
         put(&mut self.normal[usize::from(!self.even)], lane, gradient);
+        self.square[lane] = dot(&gradient, &gradient);
         self.rest[lane] = at_rest(&gradient, &q[0]);
         self.guess[lane] = guess;
         for past in &mut self.past {
@@ -308,7 +319,9 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
         let vectors = [&mut self.q, &mut self.way].into_iter().chain(&mut self.normal);
         let vectors = vectors.chain(&mut self.q_low).chain(&mut self.way_low).flatten();
-        for numbers in vectors.chain([&mut self.rest, &mut self.guess]).chain(&mut self.past) {
+        for numbers in
+            vectors.chain([&mut self.square, &mut self.rest, &mut self.guess]).chain(&mut self.past)
+        {
             numbers[to] = numbers[from];
         }
     }
@@ -369,17 +382,18 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let part = &parts[self.part];
         let [even, odd] = &mut self.normal;
         let (q, way, low) = (&mut self.q, &mut self.way, (&mut self.q_low, &mut self.way_low));
-        let (rest, guess, past) = (&mut self.rest, &mut self.guess, &mut self.past);
+        let (square, rest) = (&mut self.square, &mut self.rest);
+        let (guess, past) = (&mut self.guess, &mut self.past);
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
             let normal = (&*even, odd);
             advance::<S, K, F, L, D, SUMS, EQUAL>(
-                laws, part, q, way, low, normal, rest, guess, past, scratch,
+                laws, part, q, way, low, normal, square, rest, guess, past, scratch,
             )?;
         } else {
             let normal = (&*odd, even);
             advance::<S, K, F, L, D, SUMS, EQUAL>(
-                laws, part, q, way, low, normal, rest, guess, past, scratch,
+                laws, part, q, way, low, normal, square, rest, guess, past, scratch,
             )?;
         }
         self.even = !self.even;
@@ -419,6 +433,7 @@ fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQU
     way: &mut Vectors<S, L, D>,
     (q_low, way_low): Of<'_, S, L, D, SUMS>,
     (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
+    square: &mut [S; L],
     rest: &mut [S; L],
     first: &mut [S; L],
     past: &mut [[S; L]; 2],
@@ -429,7 +444,7 @@ where
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
 {
-    let Scratch { free, multiplier, over_slope, g, ratio } = scratch;
+    let Scratch { free, multiplier, over_slope, g } = scratch;
     let share = S::from_f64(part.h / part.unit);
     guess::<S, K, F, L, D, SUMS, EQUAL>(
         laws, share, q, way, q_low, way_low, normal, first, free, multiplier, over_slope, g,
@@ -443,16 +458,16 @@ where
         let ([residual], [gradient]) = laws.constraint(0).value_and_jacobian(&point);
         if residual.abs().le(rest[0]) {
             put(next, 0, gradient);
-            (multiplier[0], g[0], ratio[0]) =
-                last_correction(&n, residual, newton.multiplier, newton.over_slope);
+            (multiplier[0], g[0]) =
+                last_correction(square[0], residual, newton.multiplier, newton.over_slope);
             unrest = !g[0].abs().le(rest[0]);
         } else {
             (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
-            unrest = examine(laws, normal, free, rest, over_slope, multiplier, g, ratio, next);
+            unrest = examine(laws, normal, free, square, rest, over_slope, multiplier, g, next);
         }
     } else {
         improve(laws, normal, free, rest, g, multiplier, over_slope);
-        unrest = examine(laws, normal, free, rest, over_slope, multiplier, g, ratio, next);
+        unrest = examine(laws, normal, free, square, rest, over_slope, multiplier, g, next);
     }
     if unrest {
         for lane in 0..L {
@@ -460,23 +475,24 @@ where
                 continue;
             }
             let n = at(normal, lane);
-            let square = dot(&n, &n);
-            let path = (&at(free, lane), &n, square, rest[lane]);
-            let (found, gradient) = match again(laws.constraint(lane), path, multiplier[lane]) {
+            let path = (&at(free, lane), &n, square[lane], rest[lane]);
+            let astray = !is_finite(g[lane]);
+            let landing = if astray { None } else { again(laws.constraint(lane), path, multiplier[lane]) };
+            let (found, gradient) = match landing {
                 Some(landing) => landing,
                 None => {
                     let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
                     let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
-                    alone(laws.constraint(lane), part.h, (at(q, lane), p, back, n, square))
+                    alone(laws.constraint(lane), part.h, (at(q, lane), p, back, n, square[lane]))
                         .map_err(|failure| Stuck { lane, failure })?
                 }
             };
-            (multiplier[lane], ratio[lane]) = (found, square / dot(&gradient, &gradient));
+            multiplier[lane] = found;
             put(next, lane, gradient);
         }
     }
     finish::<S, K, F, L, D, SUMS, EQUAL>(
-        laws, part, normal, next, free, multiplier, ratio, q, way, q_low, way_low, rest, first, past,
+        laws, part, normal, next, free, multiplier, q, way, q_low, way_low, square, rest, first, past,
     );
     Ok(())
 }
@@ -571,11 +587,11 @@ fn examine<S, K, F, const L: usize, const D: usize>(
     laws: &impl Laws<K, F>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
+    square: &[S; L],
     rest: &[S; L],
     over_slope: &[S; L],
     multiplier: &mut [S; L],
     g: &mut [S; L],
-    ratio: &mut [S; L],
     next: &mut Vectors<S, L, D>,
 ) -> bool
 where
@@ -588,24 +604,18 @@ where
         let point = add_scaled(&at(free, i), multiplier[i], &n);
         let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
         put(next, i, gradient);
-        (multiplier[i], g[i], ratio[i]) = last_correction(&n, residual, multiplier[i], over_slope[i]);
+        (multiplier[i], g[i]) = last_correction(square[i], residual, multiplier[i], over_slope[i]);
         unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
     }
     unrest
 }
 
-/// Λ after the last correction; g before it, or not a number where the surface may have been left; and the ratio of |∇g|².
+/// Λ after the last correction, and g before it, or not a number where the surface may have been left.
 #[inline(always)]
-fn last_correction<S: Lane, const D: usize>(
-    n: &[S; D],
-    residual: S,
-    multiplier: S,
-    over_slope: S,
-) -> (S, S, S) {
+fn last_correction<S: Lane>(square: S, residual: S, multiplier: S, over_slope: S) -> (S, S) {
     let [middle, off, nan] = [4.0 / 3.0, 2.0 / 3.0, f64::NAN].map(S::from_f64);
-    let turn = over_slope * dot(n, n);
-    let near = (turn - middle).abs().le(off);
-    ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan), turn * turn)
+    let near = over_slope.multiply_add(square, -middle).abs().le(off);
+    ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan))
 }
 
 /// Λ and ∇g of a lane that is corrected again, unless it goes astray.
@@ -640,11 +650,11 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
     next: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     multiplier: &[S; L],
-    ratio: &[S; L],
     q: &mut Vectors<S, L, D>,
     way: &mut Vectors<S, L, D>,
     q_low: &mut [Vectors<S, L, D>; SUMS],
     way_low: &mut [Vectors<S, L, D>; SUMS],
+    square: &mut [S; L],
     rest: &mut [S; L],
     guess: &mut [S; L],
     [last, earlier]: &mut [[S; L]; 2],
@@ -668,8 +678,10 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
         };
         let push = if EQUAL { found } else { over_share * found };
         // Equal steps: Λ of the next one projects.
+        let length = dot(&m, &m);
+        let over_length = S::from_f64(1.0) / length; // while other sums are on their way
         let project = |change: [S; D], along: S| {
-            if EQUAL { change } else { add_scaled(&change, -along / dot(&m, &m), &m) }
+            if EQUAL { change } else { add_scaled(&change, -(along * over_length), &m) }
         };
         let new = if SUMS == 0 {
             let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, push, &n));
@@ -688,13 +700,16 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
         } else {
             a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
         };
-        guess[i] = ratio[i] * extrapolated;
-        earlier[i] = ratio[i] * last[i];
-        last[i] = ratio[i] * found;
+        let ratio = square[i] * over_length;
+        square[i] = length;
+        guess[i] = ratio * extrapolated;
+        earlier[i] = ratio * last[i];
+        last[i] = ratio * found;
     }
 }
 
-/// Λ and ∇g(q′) of a lane by itself, as [`Simulation`](crate::simulation::Simulation) finds them.
+/// Λ and ∇g(q′) of a lane by itself, as [`Simulation`](crate::simulation::Simulation) finds them: from a tangent momentum.
+/// What p leads off the surface, and Λ puts back, is added in the end.
 #[cold]
 #[inline(never)]
 fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
@@ -704,11 +719,13 @@ fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
 ) -> Result<(S, [S; D]), Failure> {
     let step = S::from_f64(h);
     let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
+    let off = dot(&gradient, &p) * normal.inverse_square;
+    let p = add_scaled(&p, -off, &gradient);
     let [bend] = constraint.jet(&q, &p).2;
     let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
     let path = scaled(step, &p);
     let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
     let landing =
         land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0), None)?;
-    Ok((landing.multiplier, landing.gradient))
+    Ok((landing.multiplier - step * off, landing.gradient))
 }

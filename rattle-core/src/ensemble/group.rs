@@ -273,7 +273,7 @@ where
         let laws = laws.clone();
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         for _ in 0..self.steps {
-            if let [_] = &parts[..] {
+            if Part::are_equal(parts) {
                 desk.block.advance::<K, F, true>(&laws, parts, &mut desk.scratch)?;
                 continue;
             }
