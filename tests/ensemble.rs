@@ -515,3 +515,44 @@ fn debug_says_what_it_is() {
     assert!(text.contains("trajectories: 3") && text.contains("step_size: 0.01"), "{text}");
     let _: &dyn Fn() -> ensemble::InstructionSet = &InstructionSet::widest;
 }
+
+/// Steps so long that lanes are solved by themselves are taken where a simulation takes them, and end where it ends.
+#[test]
+fn long_steps_end_where_those_of_a_simulation_end() {
+    let ball = Scene::on(Sphere { radius: 1.0 });
+    let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
+    for h in [0.58, 0.7, 0.8, 0.87, 0.9, 0.92, 0.97, 0.99] {
+        let mut ensemble = ball.ensemble([start.clone(), start.clone()], Rattle::new(h)).unwrap();
+        ensemble.run(300);
+        let end = ball.simulate(start.clone(), Rattle::new(h)).unwrap().run(300).err();
+        assert_eq!(
+            ensemble.failure(1).map(ToString::to_string),
+            end.map(|error| error.to_string()),
+            "h = {h}"
+        );
+    }
+    // A force along the normal, strong against the motion: what lanes keep of it leads off the surface.
+    for g in [3e3, 1e4] {
+        let pendulum = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g });
+        let start = State::at([0.05_f64.sin(), 0.0, -0.05_f64.cos()]);
+        let mut ensemble = pendulum.ensemble([start.clone()], Rattle::new(0.01)).unwrap();
+        ensemble.run(1000);
+        assert!(ensemble.failure(0).is_none(), "{}", ensemble.failure(0).unwrap());
+        let mut simulation = pendulum.simulate(start, Rattle::new(0.01)).unwrap();
+        simulation.run(1000).unwrap();
+        assert!(distance(ensemble.state(0).positions().next().unwrap(), simulation.position()) < 1e-10);
+    }
+}
+
+/// On great circles guesses are exact, so that normals are those of the places, at any h·κ·|v|: rounding does not add up.
+#[test]
+fn a_steady_motion_keeps_its_speed() {
+    let ball = Scene::on(Sphere { radius: 1.0 });
+    let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
+    for h in [0.05, 0.15, 0.3, 0.45] {
+        let mut ensemble = ball.ensemble_in(Compensated, [start.clone()], Rattle::new(h)).unwrap();
+        ensemble.run(100_000);
+        let speed = ensemble.state(0).momenta().next().unwrap().norm();
+        assert!((speed - 1.0).abs() < 1e-12, "h = {h}: {:e}", speed - 1.0); // 1e5 steps of a tenth of an ulp
+    }
+}

@@ -701,8 +701,8 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
             a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
         };
         let ratio = square[i] * over_length;
+        guess[i] = square[i] * extrapolated * over_length; // over_length comes last
         square[i] = length;
-        guess[i] = ratio * extrapolated;
         earlier[i] = ratio * last[i];
         last[i] = ratio * found;
     }
