@@ -265,3 +265,32 @@ fn a_step_does_not_allocate() {
     });
     assert_eq!(allocated.count_total, 0);
 }
+
+/// Steps far too long end in an error as soon as their end cannot be brought back: no step leaves the links apart.
+#[test]
+fn a_motion_that_runs_away_is_an_error_at_once() {
+    fn check(method: impl Stepper + std::fmt::Debug) {
+        let scene = Scene::points::<2>(3)
+            .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+            .pin(0, [0.0; 2])
+            .with(PlanarGravity { g: 9.81 });
+        let what = format!("{method:?}");
+        let mut simulation = scene.simulate(double_pendulum(), method).unwrap();
+        let mut steps = 0;
+        let error = loop {
+            match simulation.step() {
+                Ok(()) => steps += 1,
+                Err(error) => break error,
+            }
+            let size = coordinates(&simulation.state()).iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+            assert!(simulation.constraint_residual() < 1e-13 && size < 3.0, "{what}, step {steps}: {size:e}");
+            assert!(steps < 1000, "{what} goes on");
+        };
+        println!("{what} ends after {steps} steps: {error}");
+    }
+    check(Dop853::new(0.2));
+    check(Dop853::new(0.3));
+    check(Taylor::new(16, 0.1));
+    check(Taylor::new(16, 0.2));
+    check(Taylor::new(32, 0.05));
+}

@@ -429,13 +429,15 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             loop {
                 let (q, time) = (bodies.q.as_ref(), bodies.time);
                 let (sine, row) = bodies.kept.normals(shape, c, time, q);
-                let (distance, roundings, worst) = self.furthest(c, h, bodies);
+                // In roundings of the places alone: a velocity that has run away must not make up for the distance.
+                let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
                 let stalled = roundings <= long && distance >= 0.5 * nearest;
                 if roundings <= 1.0 || stalled {
                     self.check_rank(c, bodies, sine, row)?;
                     break;
                 }
-                let nearer = distance < nearest; // false for NaN
+                // Newton's method near its root leaves less; from afar it goes half of the way each time. False for NaN.
+                let nearer = distance < 0.25 * nearest;
                 if !nearer {
                     let body = shape.equation_at(c, worst).bodies[0];
                     return Err(if distance.is_finite() {
