@@ -217,7 +217,7 @@ fn steps<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
     steps.filter_map(|n| point(scene, start, exact, T / n, method(T / n)).ok()).collect()
 }
 
-/// Error and time with tolerances of 1e-4 to 1e-15.
+/// Error and time with tolerances of 1e-2 to 1e-15.
 fn tolerances<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
@@ -299,7 +299,7 @@ struct Point {
     forces: u64,
 }
 
-/// From the longest step to an eighth of it or to the rounding floor; RATTLE to a thirty-second.
+/// From the longest step down, by halves and their halves, to the rounding floor or to the last rung.
 fn measure<S: Stepper>(
     method: impl Fn(f64) -> S,
     longest: f64,

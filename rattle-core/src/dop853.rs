@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Neither symplectic nor reversible: energy drifts. It is here to compare with, and for short runs: with a tolerance it is
-//! the cheapest method down to errors of some 1e-6 on surfaces (`examples/accuracy.rs`). Each step is then divided so that inner
+//! the cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided so that inner
 //! steps keep the tolerance; it is still a function of the state alone.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10; coefficients as

@@ -22,6 +22,8 @@
 //! the lemniscate with ε = 0.06 τ, in two halves of a step, ρ came to differ from R by a factor of 20 until t = 5000, where that of
 //! this module stayed within 6 % in whole steps.
 //!
+//! Iterations of Φ begin anew in each step: `guess(…)` of the method that is varied has no effect.
+//!
 //! Source: E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26 (2005) 1838.
 
 use crate::bodies::{Bodies, Count};
