@@ -154,7 +154,8 @@ pub enum Error {
 
     /// A step that does not lead back: see [`Simulation::check_reversal`](crate::simulation::Simulation::check_reversal).
     #[error(
-        "step {step} (t = {time}), particle {body}: taken back it misses where it came from by {off:.1e}, and {tolerance:.1e} is allowed; try a smaller step"
+        "step {step} (t = {time}), particle {body}: {}; try a smaller step",
+        missed(*off, *tolerance)
     )]
     NotReversed {
         /// Which step, counted from 1.
@@ -876,4 +877,12 @@ impl fmt::Display for History {
         }
         f.write_str(if self.0.len() > 8 { ", …]" } else { "]" })
     }
+}
+
+/// How a step that was taken back went wrong; by NaN if it could not be.
+fn missed(off: f64, tolerance: f64) -> String {
+    if off.is_nan() {
+        return "it cannot be taken back".into();
+    }
+    format!("taken back it misses where it came from by {off:.1e}, and {tolerance:.1e} is allowed")
 }
