@@ -161,7 +161,10 @@ impl<const D: usize> Ensemble<D> {
     /// Takes `steps` steps with every trajectory that can be moved.
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
-        self.groups.par_iter_mut().for_each(|group| group.run(steps, set));
+        match &mut self.groups[..] {
+            [group] => group.run(steps, set), // without waking other threads
+            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set)),
+        }
         self.steps = self.steps.saturating_add(steps);
     }
 
