@@ -28,7 +28,8 @@
 //! third term of the series three times as many steps need a further correction.
 //!
 //! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too: with it
-//! a third as many steps need a further correction. The last Λ are kept in units of the step to come.
+//! a third as many steps need a further correction. The last Λ are kept in units of the step to come. What |∇g|² changes by is
+//! not waited for: it is (|∇g(q)|²/s)², but for a factor near 1 that is taken from the step before.
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to the last correction, which leaves what chord steps
 //! leave of it, less than rounding does. Where it is larger, the lane is corrected again by itself. The normal is then that
@@ -72,6 +73,8 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize> {
     normal: [Vectors<S, L, D>; 2],
     /// |∇g(q)|².
     square: [S; L],
+    /// |∇g(q)|²/|∇g(q′)|² of the last step, by (|∇g(q)|²/s)².
+    bias: [S; L],
     /// What |g| may be at rest.
     rest: [S; L],
     /// Λ₀ of the step to come.
@@ -267,6 +270,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
             way: vectors,
             normal: [vectors; 2],
             square: zero,
+            bias: zero,
             rest: zero,
             guess: zero,
             past: [zero; 2],
@@ -308,6 +312,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         }
         put(&mut self.normal[usize::from(!self.even)], lane, gradient);
         self.square[lane] = dot(&gradient, &gradient);
+        self.bias[lane] = S::from_f64(1.0);
         self.rest[lane] = at_rest(&gradient, &q[0]);
         self.guess[lane] = guess;
         for past in &mut self.past {
@@ -319,8 +324,9 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
         let vectors = [&mut self.q, &mut self.way].into_iter().chain(&mut self.normal);
         let vectors = vectors.chain(&mut self.q_low).chain(&mut self.way_low).flatten();
-        for numbers in
-            vectors.chain([&mut self.square, &mut self.rest, &mut self.guess]).chain(&mut self.past)
+        for numbers in vectors
+            .chain([&mut self.square, &mut self.bias, &mut self.rest, &mut self.guess])
+            .chain(&mut self.past)
         {
             numbers[to] = numbers[from];
         }
@@ -382,18 +388,18 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let part = &parts[self.part];
         let [even, odd] = &mut self.normal;
         let (q, way, low) = (&mut self.q, &mut self.way, (&mut self.q_low, &mut self.way_low));
-        let (square, rest) = (&mut self.square, &mut self.rest);
+        let (square, bias, rest) = (&mut self.square, &mut self.bias, &mut self.rest);
         let (guess, past) = (&mut self.guess, &mut self.past);
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
             let normal = (&*even, odd);
             advance::<S, K, F, L, D, SUMS, EQUAL>(
-                laws, part, q, way, low, normal, square, rest, guess, past, scratch,
+                laws, part, q, way, low, normal, square, bias, rest, guess, past, scratch,
             )?;
         } else {
             let normal = (&*odd, even);
             advance::<S, K, F, L, D, SUMS, EQUAL>(
-                laws, part, q, way, low, normal, square, rest, guess, past, scratch,
+                laws, part, q, way, low, normal, square, bias, rest, guess, past, scratch,
             )?;
         }
         self.even = !self.even;
@@ -434,6 +440,7 @@ fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQU
     (q_low, way_low): Of<'_, S, L, D, SUMS>,
     (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
     square: &mut [S; L],
+    bias: &mut [S; L],
     rest: &mut [S; L],
     first: &mut [S; L],
     past: &mut [[S; L]; 2],
@@ -488,11 +495,14 @@ where
                 }
             };
             multiplier[lane] = found;
+            over_slope[lane] = (S::from_f64(1.0) / (square[lane] * dot(&gradient, &gradient))).sqrt();
+            bias[lane] = S::from_f64(1.0);
             put(next, lane, gradient);
         }
     }
     finish::<S, K, F, L, D, SUMS, EQUAL>(
-        laws, part, normal, next, free, multiplier, q, way, q_low, way_low, square, rest, first, past,
+        laws, part, normal, next, free, multiplier, over_slope, q, way, q_low, way_low, square, bias, rest,
+        first, past,
     );
     Ok(())
 }
@@ -650,11 +660,13 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
     next: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     multiplier: &[S; L],
+    over_slope: &[S; L],
     q: &mut Vectors<S, L, D>,
     way: &mut Vectors<S, L, D>,
     q_low: &mut [Vectors<S, L, D>; SUMS],
     way_low: &mut [Vectors<S, L, D>; SUMS],
     square: &mut [S; L],
+    bias: &mut [S; L],
     rest: &mut [S; L],
     guess: &mut [S; L],
     [last, earlier]: &mut [[S; L]; 2],
@@ -679,9 +691,8 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
         let push = if EQUAL { found } else { over_share * found };
         // Equal steps: Λ of the next one projects.
         let length = dot(&m, &m);
-        let over_length = S::from_f64(1.0) / length; // while other sums are on their way
         let project = |change: [S; D], along: S| {
-            if EQUAL { change } else { add_scaled(&change, -(along * over_length), &m) }
+            if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
         };
         let new = if SUMS == 0 {
             let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, push, &n));
@@ -700,9 +711,12 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
         } else {
             a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
         };
-        let ratio = square[i] * over_length;
-        guess[i] = square[i] * extrapolated * over_length; // over_length comes last
+        let turn = over_slope[i] * square[i];
+        let turn = turn * turn;
+        let ratio = turn * bias[i];
+        bias[i] = square[i] / (length * turn);
         square[i] = length;
+        guess[i] = ratio * extrapolated;
         earlier[i] = ratio * last[i];
         last[i] = ratio * found;
     }
