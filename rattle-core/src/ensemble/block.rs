@@ -495,8 +495,11 @@ where
                 }
             };
             multiplier[lane] = found;
-            over_slope[lane] = (S::from_f64(1.0) / (square[lane] * dot(&gradient, &gradient))).sqrt();
-            bias[lane] = S::from_f64(1.0);
+            // For the next guess only, which a slope across the surface must not spoil.
+            let (slope, least) = (dot(&gradient, &n), S::from_f64(0.25) * square[lane]);
+            over_slope[lane] = S::from_f64(1.0) / S::select(least.lt(slope), slope, least);
+            let turn = over_slope[lane] * square[lane];
+            bias[lane] = square[lane] / (dot(&gradient, &gradient) * (turn * turn));
             put(next, lane, gradient);
         }
     }
