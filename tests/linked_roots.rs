@@ -5,7 +5,9 @@ use common::linked::*;
 use common::*;
 use nalgebra::{Matrix2, Vector2, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use rattle::network::{LinearAlgebra, Mass};
+use rattle::bodies::Many;
+use rattle::effect::Effects;
+use rattle::network::{LinearAlgebra, Mass, Network};
 use rattle::prelude::*;
 
 /// A double pendulum about the origin.
@@ -31,6 +33,23 @@ impl Double {
             (q[i], v[i]) = if i == 0 { (arm, turning) } else { (q[0] + arm, v[0] + turning) };
         }
         Self { q, v, masses, lengths, g: number(0.0, 2.0) }
+    }
+
+    /// Its scene, the pivot being body 0, and its start.
+    fn scene(
+        &self,
+        algebra: LinearAlgebra,
+    ) -> (Scene<Network<2>, impl Effects<2> + use<>, Many, 2>, State<2>) {
+        let Self { q, v, masses, lengths, g } = *self;
+        let zero = Vector2::zeros();
+        let scene = Scene::points(3)
+            .link_each([(Rod { length: lengths[0] }, [0, 1]), (Rod { length: lengths[1] }, [1, 2])])
+            .pin(0, [0.0, 0.0])
+            .masses([1.0, masses[0], masses[1]])
+            .linear_algebra(algebra)
+            .with(weights(&[1.0, g * masses[0], g * masses[1]]));
+        let momenta = [zero, v[0] * masses[0], v[1] * masses[1]];
+        (scene, State::of([zero, q[0], q[1]]).with_momenta(momenta))
     }
 
     /// The rods' equations, and their gradients as [rod][body].
@@ -106,17 +125,8 @@ fn long_steps<S: Stepper>(method: impl Fn(f64) -> S) {
     for _ in 0..3000 {
         let double = Double::random(&mut rng);
         let h = rng.random_range(0.0..3.0) / double.turn(1.0);
-        let Double { q, v, masses, lengths, g } = double;
-        let zero = Vector2::zeros();
         for algebra in [LinearAlgebra::Orthogonal, LinearAlgebra::Elimination] {
-            let scene = Scene::points(3)
-                .link_each([(Rod { length: lengths[0] }, [0, 1]), (Rod { length: lengths[1] }, [1, 2])])
-                .pin(0, [0.0, 0.0])
-                .masses([1.0, masses[0], masses[1]])
-                .linear_algebra(algebra)
-                .with(weights(&[1.0, g * masses[0], g * masses[1]]));
-            let start =
-                State::of([zero, q[0], q[1]]).with_momenta([zero, v[0] * masses[0], v[1] * masses[1]]);
+            let (scene, start) = double.scene(algebra);
             let mut simulation = scene.simulate(start, method(h)).unwrap();
             match (simulation.step(), double.continued(h)) {
                 (Ok(()), Some(end)) => {
@@ -157,17 +167,8 @@ fn remembering<S: Stepper>(method: impl Fn(f64) -> S) {
     for _ in 0..1000 {
         let double = Double::random(&mut rng);
         let h = rng.random_range(0.0..1.0) / double.turn(1.0);
-        let Double { q, v, masses, lengths, g } = double;
-        let zero = Vector2::zeros();
         for algebra in [LinearAlgebra::Orthogonal, LinearAlgebra::Elimination] {
-            let scene = Scene::points(3)
-                .link_each([(Rod { length: lengths[0] }, [0, 1]), (Rod { length: lengths[1] }, [1, 2])])
-                .pin(0, [0.0, 0.0])
-                .masses([1.0, masses[0], masses[1]])
-                .linear_algebra(algebra)
-                .with(weights(&[1.0, g * masses[0], g * masses[1]]));
-            let start =
-                State::of([zero, q[0], q[1]]).with_momenta([zero, v[0] * masses[0], v[1] * masses[1]]);
+            let (scene, start) = double.scene(algebra);
             let mut simulation = scene.simulate(start, method(h)).unwrap();
             for _ in 0..8 {
                 let mut pure = scene.simulate(simulation.state(), Rattle::new(h)).unwrap();

@@ -692,8 +692,8 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
             place
         };
         let push = if EQUAL { found } else { over_share * found };
-        // Equal steps: Λ of the next one projects.
         let length = dot(&m, &m);
+        // Equal steps: Λ of the next one projects.
         let project = |change: [S; D], along: S| {
             if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
         };
@@ -736,13 +736,13 @@ fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
 ) -> Result<(S, [S; D]), Failure> {
     let step = S::from_f64(h);
     let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
-    let off = dot(&gradient, &p) * normal.inverse_square;
-    let p = add_scaled(&p, -off, &gradient);
+    let (eta, back_on) = normal.projection(&p);
+    let p = sum(&p, &back_on);
     let [bend] = constraint.jet(&q, &p).2;
     let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
     let path = scaled(step, &p);
     let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
     let landing =
         land(constraint, h, 0, &departure, &p, bend, &path, &crate::effect::Absent, S::from_f64(0.0), None)?;
-    Ok((landing.multiplier - step * off, landing.gradient))
+    Ok((landing.multiplier + step * eta, landing.gradient))
 }
