@@ -5,6 +5,8 @@ use std::fmt::Debug;
 
 /// How many bodies a scene has: exactly one, known when compiling, or many.
 pub trait Count: Copy + Debug + Send + Sync + 'static {
+    /// Whether there can be more than one.
+    const MANY: bool;
     /// Storage for one `X` per body.
     type Of<X: Copy + Debug + Send + Sync>: AsRef<[X]> + AsMut<[X]> + Clone + Debug + Send + Sync;
 
@@ -19,6 +21,7 @@ pub trait Count: Copy + Debug + Send + Sync + 'static {
 pub struct One;
 
 impl Count for One {
+    const MANY: bool = false;
     type Of<X: Copy + Debug + Send + Sync> = [X; 1];
 
     #[inline(always)]
@@ -35,6 +38,7 @@ impl Count for One {
 pub struct Many(pub usize);
 
 impl Count for Many {
+    const MANY: bool = true;
     type Of<X: Copy + Debug + Send + Sync> = Vec<X>;
 
     #[inline(always)]

@@ -18,6 +18,9 @@ use std::marker::PhantomData;
 
 /// The force on one body, or its absence.
 pub trait Force<T: Real, const D: usize>: Copy + Debug + Send + Sync + 'static {
+    /// Whether there can be one.
+    const ACTS: bool = true;
+
     /// No force.
     fn zero() -> Self;
     /// a + c f; `a` itself where forces are absent.
@@ -35,6 +38,8 @@ pub trait Force<T: Real, const D: usize>: Copy + Debug + Send + Sync + 'static {
 pub struct Absent;
 
 impl<T: Real, const D: usize> Force<T, D> for Absent {
+    const ACTS: bool = false;
+
     #[inline(always)]
     fn zero() -> Self {
         Self

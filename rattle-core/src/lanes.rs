@@ -5,7 +5,8 @@
 //! everything outside the inner loops is written over.
 //!
 //! exp, ln, sin, cos, sinh, cosh and tanh of a [`Fused`] number are straight-line code that vectorises, at most 2 units of
-//! the last place off, and the same bits on every processor; sin and cos are not a number beyond 2⁴⁰. The other functions
+//! the last place off, and the same bits on every processor; sin and cos are not a number beyond 2⁴⁰, and what of exp is below the
+//! normal numbers is 0. The other functions
 //! but √ are those of the system's library: right, but a loop with one of them goes number by number.
 
 mod functions;

@@ -1,7 +1,11 @@
 //! Forces between all pairs of bodies, several pairs at a time.
 //!
-//! Bodies j are taken in tiles, coordinate by coordinate; every body i beyond a tile, and each in it, meets those of the tile before
-//! it in one loop that a compiler vectorises. Each pair is evaluated once: the force on j is the opposite of that on i.
+//! Bodies are taken in tiles, coordinate by coordinate. Those of a tile meet each other in a ring: body l meets body l + k, for
+//! all l at once, k = 1, 2, … up to half of the tile. Every body beyond meets all of the tile at once. Each pair is evaluated once:
+//! the force on one is the opposite of that on the other.
+//!
+//! Distances, slopes of the potential, and forces have a loop each, which a compiler vectorises. In one loop, with its long
+//! way from the distance to the force, a processor would have too few pairs in flight.
 //!
 //! Sums are taken in an order that depends on the number of bodies alone, of products that are not rounded, so that every
 //! instruction set that fuses gives the same forces.
@@ -16,17 +20,26 @@ use std::array::from_fn;
 /// Bodies of a tile.
 const TILE: usize = 64;
 
-/// Bodies that meet a tile together: the way through one takes longer than the work.
-const AT_ONCE: usize = 2;
+/// Shifts of a ring that go together: there is room for as many pairs.
+const SHIFTS: usize = 8;
 
 /// From so many bodies on it pays.
 pub(crate) const MANY: usize = 8;
 
 type Number = Fused<f64>;
-/// D coordinates of a tile's bodies; whole cache lines, so that no register is stored across two of them.
+/// D coordinates of bodies; whole cache lines, so that no register is stored across two of them.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Tile<const D: usize>([[Number; TILE]; D]);
+struct Vectors<const D: usize, const L: usize>([[Number; L]; D]);
+
+/// Numbers of pairs.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+struct Pairs([Number; SHIFTS * TILE]);
+
+impl<const D: usize, const L: usize> Vectors<D, L> {
+    const ZERO: Self = Self([[Fused(0.0); L]; D]);
+}
 
 /// Adds the forces between all pairs, if there is an instruction set for it; says whether there was.
 #[inline]
@@ -55,101 +68,170 @@ impl<K: PairKernel<Number>, const D: usize> Work for AllPairs<'_, K, D> {
     fn run(self) {
         let Self { positions, forces, .. } = self;
         let kernel = self.kernel.clone(); // out of reach of what the loops write
-        let zero = Tile([[Fused(0.0); TILE]; D]);
-        let mut parts = [zero; AT_ONCE];
+        let (mut parts, mut pairs) = (Vectors::ZERO, Pairs([Fused(0.0); SHIFTS * TILE]));
         for first in (0..positions.len()).step_by(TILE) {
-            let (mut places, mut pushes) = (zero, zero);
-            for (l, q) in positions[first..].iter().take(TILE).enumerate() {
-                for d in 0..D {
-                    places.0[d][l] = Fused(q[d]);
-                }
-            }
             let beyond = positions.len().min(first + TILE);
-            for i in first + 1..beyond {
-                let (q, number) = ([positions[i].map(Fused)], i - first);
-                let [on_i] = match number {
-                    0..=8 => meet::<K, D, 8, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    9..=16 => meet::<K, D, 16, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    17..=32 => meet::<K, D, 32, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                    _ => meet::<K, D, TILE, 1>(&kernel, number, &q, &places, &mut pushes, &mut parts),
-                };
-                add(&mut forces[i], on_i);
+            let (tile, on_tile) = (&positions[first..beyond], &mut forces[first..beyond]);
+            match tile.len() {
+                0..=8 => ring::<K, D, 8>(&kernel, tile, on_tile, &mut pairs),
+                9..=16 => ring::<K, D, 16>(&kernel, tile, on_tile, &mut pairs),
+                17..=24 => ring::<K, D, 24>(&kernel, tile, on_tile, &mut pairs),
+                25..=32 => ring::<K, D, 32>(&kernel, tile, on_tile, &mut pairs),
+                33..=48 => ring::<K, D, 48>(&kernel, tile, on_tile, &mut pairs),
+                _ => ring::<K, D, TILE>(&kernel, tile, on_tile, &mut pairs),
             }
-            let (together, rest) = positions[beyond..].as_chunks::<AT_ONCE>();
-            let (on_them, on_rest) = forces[beyond..].as_chunks_mut::<AT_ONCE>();
-            for (q, forces) in together.iter().zip(on_them) {
-                let q = q.map(|q| q.map(Fused));
-                let on = meet::<K, D, TILE, AT_ONCE>(&kernel, TILE, &q, &places, &mut pushes, &mut parts);
-                for r in 0..AT_ONCE {
-                    add(&mut forces[r], on[r]);
-                }
+            if beyond == positions.len() {
+                return;
             }
-            for (q, force) in rest.iter().zip(on_rest) {
-                let q = [q.map(Fused)];
-                let [on_i] = meet::<K, D, TILE, 1>(&kernel, TILE, &q, &places, &mut pushes, &mut parts);
-                add(force, on_i);
+            let (mut places, mut pushes) = (Vectors::ZERO, Vectors::ZERO);
+            for (l, q) in tile.iter().enumerate() {
+                put(&mut places, l, q);
             }
-            for (l, force) in forces[first..].iter_mut().take(TILE).enumerate() {
-                for d in 0..D {
-                    force[d] += pushes.0[d][l].0;
-                }
+            for (q, force) in positions[beyond..].iter().zip(&mut forces[beyond..]) {
+                add(force, meet(&kernel, &q.map(Fused), &places, &mut pushes, &mut parts));
+            }
+            for (l, force) in forces[first..beyond].iter_mut().enumerate() {
+                add(force, from_fn(|d| pushes.0[d][l]));
             }
         }
     }
 }
 
+#[inline(always)]
+fn put<const D: usize, const L: usize>(vectors: &mut Vectors<D, L>, l: usize, x: &[f64; D]) {
+    for d in 0..D {
+        vectors.0[d][l] = Fused(x[d]);
+    }
+}
+
+/// Adds −2 times `more`.
 #[inline(always)]
 fn add<const D: usize>(force: &mut [f64; D], more: [Number; D]) {
     for d in 0..D {
-        force[d] += more[d].0;
+        force[d] += -2.0 * more[d].0;
     }
 }
 
-/// Adds to `pushes` the forces of R bodies, at q, on so many bodies of a tile, and gives those on the R bodies. The lanes gone
-/// through, beyond those bodies with no force, are a power of two.
+/// Adds the forces between the bodies of a tile, at most L.
 #[inline(always)]
-fn meet<K: PairKernel<Number>, const D: usize, const LANES: usize, const R: usize>(
+fn ring<K: PairKernel<Number>, const D: usize, const L: usize>(
     kernel: &K,
-    number: usize,
-    q: &[[Number; D]; R],
-    places: &Tile<D>,
-    pushes: &mut Tile<D>,
-    parts: &mut [Tile<D>; AT_ONCE],
-) -> [[Number; D]; R] {
-    for l in 0..LANES {
-        for r in 0..R {
-            let apart: [Number; D] = from_fn(|d| q[r][d] - places.0[d][l]);
-            let pull = Fused(-2.0) * kernel.slope(dot(&apart, &apart)); // −U′(r)/r
-            let pull = Real::select(l < number, pull, Fused(0.0));
-            for d in 0..D {
-                parts[r].0[d][l] = pull * apart[d];
-                pushes.0[d][l] = (-pull).multiply_add(apart[d], pushes.0[d][l]);
-            }
+    positions: &[[f64; D]],
+    forces: &mut [[f64; D]],
+    pairs: &mut Pairs,
+) {
+    let number = positions.len();
+    let mut places = Vectors::<D, { 2 * TILE }>::ZERO; // twice around
+    for (l, q) in positions.iter().chain(positions).take(2 * TILE).enumerate() {
+        put(&mut places, l, q);
+    }
+    let (mut own, mut others) = (Vectors::<D, L>::ZERO, Vectors::<D, { 2 * TILE }>::ZERO);
+    for first in (1..=number / 2).step_by(SHIFTS) {
+        let shifts = first..(number / 2 + 1).min(first + SHIFTS);
+        let rows = pairs.0.as_chunks_mut::<L>().0;
+        for (shift, squares) in shifts.clone().zip(rows) {
+            squares_of_shift(&places, shift, squares);
+        }
+        let chunks = (shifts.len() * L).div_ceil(TILE);
+        for squares in &mut pairs.0.as_chunks_mut::<TILE>().0[..chunks] {
+            slopes(kernel, squares);
+        }
+        let rows = pairs.0.as_chunks::<L>().0;
+        for (shift, slopes) in shifts.zip(rows) {
+            let pairs = if 2 * shift == number { shift } else { number };
+            push_of_shift(&places, shift, pairs, slopes, &mut own, &mut others);
         }
     }
-    from_fn(|r| {
-        from_fn(|d| {
-            let parts = &mut parts[r].0[d];
-            if LANES > 32 {
-                fold::<32>(parts);
-            }
-            if LANES > 16 {
-                fold::<16>(parts);
-            }
-            if LANES > 8 {
-                fold::<8>(parts);
-            }
-            let [a, b, c, d, e, f, g, h, ..] = *parts;
-            ((a + e) + (c + g)) + ((b + f) + (d + h))
-        })
-    })
+    for (l, force) in forces.iter_mut().enumerate().take(L) {
+        add(force, from_fn(|d| own.0[d][l] + (others.0[d][l] + others.0[d][l + number])));
+    }
+}
+
+/// |qₗ − qₗ₊ₖ|².
+#[inline(always)]
+fn squares_of_shift<const D: usize, const L: usize>(
+    places: &Vectors<D, { 2 * TILE }>,
+    shift: usize,
+    squares: &mut [Number; L],
+) {
+    let shifted = places.0.each_ref().map(|x| &x[shift..][..L]);
+    for l in 0..L {
+        let apart: [Number; D] = from_fn(|d| places.0[d][l] - shifted[d][l]);
+        squares[l] = dot(&apart, &apart);
+    }
+}
+
+/// U′(s) in place of s.
+#[inline(always)]
+fn slopes<K: PairKernel<Number>>(kernel: &K, squares: &mut [Number; TILE]) {
+    for l in 0..TILE {
+        squares[l] = kernel.slope(squares[l]);
+    }
+}
+
+/// Adds −½ of the forces of the first so many pairs, on the first body of each and on the second.
+#[inline(always)]
+fn push_of_shift<const D: usize, const L: usize>(
+    places: &Vectors<D, { 2 * TILE }>,
+    shift: usize,
+    pairs: usize,
+    slopes: &[Number; L],
+    own: &mut Vectors<D, L>,
+    others: &mut Vectors<D, { 2 * TILE }>,
+) {
+    let shifted = places.0.each_ref().map(|x| &x[shift..][..L]);
+    let others = others.0.each_mut().map(|x| &mut x[shift..][..L]);
+    for l in 0..L {
+        let slope = Real::select(l < pairs, slopes[l], Fused(0.0));
+        for d in 0..D {
+            let apart = places.0[d][l] - shifted[d][l];
+            own.0[d][l] = slope.multiply_add(apart, own.0[d][l]);
+            others[d][l] = (-slope).multiply_add(apart, others[d][l]);
+        }
+    }
+}
+
+/// Adds to `pushes` −½ of the forces of a body at q on the bodies of a tile, and gives −½ of that on the body.
+#[inline(always)]
+fn meet<K: PairKernel<Number>, const D: usize>(
+    kernel: &K,
+    q: &[Number; D],
+    places: &Vectors<D, TILE>,
+    pushes: &mut Vectors<D, TILE>,
+    parts: &mut Vectors<D, TILE>,
+) -> [Number; D] {
+    let mut slopes = [Fused(0.0); TILE]; // at first |q − qₗ|²
+    for l in 0..TILE {
+        let apart: [Number; D] = from_fn(|d| q[d] - places.0[d][l]);
+        slopes[l] = dot(&apart, &apart);
+    }
+    for l in 0..TILE {
+        slopes[l] = kernel.slope(slopes[l]);
+    }
+    for l in 0..TILE {
+        for d in 0..D {
+            let apart = q[d] - places.0[d][l];
+            parts.0[d][l] = slopes[l] * apart;
+            pushes.0[d][l] = (-slopes[l]).multiply_add(apart, pushes.0[d][l]);
+        }
+    }
+    let mut sums = [Fused(0.0); D];
+    for d in 0..D {
+        let parts = &mut parts.0[d];
+        fold::<32>(parts);
+        fold::<16>(parts);
+        fold::<8>(parts);
+        let [a, b, c, d_, e, f, g, h, ..] = *parts;
+        sums[d] = ((a + e) + (c + g)) + ((b + f) + (d_ + h));
+    }
+    sums
 }
 
 /// Adds the second so many to the first.
 #[inline(always)]
 fn fold<const HALF: usize>(parts: &mut [Number; TILE]) {
     for l in 0..HALF {
-        parts[l] = parts[l] + parts[l + HALF];
+        parts[l] = parts[l] + parts[HALF + l];
     }
 }
 

@@ -6,6 +6,7 @@ use crate::ensemble::group::Group;
 use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision};
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::kernel::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::lanes::Fused;
 use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
 use crate::phase::PhaseSpace;
 use crate::real::Real;
@@ -111,7 +112,7 @@ impl<C: Constraint<D, 1>, const D: usize> Tie<D> for C {
 }
 
 impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
-    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N>;
+    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N, C::Kernel<Fused<f64>>>;
 
     fn system<E: Effects<D>, N: Count>(
         &self,
@@ -126,7 +127,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
             start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(OnSurface::new(constraint, effects.field(), count))
+        Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
     }
 
     fn particles(self, _: usize) -> Self {
@@ -364,8 +365,9 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
-    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N> {
-        OnSurface::new(self.constraint.kernel(), self.effects.field(), self.count)
+    #[allow(clippy::type_complexity, reason = "a system has its kernels' types")]
+    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N, C::Kernel<Fused<f64>>> {
+        OnSurface::new(self.constraint.kernel(), self.constraint.kernel(), self.effects.field(), self.count)
     }
 }
 

@@ -49,10 +49,10 @@ const FAR_EXTRAPOLATION: f64 = 0.1;
 
 /// … or if the path is longer than this part of the length on which the slope changes. `tests/hard_cases.rs` takes
 /// random steps with h·κ·|v| up to 3 on several surfaces, and none goes astray.
-const LONG_PATH: f64 = 0.5;
+pub(crate) const LONG_PATH: f64 = 0.5;
 
 /// A relative change of the slope below this is none: well above rounding, and 10⁷ corrections make a bend.
-const STRAIGHT: f64 = 1e-7;
+pub(crate) const STRAIGHT: f64 = 1e-7;
 
 /// The same where rounding is coarser.
 const fn straight<T: Real>() -> f64 {

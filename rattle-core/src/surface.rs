@@ -4,11 +4,13 @@
 
 mod collocation;
 mod series;
+mod side_by_side;
 
 use crate::bodies::{Bodies, Body, Count};
 use crate::effect::{Field, Force};
 use crate::iteration::{Iteration, Kind};
 use crate::kernel::ConstraintKernel;
+use crate::lanes::Fused;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::series::NO_SERIES;
@@ -22,19 +24,21 @@ use series::Room;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
-pub struct OnSurface<K, F, N> {
+pub struct OnSurface<K, F, N, L> {
     /// g, one equation per body.
     pub constraint: K,
+    /// The same function for several bodies at a time.
+    pub in_lanes: L,
     /// U, from all effects.
     pub field: F,
     /// How many bodies there are.
     pub count: N,
 }
 
-impl<K, F, N> OnSurface<K, F, N> {
-    /// So many bodies on this surface in this field.
-    pub fn new(constraint: K, field: F, count: N) -> Self {
-        Self { constraint, field, count }
+impl<K, F, N, L> OnSurface<K, F, N, L> {
+    /// So many bodies on this surface, of which the kernel is given twice, in this field.
+    pub fn new(constraint: K, in_lanes: L, field: F, count: N) -> Self {
+        Self { constraint, in_lanes, field, count }
     }
 }
 
@@ -62,12 +66,13 @@ pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
 
 type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
 
-impl<T, K, F, N, const D: usize> System<T, D> for OnSurface<K, F, N>
+impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
     F: Field<T, D>,
     N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
 {
     type Count = N;
     type Kept = Kept<N, T, F::Force, D>;
@@ -85,6 +90,7 @@ where
             let [gradient] = self.constraint.jacobian(q);
             *normal = Normal::new(gradient);
         }
+        self.fuse_normals(bodies);
         self.evaluate_forces(bodies);
     }
 
@@ -97,6 +103,11 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        if X::KIND == Kind::Newton
+            && let Some(set) = side_by_side::entry::<T, N, D>(self.count)
+        {
+            return self.drift_in_tiles(set, kick, h, guess, bodies, witness);
+        }
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for body in 0..bodies.q.as_ref().len() {
             let constraint = &self.constraint;
@@ -113,6 +124,7 @@ where
                 }
             }
         }
+        self.fuse_normals(bodies);
         Ok(())
     }
 
@@ -129,6 +141,9 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        if let Some(set) = side_by_side::entry::<T, N, D>(self.count) {
+            return self.settle_in_tiles(set, kick, h, bodies, witness);
+        }
         for body in 0..bodies.q.as_ref().len() {
             let finite = settle(kick, h, bodies, body, witness);
             if !finite.all() {
@@ -159,6 +174,7 @@ where
         for body in 0..bodies.q.as_ref().len() {
             project(h, &self.constraint, bodies, body)?;
         }
+        self.fuse_normals(bodies);
         self.evaluate_forces(bodies);
         Ok(())
     }
@@ -460,6 +476,12 @@ where
     let (eta, normal_part) = bodies.kept.normal.as_ref()[body].projection(&sum(p, &change));
     witness.momentum_multiplier(body, eta / T::from_f64(0.5 * h));
     (*p, *p_low) = two_sum(p, &sum(&change, &normal_part));
+    is_finite(p)
+}
+
+/// Whether a momentum, and what is made of its square, is a number.
+#[inline(always)]
+fn is_finite<T: Real, const D: usize>(p: &[T; D]) -> T::Mask {
     dot(p, p).le(T::from_f64(f64::MAX))
 }
 

@@ -22,6 +22,12 @@
 /// 1.5·2⁵²: a number below 2⁵¹ that is added to it is rounded to an integer, which is then in its last digits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
+/// Below it eˣ is less than the normal numbers, and taken for 0; …
+const SMALLEST_POWER: f64 = -708.396_418_532_264_1;
+
+/// … and beyond it infinite.
+const LARGEST_POWER: f64 = 709.782_712_893_384;
+
 const LN_2: [f64; 2] = [std::f64::consts::LN_2, 2.319_046_813_846_299_6e-17];
 /// π/2 in parts of 53, 33 and 53 digits: products of the second with integers below 2¹⁸ have no rounding error.
 const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_384_61e-17, 3.521_559_865_183_2e-27];
@@ -30,18 +36,17 @@ const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_384_61e-17
 pub(super) const FARTHEST_ANGLE: f64 = 1_099_511_627_776.0;
 
 /// (eʳ − 1 − r)/r².
-const EXP: [f64; 11] = [
-    0.5,
-    0.166_666_666_666_666_85,
-    0.041_666_666_666_666_73,
-    0.008_333_333_333_316_742,
-    0.001_388_888_888_885_840_4,
-    0.000_198_412_698_970_548_46,
-    2.480_158_737_383_274e-5,
-    2.755_723_423_856_042e-6,
-    2.755_723_328_159_900_5e-7,
-    2.511_223_981_596_869_6e-8,
-    2.092_696_584_647_189e-9,
+const EXP: [f64; 10] = [
+    0.500_000_000_000_001_1,
+    0.166_666_666_666_664_13,
+    0.041_666_666_666_530_155,
+    0.008_333_333_333_494_463,
+    0.001_388_888_894_363_007,
+    0.000_198_412_695_065_763_98,
+    2.480_149_309_894_754_3e-5,
+    2.755_758_637_599_077_3e-6,
+    2.763_024_836_611_497e-7,
+    2.500_006_091_337_583_8e-8,
 ];
 
 /// (sin r − r)/r³, in r².
@@ -91,33 +96,33 @@ fn select(choice: bool, a: f64, b: f64) -> f64 {
     if choice { a } else { b }
 }
 
-/// k, in the last digits of a float, and eʳ − 1, for x = k ln 2 + r.
+/// k, in the last digits of a float, r, and what rounding took from it, for x = k ln 2 + r.
 #[inline(always)]
-fn powers(x: f64) -> (f64, f64) {
+fn reduced(x: f64) -> (f64, f64, f64) {
     let rounded = x.mul_add(std::f64::consts::LOG2_E, ROUNDER);
     let k = rounded - ROUNDER;
     let near = (-k).mul_add(LN_2[0], x); // exact
     let r = (-k).mul_add(LN_2[1], near);
-    let low = (-k).mul_add(LN_2[1], near - r);
-    (rounded, r + (r * r).mul_add(polynomial(&EXP, r), low))
+    (rounded, r, (-k).mul_add(LN_2[1], near - r))
 }
 
-/// 2^−`less` eˣ.
+/// 2^−`less` eˣ, for `less` 0 or 1.
 #[inline(always)]
 fn exp_over(less: u64, x: f64) -> f64 {
-    let x = select(x > 712.0, 712.0, x); // not a number stays so
-    let (rounded, p) = powers(select(x < -746.0, -746.0, x));
-    // 2ᵏ may be beyond the floats on either side where the result is not, so in two factors; the first is exact.
-    let exponents = rounded.to_bits().wrapping_sub(ROUNDER.to_bits()).wrapping_add(2 * 1023 - less);
-    let half = exponents >> 1;
-    let power = |exponent: u64| f64::from_bits(exponent << 52);
-    (1.0 + p) * power(half) * power(exponents.wrapping_sub(half))
+    let (rounded, r, _) = reduced(x);
+    let p = (r * r).mul_add(polynomial(&EXP, r), r);
+    // Times 2ᵏ: k is added to the exponent.
+    let power = f64::from_bits((1.0 + p).to_bits().wrapping_add(rounded.to_bits().wrapping_sub(less) << 52));
+    let power = select(x < SMALLEST_POWER, 0.0, power);
+    let largest = LARGEST_POWER + if less == 0 { 0.0 } else { LN_2[0] };
+    select(x <= largest, power, x + f64::INFINITY) // also where x is not a number
 }
 
 /// eˣ − 1 for 0 ≤ x < 700.
 #[inline(always)]
 fn exp_less_one(x: f64) -> f64 {
-    let (rounded, p) = powers(x);
+    let (rounded, r, low) = reduced(x);
+    let p = r + (r * r).mul_add(polynomial(&EXP, r), low);
     let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
     p.mul_add(power, power - 1.0)
 }

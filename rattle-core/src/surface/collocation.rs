@@ -18,6 +18,7 @@ use super::{BodiesOf, Normal, OnSurface, pull};
 use crate::bodies::Count;
 use crate::effect::{Field, Force};
 use crate::kernel::ConstraintKernel;
+use crate::lanes::Fused;
 use crate::lobatto::Table;
 use crate::real::{Mask, Real};
 use crate::stepper::{Failure, Witness};
@@ -95,7 +96,7 @@ impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
     }
 }
 
-impl<K, F, N: Count> OnSurface<K, F, N> {
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// One step of the collocation method with this table.
     #[inline(always)]
     pub(super) fn collocate<T, W, const D: usize, const S: usize>(
@@ -109,6 +110,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Field<T, D>,
         W: Witness<T>,
     {
@@ -147,6 +149,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Field<T, D>,
     {
         let mut ahead = bodies.clone();
@@ -194,6 +197,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Field<T, D>,
     {
         self.begin::<T, D, S>(bodies, stages);
@@ -355,6 +359,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
     ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Field<T, D>,
         W: Witness<T>,
     {
@@ -369,6 +374,7 @@ impl<K, F, N: Count> OnSurface<K, F, N> {
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
             witness.position_multiplier(body, stages.lambda[body * S]);
         }
+        self.fuse_normals(bodies);
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             let total: &[[T; D]; S] = part(&stages.total, body);

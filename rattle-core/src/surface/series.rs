@@ -26,7 +26,7 @@ pub(crate) struct Room<T, const D: usize> {
     force: Vec<[T; D]>,
 }
 
-impl<K, F, N: Count> OnSurface<K, F, N> {
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Room for so many coefficients; none where a function has no series.
     pub(super) fn room_for_series<T: Real, const D: usize>(&self, orders: usize) -> Option<Box<Room<T, D>>>
     where
