@@ -30,6 +30,7 @@ mod block;
 #[doc(hidden)]
 pub mod group;
 mod instruction_set;
+mod laws;
 mod observe;
 mod precision;
 mod stream;
@@ -105,8 +106,8 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error>
     where
         P: Precision,
-        C: Hold<D> + 'a,
-        E: Effects<D> + 'a,
+        C: Hold<D> + 'static,
+        E: Effects<D> + 'static,
         N: Count + 'a,
         S: Stepper,
     {
