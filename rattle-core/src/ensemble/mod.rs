@@ -89,8 +89,8 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes 1.0 to 1.1 times as long as one scene for
-    /// all, however much depends on parameters alone: parameters are kept in lanes, as trajectories are.
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for all,
+    /// however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of effects over members.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
