@@ -521,21 +521,24 @@ fn a_sweep_over_members_and_pairs_is_its_scenes() {
     assert_eq!(check_sweep(Double, &trajectories, &Rattle::new(0.01), 100), 0);
 }
 
-/// A lane whose trajectory has ended goes on as a copy of another, with the other's parameters: else the copy would end,
-/// and the other with it. The forces of members are copied too.
+/// A lane whose trajectory has ended goes on as a copy of another, with the other's parameters: with its own, by which every
+/// third trajectory falls too fast, the copy would end too, and the other with it.
 #[test]
 fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
-    let radius = |t: f64| 1.0 + 2.0 * t;
-    let start = |t: f64| {
-        let fast = (70.0 * t).round() % 3.0 == 0.0; // the first one too, of which empty lanes are copies
-        State::at([radius(t), 0.0, 0.0]).moving([0.0, 0.8, if fast { 9.5 * radius(t) } else { 0.6 }])
-    };
-    let ball = |t: f64| Scene::on(Sphere { radius: radius(t) });
-    let weights = swept(|t| ball(t).with(Gravity { g: 20.0 + 5.0 * t }), start);
-    let failures = check_sweep(Double, &weights, &Rattle::new(0.1), 300);
-    assert_eq!(failures, 24);
-    let members = swept(|t| ball(t).with(Gravity { g: 20.0 + 5.0 * t }.over([[0]])), start);
-    assert_eq!(check_sweep(Double, &members, &Rattle::new(0.1), 300), failures);
+    let heavy = |t: f64| (70.0 * t).round() % 3.0 == 0.0; // the first one too, of which empty lanes are copies
+    let weight = |t: f64| Gravity { g: if heavy(t) { 2000.0 + t } else { 5.0 + t } };
+    let ball = |t: f64| Scene::on(Sphere { radius: 1.0 + 2.0 * t });
+    let start = |t: f64| State::at([1.0 + 2.0 * t, 0.0, 0.0]).moving([0.0, 0.8, 0.6]);
+    let method = Rattle::new(0.1);
+    let potentials = swept(|t| ball(t).with(weight(t)).with(Gravity { g: t }), start);
+    assert_eq!(check_sweep(Double, &potentials, &method, 300), 24);
+    let members = swept(|t| ball(t).with(Gravity { g: t }).with(weight(t).over([[0]])), start);
+    assert_eq!(check_sweep(Double, &members, &method, 300), 24);
+    // Too fast for a small sphere, not for a large one.
+    let radius = |t: f64| if heavy(t) { 1.0 + 0.1 * t } else { 30.0 + t };
+    let start = |t: f64| State::at([radius(t), 0.0, 0.0]).moving([0.0, 5.0, 7.5]);
+    let surfaces = swept(|t| Scene::on(Sphere { radius: radius(t) }).with(Gravity { g: 40.0 }), start);
+    assert_eq!(check_sweep(Double, &surfaces, &method, 300), 24);
 }
 
 /// What rounding does to the energy in 1e5 steps, as a difference to a run of ten times the digits' worth: compensated
