@@ -4,7 +4,7 @@ mod common;
 use common::lanes::Four;
 use common::*;
 use rattle::bodies::{Body, One};
-use rattle::kernel::PotentialKernel;
+use rattle::kernel::{ConstraintKernel, PotentialKernel};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surface::OnSurface;
@@ -94,6 +94,31 @@ fn parameters_can_differ_from_lane_to_lane() {
             );
         }
     }
+}
+
+/// Each lane of a kernel of lanes, by itself, is the kernel of that lane's parameters.
+#[test]
+fn a_lane_of_a_kernel_is_a_kernel() {
+    constraint! {
+        struct Bowl { shape: [f64; 2], depth }
+        |x, y, z| exp(shape[0] * depth) * x^2 + y^2 / sqrt(shape[1] + depth) - z * cos(depth) - shape[0]
+    }
+    let bowls = [0.3, 0.8, 1.1, 2.9].map(|depth| Bowl { shape: [depth - 1.0, depth * depth], depth });
+    let gravities = [1.0, 0.5, 0.0, -1.0].map(|g| Gravity { g });
+    let bowl_of_lanes = Bowl::kernel_of_lanes::<Four>(|lane| &bowls[lane]);
+    let gravity_of_lanes = Gravity::kernel_of_lanes::<Four>(|lane| &gravities[lane]);
+    let (q, v) = ([0.3, -1.2, 0.7], [1.0, 0.2, -0.5]);
+    for lane in 0..4 {
+        let bowl: <Bowl as Constraint<3, 1>>::Kernel<f64> =
+            Bowl::map_kernel(&bowl_of_lanes, |four: &Four| four.0[lane]);
+        let own = bowls[lane].kernel::<f64>();
+        assert_eq!(bowl.value_and_jacobian(&q), own.value_and_jacobian(&q), "lane {lane}");
+        assert_eq!(bowl.jet(&q, &v), own.jet(&q, &v), "lane {lane}");
+        let gravity = Gravity::map_kernel(&gravity_of_lanes, |four: &Four| four.0[lane]);
+        assert_eq!(gravity.value(&q), gravities[lane].kernel::<f64>().value(&q), "lane {lane}");
+    }
+    let values = (0..4).map(|lane| bowls[lane].kernel::<f64>().value(&q)[0].to_bits());
+    assert_eq!(values.collect::<std::collections::HashSet<_>>().len(), 4);
 }
 
 constraint! {

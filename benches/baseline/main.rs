@@ -26,6 +26,7 @@ const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
 
 const LEGEND: &str = "\
 ns        CPU nanoseconds per trajectory (or particle) and step; by the clock for two threads
+× ours    its time over ours, median over rounds
 g, ∇g     evaluations of the constraint and of its gradient per step
 max |g|   how far off the surface; opponents stop at 1e-14 (or as their name says), ours at the rounding floor
 ΔE/K      largest deviation of the energy, by the mean kinetic energy: the method's own, the same for all

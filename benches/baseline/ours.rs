@@ -4,7 +4,7 @@ use crate::conversation::{H, Run, start};
 use rattle::Counted;
 use rattle::bodies::{Many, One};
 use rattle::counted::Counts;
-use rattle::ensemble::{Compensated, Ensemble};
+use rattle::ensemble::{Compensated, Double, Ensemble};
 use rattle::prelude::*;
 use rattle::system::System;
 use std::path::Path;
@@ -35,7 +35,7 @@ const GRAVITY: Gravity = Gravity { g: 1.0 };
 const RICKER: Ricker = Ricker { depth: 0.5, radius: 1.0 / 6.0 };
 
 /// The rows that there are.
-pub(crate) const ROWS: [&str; 5] = [SIMULATION, SCALAR, ENSEMBLE, COMPENSATED, THREADS_2];
+pub(crate) const ROWS: [&str; 6] = [SIMULATION, SCALAR, ENSEMBLE, SWEEP, COMPENSATED, THREADS_2];
 /// One simulation after the other: compensated sums, to the rounding floor, a first guess from the present state alone.
 pub(crate) const SIMULATION: &str = "simulation";
 /// Ensembles of one trajectory, one after the other …
@@ -44,6 +44,8 @@ pub(crate) const SCALAR: &str = "one_lane";
 pub(crate) const SCALAR_GUESS: [&str; 2] = ["bend", "bend_verlet"];
 /// All side by side.
 pub(crate) const ENSEMBLE: &str = "ensemble";
+/// The same as a sweep, each with parameters of its own; they are equal, so that all do the same work.
+pub(crate) const SWEEP: &str = "ensemble_sweep";
 /// The same with positions and momenta as compensated sums.
 pub(crate) const COMPENSATED: &str = "ensemble_compensated";
 /// The same on two threads.
@@ -67,7 +69,7 @@ fn of_scene<C, E>(
     counts: Option<Counts>,
 ) -> Option<Box<dyn Run>>
 where
-    C: Constraint<3, 1>,
+    C: Constraint<3, 1> + 'static,
     E: rattle::effect::Effects<3> + 'static,
 {
     let starts = (0..n).map(|i| {
@@ -83,6 +85,10 @@ where
             starts.clone().map(|start| scene.ensemble([start], Rattle::new(H)).expect("a start")).collect(),
         ),
         ENSEMBLE | THREADS_2 => ensemble(scene.ensemble(starts.clone(), Rattle::new(H))),
+        SWEEP => {
+            let trajectories = starts.clone().map(|start| (scene, start));
+            ensemble(Ensemble::sweep(Double, trajectories, Rattle::new(H)))
+        }
         COMPENSATED => ensemble(scene.ensemble_in(Compensated, starts.clone(), Rattle::new(H))),
         _ => return None,
     };

@@ -10,7 +10,7 @@ const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/baseline");
 
 /// One who takes part.
 pub(crate) struct Entrant {
-    /// The name in `ratio NAME VALUE`; ours has none.
+    /// The name in `ratio NAME VALUE`; ours has none, which is the first without one, nor has what only the table shows.
     ratio: Option<&'static str>,
     who: &'static str,
     program: Program,
@@ -154,6 +154,7 @@ impl Programs {
                 &[ours::COMPENSATED],
                 us("trajectories"),
             ),
+            entrant("ours, a sweep", None, &[ours::SWEEP], us("trajectories")),
             entrant("ours, 2 threads", Some("threads2_over_1"), &[ours::THREADS_2], us("trajectories")),
         ]))
     }
@@ -341,8 +342,8 @@ impl Task {
         }
         println!("\n{}: {n} × {steps} steps, {rounds} rounds", self.name);
         println!(
-            "{:26} {:28} {:>9} {:>9}   {:>6} {:>6}   {:>8}  {:>8}   apart",
-            "", "", "ns min", "median", "g", "∇g", "max |g|", "ΔE/K"
+            "{:26} {:28} {:>9} {:>9} {:>7}   {:>6} {:>6}   {:>8}  {:>8}   apart",
+            "", "", "ns min", "median", "× ours", "g", "∇g", "max |g|", "ΔE/K"
         );
         for entrant in &self.entrants {
             let Some(check) = &entrant.check else { continue };
@@ -352,11 +353,12 @@ impl Task {
             });
             let apart: Vec<String> = entrant.apart.iter().map(|apart| format!("{apart:.0e}")).collect();
             println!(
-                "{:26} {:28} {:9.3} {:9.3}   {values:>6} {gradients:>6}   {:8.1e}  {:8.2e}   {}",
+                "{:26} {:28} {:9.3} {:9.3} {:>7}   {values:>6} {gradients:>6}   {:8.1e}  {:8.2e}   {}",
                 entrant.who,
                 entrant.rows[0],
                 entrant.times.iter().copied().fold(f64::INFINITY, f64::min),
                 median(&entrant.times),
+                self.over_ours(entrant).map_or("–".into(), |ratio| format!("{ratio:.3}")),
                 check.residual,
                 check.deviation,
                 apart.join(" ")
@@ -365,16 +367,19 @@ impl Task {
         Ok(())
     }
 
+    /// Its time by ours, median over rounds; none where ours is not here.
+    fn over_ours(&self, entrant: &Entrant) -> Option<f64> {
+        let ours = self.entrants.iter().find(|entrant| entrant.ratio.is_none())?;
+        let pairs = entrant.times.iter().zip(&ours.times);
+        Some(median(&pairs.map(|(them, us)| them / us).collect::<Vec<_>>()))
+    }
+
     /// Prints `ratio NAME VALUE` for each opponent.
     pub(crate) fn ratios(&self) {
-        let Some(ours) = self.entrants.iter().find(|entrant| entrant.ratio.is_none()) else { return };
         for entrant in &self.entrants {
-            let Some(name) = entrant.ratio else { continue };
-            let pairs = entrant.times.iter().zip(&ours.times);
+            let (Some(name), Some(ratio)) = (entrant.ratio, self.over_ours(entrant)) else { continue };
             // For two threads of ours it is the other way round.
-            let ratio =
-                |(them, us): (&f64, &f64)| if name.starts_with("threads") { us / them } else { them / us };
-            println!("ratio {name} {:.3}", median(&pairs.map(ratio).collect::<Vec<_>>()));
+            println!("ratio {name} {:.3}", if name.starts_with("threads") { 1.0 / ratio } else { ratio });
         }
     }
 }

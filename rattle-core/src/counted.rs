@@ -14,6 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 /// # impl Potential<1> for Flat {
 /// #     type Kernel<T: Real> = Flat;
 /// #     fn kernel_of_lanes<'a, T: Real>(_: impl Fn(usize) -> &'a Self) -> Flat where Self: 'a { Flat }
+/// #     fn map_kernel<T: Real, U: Real>(_: &Flat, _: impl Fn(&T) -> U) -> Flat { Flat }
 /// # }
 /// # impl<T: Real> PotentialKernel<T, 1> for Flat {
 /// #     fn value(&self, q: &[T; 1]) -> T { q[0] }
@@ -31,6 +32,7 @@ pub struct Counted<X> {
 }
 
 /// How often each function was evaluated, for however many copies of a kernel; coefficients of power series do not count.
+/// Where lanes have parameters of their own, all count for the first lane of a group.
 #[derive(Debug, Clone, Default)]
 pub struct Counts(Arc<[AtomicU64; 3]>);
 
@@ -83,6 +85,9 @@ impl<C: Constraint<D, M>, const D: usize, const M: usize> Constraint<D, M> for C
         let counts = lane(0).counts.clone();
         Counted { inner: C::kernel_of_lanes(|i| &lane(i).inner), counts }
     }
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U> {
+        Counted { inner: C::map_kernel(&kernel.inner, number), counts: kernel.counts.clone() }
+    }
 }
 
 impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> ConstraintKernel<T, D, M>
@@ -123,6 +128,9 @@ impl<P: Potential<D>, const D: usize> Potential<D> for Counted<P> {
     {
         let counts = lane(0).counts.clone();
         Counted { inner: P::kernel_of_lanes(|i| &lane(i).inner), counts }
+    }
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U> {
+        Counted { inner: P::map_kernel(&kernel.inner, number), counts: kernel.counts.clone() }
     }
 }
 

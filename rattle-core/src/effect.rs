@@ -3,10 +3,14 @@
 //! A scene's effects are a list in its type: `()` is none, [`With`] adds one. The list without
 //! effects has a force of size zero, so the steppers' force phase vanishes when compiling.
 
+mod swept;
+
+pub use swept::{OnEachLane, Swept};
+
 #[cfg(doc)]
 use crate::ensemble::InstructionSet;
 use crate::kernel::{PairKernel, PairPotential, Potential, PotentialKernel};
-use crate::lanes::Fused;
+use crate::lanes::{Fused, Lane};
 use crate::pairs;
 use crate::real::Real;
 use crate::series::{Order, blocks};
@@ -91,6 +95,14 @@ pub trait Effects<const D: usize> {
     type Field<T: Real>: Field<T, D>;
     /// The field with these effects' parameters.
     fn field<T: Real>(&self) -> Self::Field<T>;
+
+    /// The list in L lanes, each with parameters of its own.
+    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Field<S>>;
+    /// Lane i with the parameters of `lane(i)`.
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a;
+
     /// The first effect that names a body beyond the last one, by the name of its type, its member and the body.
     fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
         None
@@ -135,6 +147,9 @@ pub struct With<E, P, Kind> {
 impl<const D: usize> Effects<D> for () {
     type Field<T: Real> = ();
     fn field<T: Real>(&self) {}
+
+    type Swept<S: Lane, const L: usize> = ();
+    fn swept<'a, S: Lane, const L: usize>(_: impl Fn(usize) -> &'a Self) {}
 }
 
 impl<T: Real, const D: usize> Field<T, D> for () {
@@ -172,6 +187,16 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
 
     fn field<T: Real>(&self) -> Self::Field<T> {
         Superposed { effect: self.effect.acting(), name: short_name::<P>(), others: self.others.field() }
+    }
+
+    type Swept<S: Lane, const L: usize> = Superposed<<P as Effect<D, Kind>>::Swept<S, L>, E::Swept<S, L>>;
+
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        let (effect, others) = (P::swept(|i| &lane(i).effect), E::swept(|i| &lane(i).others));
+        Superposed { effect, name: short_name::<P>(), others }
     }
 
     fn stray(&self, bodies: usize) -> Option<(&'static str, usize, usize)> {
@@ -251,6 +276,14 @@ pub trait Effect<const D: usize, Kind> {
     type Acting<T: Real>: Acting<T, D>;
     /// The effect with this value's parameters.
     fn acting<T: Real>(&self) -> Self::Acting<T>;
+
+    /// The effect in L lanes, each with parameters of its own.
+    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Acting<S>>;
+    /// Lane i with the parameters of `lane(i)`.
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a;
+
     /// The first member that names a body beyond the last one, and that body.
     fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
         None
@@ -294,6 +327,14 @@ impl<P: Potential<D>, const D: usize> Effect<D, OnEach<()>> for P {
     type Acting<T: Real> = OnEach<P::Kernel<T>>;
     fn acting<T: Real>(&self) -> Self::Acting<T> {
         OnEach(self.kernel())
+    }
+
+    type Swept<S: Lane, const L: usize> = OnEachLane<P, S, L, D>;
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        OnEachLane::new(lane)
     }
 }
 
@@ -342,6 +383,14 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
     type Acting<T: Real> = BetweenPairs<P::Kernel<T>, P::Kernel<Fused<f64>>>;
     fn acting<T: Real>(&self) -> Self::Acting<T> {
         BetweenPairs { kernel: self.kernel(), in_lanes: self.kernel() }
+    }
+
+    type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        from_fn(|i| Effect::<D, BetweenPairs<()>>::acting(lane(i)))
     }
 }
 
@@ -448,6 +497,14 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
             )
         };
         Among { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
+    }
+
+    type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        from_fn(|i| Effect::<D, Among<(), K, A>>::acting(lane(i)))
     }
 
     fn stray(&self, bodies: usize) -> Option<(usize, usize)> {

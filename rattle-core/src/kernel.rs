@@ -27,6 +27,13 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
     where
         Self: 'a;
 
+    /// The kernel with `number` of each of its numbers; of a kernel of lanes, for example, that of one lane by itself.
+    ///
+    /// ```text
+    /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>
+    /// ```
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)
@@ -142,6 +149,13 @@ pub trait Potential<const D: usize>: Sized {
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
         Self: 'a;
+
+    /// The kernel with `number` of each of its numbers; of a kernel of lanes, for example, that of one lane by itself.
+    ///
+    /// ```text
+    /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>
+    /// ```
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
 
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {

@@ -90,11 +90,14 @@ pub trait Hold<const D: usize>: Sized {
 
     /// The same, each trajectory in a scene of its own.
     #[doc(hidden)]
-    fn each_in_lanes<P: Precision, E: Effects<D>>(
+    fn each_in_lanes<P: Precision, E: Effects<D> + 'static>(
         _scenes: &[(&Self, &E)],
         _starts: &[State<D>],
         _lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>> {
+    ) -> Option<Box<dyn Group<D>>>
+    where
+        Self: 'static,
+    {
         None
     }
 }
@@ -146,11 +149,14 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         (D <= MOST_IN_LANES).then(|| P::same(scene, starts, lanes))
     }
 
-    fn each_in_lanes<P: Precision, E: Effects<D>>(
+    fn each_in_lanes<P: Precision, E: Effects<D> + 'static>(
         scenes: &[(&Self, &E)],
         starts: &[State<D>],
         lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>> {
+    ) -> Option<Box<dyn Group<D>>>
+    where
+        Self: 'static,
+    {
         (D <= MOST_IN_LANES).then(|| P::each(scenes, starts, lanes))
     }
 }

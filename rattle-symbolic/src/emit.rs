@@ -84,6 +84,13 @@ impl<'a> Emitter<'a> {
         }
     }
 
+    /// The kernel's fields, each the function of that of another kernel.
+    pub(crate) fn mapped(&self, function: &TokenStream, other: &TokenStream) -> TokenStream {
+        let names = (0..self.fields.len()).map(field);
+        let fields = names.map(|name| quote!(#name: #function(&#other.#name),));
+        quote!(#(#fields)* scalar: ::core::marker::PhantomData)
+    }
+
     /// The statements that compute the roots; in chapters where there is a frame for them.
     pub(crate) fn body(&self, roots: &[Id], spelling: Spelling, frame: Option<&Frame>) -> TokenStream {
         let graph = self.graph;

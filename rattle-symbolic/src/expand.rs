@@ -216,6 +216,7 @@ impl Kernel<'_> {
         let functions = functions.map(|method| self.function(&method, which));
         let (constants, kinks) = self.structure_of_equations(which);
         let series = self.series(which);
+        let map = self.map(which);
         let declarations = self.emitter.declarations();
         let parameters = self.parameters();
         let construction = self.emitter.construction(&kernel, &|input| match input {
@@ -243,6 +244,8 @@ impl Kernel<'_> {
                     {
                         #construction
                     }
+
+                    #map
                 }
 
                 #[automatically_derived]
@@ -252,6 +255,24 @@ impl Kernel<'_> {
                     #series
                 }
             };
+        }
+    }
+
+    /// The kernel number by number, for what goes in lanes.
+    fn map(&self, which: Macro) -> TokenStream {
+        if !matches!(which, Macro::Constraint | Macro::Potential) {
+            return TokenStream::new();
+        }
+        let kernel = self.name();
+        let fields = self.emitter.mapped(&quote!(__number), &quote!(__kernel));
+        quote! {
+            #[inline(always)]
+            fn map_kernel<T: ::rattle::real::Real, U: ::rattle::real::Real>(
+                __kernel: &#kernel<T>,
+                __number: impl Fn(&T) -> U,
+            ) -> #kernel<U> {
+                #kernel { #fields }
+            }
         }
     }
 

@@ -41,7 +41,7 @@
 //!
 //! Every lane is a function of its own past alone.
 
-use crate::effect::Field;
+use crate::ensemble::laws::Laws;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
 use crate::solver::Departure;
@@ -49,6 +49,7 @@ use crate::stepper::Failure;
 use crate::surface::{Normal, land};
 use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use std::array::from_fn;
+use std::borrow::Borrow;
 
 /// Left to the last correction: so many ε of the largest coordinate.
 const AT_REST: f64 = 256.0;
@@ -158,59 +159,6 @@ pub(crate) struct Stuck {
     pub(crate) failure: Failure,
 }
 
-/// What each lane obeys: one constraint and field for all, or one each.
-pub(crate) trait Laws<K, F> {
-    fn constraint(&self, lane: usize) -> &K;
-    fn field(&self, lane: usize) -> &F;
-}
-
-/// The same for all lanes.
-#[derive(Clone)]
-pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
-
-/// Each lane its own.
-#[derive(Clone)]
-pub(crate) struct Each<K, F, const L: usize>(pub(crate) [(K, F); L]);
-
-impl<K, F> Laws<K, F> for Same<K, F> {
-    #[inline(always)]
-    fn constraint(&self, _: usize) -> &K {
-        &self.0
-    }
-    #[inline(always)]
-    fn field(&self, _: usize) -> &F {
-        &self.1
-    }
-}
-
-impl<K, F, const L: usize> Laws<K, F> for Each<K, F, L> {
-    #[inline(always)]
-    fn constraint(&self, lane: usize) -> &K {
-        &self.0[lane].0
-    }
-    #[inline(always)]
-    fn field(&self, lane: usize) -> &F {
-        &self.0[lane].1
-    }
-}
-
-/// Laws as a group keeps them. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows,
-/// what the loop writes.
-pub(crate) trait Kept<K, F>: Laws<K, F> + Clone {
-    /// Has lane `to` obey what lane `from` does.
-    fn copy(&mut self, from: usize, to: usize);
-}
-
-impl<K: Clone, F: Clone> Kept<K, F> for Same<K, F> {
-    fn copy(&mut self, _: usize, _: usize) {}
-}
-
-impl<K: Clone, F: Clone, const L: usize> Kept<K, F> for Each<K, F, L> {
-    fn copy(&mut self, from: usize, to: usize) {
-        self.0[to] = self.0[from].clone();
-    }
-}
-
 /// The sum of the components.
 #[inline(always)]
 fn total<S: Lane, const D: usize>(x: &[S; D]) -> S {
@@ -283,22 +231,22 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
 
     /// Puts a trajectory at q with momentum p, which are along the constraint, into a lane; `parts` are those of the
     /// method, of which the block's is to come.
-    pub(crate) fn set<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+    pub(crate) fn set(
         &mut self,
         lane: usize,
-        (constraint, field): (&K, &F),
+        laws: &impl Laws<S, D>,
         parts: &[Part],
         q: [[S; D]; 2],
         p: [[S; D]; 2],
     ) {
-        let part = &parts[self.part];
+        let (part, constraint) = (&parts[self.part], laws.constraint(lane));
         let (h, unit) = (S::from_f64(part.h), S::from_f64(part.unit));
-        let [gradient] = constraint.jacobian(&q[0]);
+        let [gradient] = constraint.borrow().jacobian(&q[0]);
         let normal = Normal::new(gradient);
-        let pushed = field.kick(&q[0], S::from_f64(0.5) * h, p[1]);
+        let pushed = laws.kick(lane, &q[0], S::from_f64(0.5) * h, p[1]);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
-        let [bend] = constraint.jet(&q[0], &ahead).2;
+        let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
         // Equal steps: as if one had led here, which would have left half of Λ in the way.
         let equal = Part::are_equal(parts);
@@ -341,21 +289,16 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     /// Momentum of a lane, and what rounding took from it: with the kick of the step to come taken back, and along the
     /// surface where the trajectory is, not where it was before the last correction.
     #[inline(always)]
-    pub(crate) fn momentum<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
-        &self,
-        lane: usize,
-        (constraint, field): (&K, &F),
-        parts: &[Part],
-    ) -> [[S; D]; 2] {
+    pub(crate) fn momentum(&self, lane: usize, laws: &impl Laws<S, D>, parts: &[Part]) -> [[S; D]; 2] {
         let part = &parts[self.part];
         let over = S::from_f64(1.0 / part.unit);
         let ahead = scaled(over, &at(&self.way, lane));
         let low = self.way_low.first().map_or([S::default(); D], |low| scaled(over, &at(low, lane)));
         let q = at(&self.q, lane);
-        let [gradient] = constraint.jacobian(&q);
+        let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
         let normal = Normal::new(gradient);
         let kick = S::from_f64(-0.5 * part.h);
-        let change = field.kick(&q, kick, low);
+        let change = laws.kick(lane, &q, kick, low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
@@ -363,14 +306,10 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
 
     /// Whether all momenta are numbers.
     #[inline(always)]
-    pub(crate) fn check<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
-        &self,
-        laws: &impl Laws<K, F>,
-    ) -> Result<(), Stuck> {
+    pub(crate) fn check(&self, laws: &impl Laws<S, D>) -> Result<(), Stuck> {
         for lane in 0..L {
             if !is_finite(total(&at(&self.way, lane))) {
-                let (constraint, field) = (laws.constraint(lane), laws.field(lane));
-                return Err(Stuck { lane, failure: not_finite(constraint, field, at(&self.q, lane)) });
+                return Err(Stuck { lane, failure: not_finite(laws, lane, at(&self.q, lane)) });
             }
         }
         Ok(())
@@ -379,9 +318,9 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
     /// Moves all lanes through the next part of a step; `EQUAL` says that all parts are of one length. Where one cannot be
     /// moved the block is left half way.
     #[inline(always)]
-    pub(crate) fn advance<K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const EQUAL: bool>(
+    pub(crate) fn advance<const EQUAL: bool>(
         &mut self,
-        laws: &impl Laws<K, F>,
+        laws: &impl Laws<S, D>,
         parts: &[Part],
         scratch: &mut Scratch<S, L, D>,
     ) -> Result<(), Stuck> {
@@ -393,12 +332,12 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         // Written out twice, since compilers must see which of the two is read and which is written.
         if self.even {
             let normal = (&*even, odd);
-            advance::<S, K, F, L, D, SUMS, EQUAL>(
+            advance::<S, L, D, SUMS, EQUAL>(
                 laws, part, q, way, low, normal, square, bias, rest, guess, past, scratch,
             )?;
         } else {
             let normal = (&*odd, even);
-            advance::<S, K, F, L, D, SUMS, EQUAL>(
+            advance::<S, L, D, SUMS, EQUAL>(
                 laws, part, q, way, low, normal, square, bias, rest, guess, past, scratch,
             )?;
         }
@@ -420,20 +359,16 @@ type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
 /// Why a lane's momentum is not finite.
 #[cold]
 #[inline(never)]
-fn not_finite<S: Lane, K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const D: usize>(
-    constraint: &K,
-    field: &F,
-    q: [S; D],
-) -> Failure {
-    let [gradient] = constraint.jacobian(&q);
-    Failure::at(0, false).not_finite(field, &[q], &[Normal::new(gradient)])
+fn not_finite<S: Lane, const D: usize>(laws: &impl Laws<S, D>, lane: usize, q: [S; D]) -> Failure {
+    let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
+    Failure::at(0, false).not_finite(laws.field(lane).borrow(), &[q], &[Normal::new(gradient)])
 }
 
 /// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
 #[allow(clippy::too_many_arguments, reason = "see above")]
 #[inline(always)]
-fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    laws: &impl Laws<K, F>,
+fn advance<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
     part: &Part,
     q: &mut Vectors<S, L, D>,
     way: &mut Vectors<S, L, D>,
@@ -448,12 +383,10 @@ fn advance<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQU
 ) -> Result<(), Stuck>
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D>,
 {
     let Scratch { free, multiplier, over_slope, g } = scratch;
     let share = S::from_f64(part.h / part.unit);
-    guess::<S, K, F, L, D, SUMS, EQUAL>(
+    guess::<S, L, D, SUMS, EQUAL>(
         laws, share, q, way, q_low, way_low, normal, first, free, multiplier, over_slope, g,
     );
     let unrest;
@@ -462,7 +395,7 @@ where
         let newton = Newton { first: g[0], over_slope: over_slope[0], multiplier: multiplier[0] };
         let n = at(normal, 0);
         let point = add_scaled(&at(free, 0), newton.multiplier, &n);
-        let ([residual], [gradient]) = laws.constraint(0).value_and_jacobian(&point);
+        let ([residual], [gradient]) = laws.constraint(0).borrow().value_and_jacobian(&point);
         if residual.abs().le(rest[0]) {
             put(next, 0, gradient);
             (multiplier[0], g[0]) =
@@ -484,13 +417,14 @@ where
             let n = at(normal, lane);
             let path = (&at(free, lane), &n, square[lane], rest[lane]);
             let astray = !is_finite(g[lane]);
-            let landing = if astray { None } else { again(laws.constraint(lane), path, multiplier[lane]) };
+            let landing =
+                if astray { None } else { again(laws.constraint(lane).borrow(), path, multiplier[lane]) };
             let (found, gradient) = match landing {
                 Some(landing) => landing,
                 None => {
                     let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
                     let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
-                    alone(laws.constraint(lane), part.h, (at(q, lane), p, back, n, square[lane]))
+                    alone(laws, lane, part.h, (at(q, lane), p, back, n, square[lane]))
                         .map_err(|failure| Stuck { lane, failure })?
                 }
             };
@@ -503,7 +437,7 @@ where
             put(next, lane, gradient);
         }
     }
-    finish::<S, K, F, L, D, SUMS, EQUAL>(
+    finish::<S, L, D, SUMS, EQUAL>(
         laws, part, normal, next, free, multiplier, over_slope, q, way, q_low, way_low, square, bias, rest,
         first, past,
     );
@@ -513,8 +447,8 @@ where
 /// Evaluates g at Λ₀ in all lanes and takes Newton's step from there.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    laws: &impl Laws<K, F>,
+fn guess<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
     share: S,
     q: &Vectors<S, L, D>,
     way: &Vectors<S, L, D>,
@@ -528,7 +462,6 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL
     g: &mut [S; L],
 ) where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
 {
     for i in 0..L {
         let mut start = at(q, i);
@@ -537,7 +470,7 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL
         }
         let (start, n) = (plus::<S, D, EQUAL>(&start, share, &at(way, i)), at(normal, i));
         let ([residual], [gradient]) =
-            laws.constraint(i).value_and_jacobian(&add_scaled(&start, guess[i], &n));
+            laws.constraint(i).borrow().value_and_jacobian(&add_scaled(&start, guess[i], &n));
         let over = S::from_f64(1.0) / dot(&gradient, &n);
         put(free, i, start);
         multiplier[i] = (-residual).multiply_add(over, guess[i]);
@@ -547,8 +480,8 @@ fn guess<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL
 
 /// Evaluates g after Newton's step in all lanes, and finds Λ₂.
 #[inline(always)]
-fn improve<S, K, F, const L: usize, const D: usize>(
-    laws: &impl Laws<K, F>,
+fn improve<S, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     rest: &[S; L],
@@ -557,12 +490,11 @@ fn improve<S, K, F, const L: usize, const D: usize>(
     over_slope: &mut [S; L],
 ) where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
 {
     for i in 0..L {
         let newton = Newton { first: g[i], over_slope: over_slope[i], multiplier: multiplier[i] };
         let point = add_scaled(&at(free, i), newton.multiplier, &at(normal, i));
-        let [residual] = laws.constraint(i).value(&point);
+        let [residual] = laws.constraint(i).borrow().value(&point);
         (multiplier[i], over_slope[i]) = newton.improved(residual, rest[i]);
     }
 }
@@ -596,8 +528,8 @@ impl<S: Lane> Newton<S> {
 /// Evaluates g and ∇g at Λ₂ and makes the last correction. Returns whether a lane is not at rest.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn examine<S, K, F, const L: usize, const D: usize>(
-    laws: &impl Laws<K, F>,
+fn examine<S, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     square: &[S; L],
@@ -609,13 +541,12 @@ fn examine<S, K, F, const L: usize, const D: usize>(
 ) -> bool
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
 {
     let mut unrest = false;
     for i in 0..L {
         let n = at(normal, i);
         let point = add_scaled(&at(free, i), multiplier[i], &n);
-        let ([residual], [gradient]) = laws.constraint(i).value_and_jacobian(&point);
+        let ([residual], [gradient]) = laws.constraint(i).borrow().value_and_jacobian(&point);
         put(next, i, gradient);
         (multiplier[i], g[i]) = last_correction(square[i], residual, multiplier[i], over_slope[i]);
         unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
@@ -656,8 +587,8 @@ fn again<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
 /// Makes the new positions and ways, and the next guess.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    laws: &impl Laws<K, F>,
+fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
     part: &Part,
     normal: &Vectors<S, L, D>,
     next: &Vectors<S, L, D>,
@@ -675,7 +606,6 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
     [last, earlier]: &mut [[S; L]; 2],
 ) where
     S: Lane,
-    F: Field<S, D>,
 {
     let [share, over_share, kick] =
         [part.h / part.unit, part.unit / part.h, part.unit * part.kick].map(S::from_f64);
@@ -698,10 +628,10 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
             if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
         };
         let new = if SUMS == 0 {
-            let pushed = laws.field(i).kick(&place, kick, add_scaled(&old, push, &n));
+            let pushed = laws.kick(i, &place, kick, add_scaled(&old, push, &n));
             project(pushed, dot(&m, &pushed))
         } else {
-            let change = laws.field(i).kick(&place, kick, add_scaled(&at(&way_low[0], i), push, &n));
+            let change = laws.kick(i, &place, kick, add_scaled(&at(&way_low[0], i), push, &n));
             let (new, low) = two_sum(&old, &project(change, dot(&m, &sum(&old, &change))));
             put(&mut way_low[0], i, low);
             new
@@ -729,8 +659,9 @@ fn finish<S, K, F, const L: usize, const D: usize, const SUMS: usize, const EQUA
 /// What p leads off the surface, and Λ puts back, is added in the end.
 #[cold]
 #[inline(never)]
-fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
-    constraint: &K,
+fn alone<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
     h: f64,
     (q, p, back, gradient, square): ([S; D], [S; D], [S; D], [S; D], S),
 ) -> Result<(S, [S; D]), Failure> {
@@ -738,6 +669,8 @@ fn alone<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
     let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
     let (eta, back_on) = normal.projection(&p);
     let p = sum(&p, &back_on);
+    let constraint = laws.constraint(lane);
+    let constraint = constraint.borrow();
     let [bend] = constraint.jet(&q, &p).2;
     let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
     let path = scaled(step, &p);

@@ -1,12 +1,11 @@
 //! Trajectories that are moved on together: those of a block side by side, or one by itself.
 
 use crate::bodies::Body;
-use crate::effect::Field;
-use crate::ensemble::block::{Block, Kept, Part, Scratch, Stuck};
+use crate::ensemble::block::{Block, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
+use crate::ensemble::laws::Laws;
 use crate::ensemble::observe::Sight;
 use crate::error::Error;
-use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
 use crate::simulation::{Simulation, after_steps};
 use crate::state::State;
@@ -14,7 +13,6 @@ use crate::stepper::{Failure, Stepper};
 use crate::system::System;
 use nalgebra::SVector;
 use std::array::from_fn;
-use std::marker::PhantomData;
 
 /// Some trajectories of an ensemble.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
@@ -93,7 +91,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> 
 const STRETCH: u64 = 1024;
 
 /// Trajectories in the lanes of a block.
-pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> {
+pub(crate) struct SideBySide<S, X, const L: usize, const D: usize, const SUMS: usize> {
     block: Block<S, L, D, SUMS>,
     laws: X,
     parts: Vec<Part>,
@@ -105,7 +103,6 @@ pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const S
     moving: [bool; L],
     copy_of: [usize; L],
     ended: Vec<Ended<S, D>>,
-    kernels: PhantomData<fn() -> (K, F)>,
 }
 
 /// A trajectory that goes on no more.
@@ -117,12 +114,10 @@ struct Ended<S, const D: usize> {
     failure: Error,
 }
 
-impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> SideBySide<S, K, F, X, L, D, SUMS>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> SideBySide<S, X, L, D, SUMS>
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Laws<S, D>,
 {
     /// The trajectories that start so, one per lane, at most L; by a method that takes RATTLE steps of these lengths.
     pub(crate) fn new(starts: &[State<D>], laws: X, lengths: &[f64], h: f64) -> Self {
@@ -135,8 +130,7 @@ where
             let both = |x: [f64; D], low: [f64; D]| {
                 if SUMS == 1 { [own(x), own(low)] } else { [own(x), own([0.0; D])] }
             };
-            let law = (laws.constraint(lane), laws.field(lane));
-            block.set(lane, law, &parts, both(body.q, body.q_low), both(body.p, body.p_low));
+            block.set(lane, &laws, &parts, both(body.q, body.q_low), both(body.p, body.p_low));
             moving[lane] = true;
         }
         let copy_of = from_fn(|lane| if lane < starts.len() { lane } else { 0 });
@@ -144,18 +138,7 @@ where
             block.copy(0, lane);
         }
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
-        Self {
-            block,
-            laws,
-            parts,
-            h,
-            steps: 0,
-            start_time,
-            moving,
-            copy_of,
-            ended: Vec::new(),
-            kernels: PhantomData,
-        }
+        Self { block, laws, parts, h, steps: 0, start_time, moving, copy_of, ended: Vec::new() }
     }
 
     /// Takes so many steps, or none if a lane fails on the way.
@@ -195,7 +178,7 @@ where
 
     #[inline(always)]
     fn momentum(&self, lane: usize) -> [[S; D]; 2] {
-        self.block.momentum(lane, (self.laws.constraint(lane), self.laws.field(lane)), &self.parts)
+        self.block.momentum(lane, &self.laws, &self.parts)
     }
 
     /// The time of a trajectory, and what rounding took from it.
@@ -235,13 +218,11 @@ struct Look<'a, G, const D: usize> {
     seen: &'a mut Seen<D>,
 }
 
-impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
-    for Look<'_, SideBySide<S, K, F, X, L, D, SUMS>, D>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Work
+    for Look<'_, SideBySide<S, X, L, D, SUMS>, D>
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Laws<S, D>,
 {
     type Done = ();
 
@@ -257,13 +238,11 @@ where
     }
 }
 
-impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
-    for Stretch<'_, SideBySide<S, K, F, X, L, D, SUMS>>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Work
+    for Stretch<'_, SideBySide<S, X, L, D, SUMS>>
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Laws<S, D>,
 {
     type Done = Result<(), Stuck>;
 
@@ -274,11 +253,11 @@ where
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         for _ in 0..self.steps {
             if Part::are_equal(parts) {
-                desk.block.advance::<K, F, true>(&laws, parts, &mut desk.scratch)?;
+                desk.block.advance::<true>(&laws, parts, &mut desk.scratch)?;
                 continue;
             }
             for _ in 0..parts.len() {
-                desk.block.advance::<K, F, false>(&laws, parts, &mut desk.scratch)?;
+                desk.block.advance::<false>(&laws, parts, &mut desk.scratch)?;
             }
         }
         desk.block.check(&laws)?;
@@ -287,13 +266,10 @@ where
     }
 }
 
-impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Group<D>
-    for SideBySide<S, K, F, X, L, D, SUMS>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Group<D> for SideBySide<S, X, L, D, SUMS>
 where
     S: Lane,
-    K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D> + Send,
-    X: Kept<K, F> + Send + Sync,
+    X: Laws<S, D>,
 {
     fn len(&self) -> usize {
         self.start_time.len()

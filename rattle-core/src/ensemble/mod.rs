@@ -30,6 +30,7 @@ mod block;
 #[doc(hidden)]
 pub mod group;
 mod instruction_set;
+mod laws;
 mod observe;
 mod precision;
 mod stream;
@@ -88,8 +89,8 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes one and a half to three times as long as
-    /// one scene for all.
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for all,
+    /// however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of effects over members.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
@@ -105,8 +106,8 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error>
     where
         P: Precision,
-        C: Hold<D> + 'a,
-        E: Effects<D> + 'a,
+        C: Hold<D> + 'static,
+        E: Effects<D> + 'static,
         N: Count + 'a,
         S: Stepper,
     {

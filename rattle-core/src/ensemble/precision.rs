@@ -1,13 +1,12 @@
 //! The numbers that trajectories in lanes are made of.
 
 use crate::effect::Effects;
-use crate::ensemble::block::{Each, Same};
 use crate::ensemble::group::{Group, SideBySide};
+use crate::ensemble::laws::{Each, Same};
 use crate::ensemble::{GROUP, InstructionSet};
 use crate::kernel::Constraint;
 use crate::lanes::{Fused, Lane};
 use crate::state::State;
-use std::array::from_fn;
 
 /// Double precision; what rounding takes from a position is lost. The default. (On coordinates near 1, above which doubles are
 /// twice as far apart as below, rounding is biased: on a unit sphere the energy grows by 1e-17 of itself in each step.)
@@ -39,7 +38,7 @@ pub trait Precision: Copy {
 
     /// A group of trajectories that obey different parameters.
     #[doc(hidden)]
-    fn each<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+    fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize>(
         scenes: &[(&C, &E)],
         starts: &[State<D>],
         lanes: &InLanes,
@@ -75,7 +74,7 @@ macro_rules! precision {
                 }
             }
 
-            fn each<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+            fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize>(
                 scenes: &[(&C, &E)],
                 starts: &[State<D>],
                 lanes: &InLanes,
@@ -95,35 +94,31 @@ precision! {
     Single: f32, 0;
 }
 
-type Kernel<S, C, const D: usize> = <C as Constraint<D, 1>>::Kernel<S>;
-type Acting<S, E, const D: usize> = <E as Effects<D>>::Field<S>;
-
 fn same<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
     (constraint, effects): (&C, &E),
     starts: &[State<D>],
     InLanes { lengths, h, .. }: &InLanes,
 ) -> Box<dyn Group<D>> {
-    type Of<S, K, F, const L: usize, const D: usize, const SUMS: usize> =
-        SideBySide<S, K, F, Same<K, F>, L, D, SUMS>;
     let laws = Same(constraint.kernel::<S>(), effects.field::<S>());
     if starts.len() == 1 {
-        Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, 1, D, SUMS>::new(starts, laws, lengths, *h))
+        Box::new(SideBySide::<S, _, 1, D, SUMS>::new(starts, laws, lengths, *h))
     } else {
-        Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
+        Box::new(SideBySide::<S, _, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
     }
 }
 
-fn each<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
+fn each<
+    S: Lane,
+    C: Constraint<D, 1> + 'static,
+    E: Effects<D> + 'static,
+    const D: usize,
+    const SUMS: usize,
+>(
     scenes: &[(&C, &E)],
     starts: &[State<D>],
     InLanes { lengths, h, .. }: &InLanes,
 ) -> Box<dyn Group<D>> {
-    type Of<S, K, F, const D: usize, const SUMS: usize> =
-        SideBySide<S, K, F, Each<K, F, GROUP>, GROUP, D, SUMS>;
-    let of = |lane: usize| {
-        let (constraint, effects) = scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
-        (constraint.kernel::<S>(), effects.field::<S>())
-    };
-    let laws = Each(from_fn(of));
-    Box::new(Of::<S, Kernel<S, C, D>, Acting<S, E, D>, D, SUMS>::new(starts, laws, lengths, *h))
+    let of = |lane: usize| scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
+    let laws = Each::<C, E, S, GROUP, D>::new(of);
+    Box::new(SideBySide::<S, _, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
 }
