@@ -1,12 +1,14 @@
 """Values of elementary functions, by mpmath 1.3 at 400 digits.
 
-Writes functions.csv: function, x, the nearest double, and what the value is beyond it, in units of that double's last place. Arguments
+Writes functions.csv: function, x, the nearest double, and what the value is beyond it, in units of that double's last place;
+and functions_of_two.csv: the same of x and y. Arguments
 are random ones of all sizes, ends of the range, and those next to places where a method changes or digits cancel:
-multiples of π/2 (the nearest of 400 in each binade), of ln 2 / 2, powers of 2.
+multiples of π/2 (the nearest of 400 in each binade), of ln 2 / 2, powers of 2, powers near 1.
 """
 import math
 import random
-from mpmath import mp, mpf, pi, log, exp, sin, cos, sinh, cosh, tanh
+from mpmath import mp, mpf, pi, log, exp, sin, cos, sinh, cosh, tanh, tan, atan, atan2, asin, acos, cbrt, sqrt, erf
+from mpmath import asinh, acosh, atanh
 
 mp.dps = 400
 random.seed(6)
@@ -50,15 +52,87 @@ logs += [2.0**k for k in range(-1074, 1024, 61)] + [1.0 + x for x in spread(1e-1
 hyperbolic = uniform(-2, 2, 150) + uniform(-0.6, 0.6, 400) + spread(1e-12, 25, 200) + [x for n in range(1, 20) for x in around((n + 0.5) * log(2) / 2)]
 large = spread(20, 710.4, 60) + [710.4758600739439]
 
+
+def write(rows, name, f, arguments):
+    value = f(*map(mpf, arguments))
+    high = float(value)
+    beyond = float((value - mpf(high)) / mpf(math.ulp(high)))
+    rows.append([name, *map(repr, arguments), repr(high), f'{beyond:.6f}'])
+
+
 rows = []
 for name, f, arguments in [
     ('exp', exp, exps), ('ln', log, logs), ('sin', sin, angles + far), ('cos', cos, angles + far),
     ('sinh', sinh, hyperbolic + large), ('cosh', cosh, hyperbolic + large), ('tanh', tanh, hyperbolic + [19.5, -22.0, 40.0, 1e10]),
 ]:
     for x in arguments:
-        value = f(mpf(x))
-        high = float(value)
-        rows.append([name, repr(x), repr(high), f'{float((value - mpf(high)) / mpf(math.ulp(high))):.6f}'])
-with open('functions.csv', 'w') as file:
-    file.write('function,x,nearest,beyond\n')
-    file.writelines(','.join(row) + '\n' for row in rows)
+        write(rows, name, f, [x])
+
+
+def odd_root(x):
+    return cbrt(x) if x > 0 else -cbrt(-x)
+
+
+def below_one():
+    return [random.choice([-1, 1]) * (1 - abs(x)) for x in spread(1e-16, 0.5, 120)]
+
+
+positive = [abs(x) for x in logs]
+ratios = uniform(-4, 4, 200) + uniform(0.3, 0.6, 60) + uniform(2, 3, 40) + spread(1e-20, 1e20, 120) + spread(1e-307, 1e307, 30)
+ratios += [x for limit in (math.sqrt(2) - 1, math.sqrt(2) + 1) for x in around(limit)] + [1.0, 1e308]
+chords = uniform(-1, 1, 250) + uniform(-0.6, 0.6, 60) + spread(1e-18, 1, 80) + below_one() + around(0.5) + [1.0, -1.0]
+tens = [10.0**k for k in range(23)]
+roots = uniform(-9, 9, 200) + spread(1e-323, 1e308, 200) + [float(n**3) for n in range(1, 40)] + [2.0**k for k in range(-1074, 1024, 61)]
+bells = uniform(-1.2, 1.2, 300) + uniform(-6.2, 6.2, 150) + spread(1e-300, 1, 60) + around(1.0)
+rising = uniform(-4, 4, 250) + spread(1e-18, 1e18, 150) + spread(1e-300, 1e308, 50) + around(2.0**30)
+above_one = [1 + abs(x) for x in spread(3e-16, 1, 200) + spread(1e-3, 1e10, 200)] + [abs(x) for x in spread(1, 1e308, 50)] + around(2.0**30)
+inside = uniform(-1, 1, 250) + uniform(-0.4, 0.4, 60) + spread(1e-300, 1, 80) + below_one()
+for name, f, arguments in [
+    ('tan', tan, angles + far), ('atan', atan, ratios), ('asin', asin, chords), ('acos', acos, chords),
+    ('log2', lambda x: log(x) / log(2), positive), ('log10', lambda x: log(x) / log(10), positive + tens),
+    ('cbrt', odd_root, roots), ('erf', erf, bells), ('asinh', asinh, rising), ('acosh', acosh, above_one), ('atanh', atanh, inside),
+]:
+    for x in arguments:
+        write(rows, name, f, [x])
+
+
+def powers(n):
+    """x > 0 and y whose power is within the floats, with large exponents of numbers near 1 among them."""
+    found = []
+    while len(found) < n:
+        kind = len(found) % 4
+        x = abs([spread(1e-300, 1e300, 1)[0], random.uniform(0.2, 5), 1 + spread(1e-12, 0.5, 1)[0], spread(1e-3, 1e3, 1)[0]][kind])
+        y = [random.uniform(-744, 709) / math.log(x), random.uniform(-300, 300), spread(1, 1e14, 1)[0], random.uniform(-10, 10)][kind]
+        if -744 < y * math.log(x) < 709.5:
+            found.append([x, y])
+    return found
+
+
+def pairs(n, *spreads):
+    return [list(pair) for spread_x, spread_y in spreads for pair in zip(spread_x(n), spread_y(n))]
+
+
+def of_sizes(low, high):
+    return lambda n: spread(low, high, n)
+
+
+points = pairs(120, (of_sizes(0.1, 10), of_sizes(0.1, 10)), (of_sizes(1e-5, 1e5), of_sizes(1e-5, 1e5)))
+points += pairs(60, (of_sizes(1e-307, 1e308), of_sizes(1e-307, 1e308)), (of_sizes(1e-323, 1e-300), of_sizes(1e-323, 1e-300)))
+points += pairs(60, (of_sizes(1e-323, 1e-300), of_sizes(1e-15, 1e8)))
+two = []
+for name, f, arguments in [
+    ('atan2', atan2, points), ('hypot', lambda x, y: sqrt(x * x + y * y), points + pairs(60, (of_sizes(1e307, 1.2e308),) * 2)),
+    ('powf', lambda x, y: x**y, powers(600) + [[2.0, 0.5], [10.0, 22.0], [1.5, -1.0], [2.0, -1074.0]]),
+]:
+    for x in arguments:
+        write(two, name, f, x)
+
+
+def save(path, header, rows):
+    with open(path, 'w') as file:
+        file.write(header + '\n')
+        file.writelines(','.join(row) + '\n' for row in rows)
+
+
+save('functions.csv', 'function,x,nearest,beyond', rows)
+save('functions_of_two.csv', 'function,x,y,nearest,beyond', two)
