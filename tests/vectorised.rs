@@ -1,5 +1,5 @@
 //! The loops of an ensemble are vectorised, whole: read off the machine code of this program, which runs a
-//! scene with a polynomial, one with a root, one with waves, one with exp, tanh and ln, and a gas.
+//! scene with a polynomial, one with a root, one with waves, three with all other functions, and a gas.
 //!
 //! What would make them tens of times slower without a word: a function that is not inlined, a number read through
 //! memory that the loop may write, a condition that is a branch.
@@ -40,6 +40,17 @@ constraint! {
     |x, y, z| z - height * exp(-x^2 - y^2) + tanh(x) / 4 - ln(2 + y^2) / 4
 }
 
+constraint! {
+    struct Arcs { height }
+    |x, y, z| z - height * atan(x) + acos(y / 4) / 8 + asin(x / 5) / 4 - atan2(y, 2 + x) / 8 + tan(x / 4) / 9 - hypot(x, 2)
+}
+
+constraint! {
+    struct Powers { power }
+    |x, y, z| z - (2 + x)^power / 8 + log2(2 + y^2) / 4 - log10(3 + x) / 4 + cbrt(3 + y) / 4 - erf(x) / 8
+        + asinh(y) / 8 - acosh(3 + x) / 9 + atanh(y / 4) / 9
+}
+
 pair_potential! {
     struct Cloud { depth, width }
     |r| depth * exp(-r) / (1 + (r / width)^2)
@@ -61,8 +72,8 @@ fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     assert_eq!(ensemble.failures().count(), 0);
 }
 
-/// The scenes that this program has: five ensembles and a gas.
-const SCENES: usize = 6;
+/// The scenes that this program has: seven ensembles and a gas.
+const SCENES: usize = 8;
 
 #[test]
 fn entries_are_vectorised() {
@@ -71,6 +82,8 @@ fn entries_are_vectorised() {
     run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
+    run(&Scene::on(Arcs { height: 0.5 }), [0.1, 0.2, 2.0]);
+    run(&Scene::on(Powers { power: 1.3 }), [0.1, 0.2, 0.3]);
 
     gas();
 
@@ -104,9 +117,21 @@ fn entries_are_vectorised() {
                 assert!(roots >= 12 || count(&["vsqrt"]) == 0, "{name} {roots} roots of vectors");
                 assert!(larger >= 20, "{name} {larger} comparisons of vectors");
             }
+            // A loop that goes number by number has its products there, and again in what corrects one lane alone.
+            let products = |numbers: &str| {
+                let of = |line: &str| {
+                    line.contains(numbers) && (line.contains("vfmadd") || line.contains("vfnmadd"))
+                };
+                function.lines().filter(|line| of(line)).count()
+            };
+            let (packed, single) = (products("pd "), products("sd "));
+            assert!(packed > single, "{name} {packed} products of vectors, {single} of numbers");
             // Loops over loops, vectorised across the outer one.
             assert_eq!(count(&["vgather"]) + count(&["vscatter"]), 0, "{name} numbers are gathered");
-            for function in ["fma", "sin", "cos", "exp", "tanh", "log", "sqrt"] {
+            for function in [
+                "fma", "sin", "cos", "tan", "atan", "asin", "acos", "exp", "pow", "log", "sqrt", "cbrt",
+                "hypot", "erf", "floor",
+            ] {
                 assert_eq!(count(&["call", &format!("<{function}")]), 0, "{name} {function} is a function");
             }
         }
