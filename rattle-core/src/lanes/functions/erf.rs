@@ -56,7 +56,7 @@ const ERFC: [f64; 18] = [
 pub(in crate::lanes) fn erf(x: f64) -> f64 {
     let size = at_most(5.93, x.abs()); // where it is 1 to rounding
     let square = size * size;
-    let low = size.mul_add(SLOPE[1], size * square * polynomial(&ERF, square));
+    let low = size.mul_add(square * polynomial(&ERF, square), size * SLOPE[1]);
     let near = size.mul_add(SLOPE[0], low);
     let far = 1.0 - exp(-polynomial(&ERFC, size - 1.0));
     select(size < 1.0, near, far).copysign(x)
