@@ -3,6 +3,7 @@
 //! ```text
 //! eˣ     = 2ᵏ eʳ         k = x/ln 2 rounded, |r| ≤ ½ ln 2
 //! tanh x = t/(t + 2)     t = exp(2x) − 1
+//! sinh x = (t + t/(t + 1))/2     t = eˣ − 1
 //! ```
 //!
 //! Multiples of ln 2 are taken off in parts (Cody and Waite, Software Manual for the Elementary Functions, 1980); with
@@ -76,11 +77,12 @@ pub(super) fn exp_of_pair([x, low]: Pair) -> f64 {
 
 /// eˣ − 1 for 0 ≤ x < 700.
 #[inline(always)]
-fn exp_less_one(x: f64) -> f64 {
+fn exp_less_one(x: f64) -> Pair {
     let (rounded, r) = reduced(x);
-    let p = r[0] + curved(r);
+    let [p, p_low] = sum(r[0], curved(r));
     let power = f64::from_bits(rounded.to_bits().wrapping_add(1023) << 52);
-    p.mul_add(power, power - 1.0)
+    let [t, low] = sum(power - 1.0, p * power);
+    [t, p_low.mul_add(power, low)]
 }
 
 /// eˣ.
@@ -101,14 +103,17 @@ pub(in crate::lanes) fn cosh(x: f64) -> f64 {
 pub(in crate::lanes) fn sinh(x: f64) -> f64 {
     let size = x.abs();
     let large = size > 22.0; // e⁻²ˣ is lost
-    let t = exp_less_one(select(large, 22.0, size));
-    select(large, exp_over(1, size), 0.5 * (t + t / (t + 1.0))).copysign(x)
+    let [t, low] = exp_less_one(select(large, 22.0, size));
+    let inverse = 1.0 / (t + 1.0);
+    let low = (inverse * inverse).mul_add(low, low);
+    select(large, exp_over(1, size), 0.5 * (t + t.mul_add(inverse, low))).copysign(x)
 }
 
 /// tanh x.
 #[inline(always)]
 pub(in crate::lanes) fn tanh(x: f64) -> f64 {
-    let size = x.abs();
-    let t = exp_less_one(2.0 * at_most(22.0, size));
-    (t / (t + 2.0)).copysign(x)
+    let [t, low] = exp_less_one(2.0 * at_most(22.0, x.abs()));
+    let inverse = 1.0 / (t + 2.0);
+    let low = low * inverse * (inverse + inverse);
+    t.mul_add(inverse, low).copysign(x)
 }
