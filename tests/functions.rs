@@ -45,7 +45,7 @@ const ROWS: [Row; 18] = rows! {
     cos 0.8 2.0 -4e5 .. 4e5;
     cosh 1.4 3.0 -30.0 .. 30.0;
     sinh 1.7 3.0 -30.0 .. 30.0;
-    tanh 2.0 4.0 -3.0 .. 3.0;
+    tanh 1.4 4.0 -3.0 .. 3.0;
     tan 0.9 2.0 -4e5 .. 4e5;
     atan 0.9 2.0 -4.0 .. 4.0;
     asin 1.2 2.0 -1.0 .. 1.0;
@@ -296,18 +296,34 @@ fn the_same_bits_with_all_instructions() {
     }
 }
 
-/// In single precision the value in double precision is rounded: the right one but where it lies next to a middle.
+/// In single precision: the largest error of those functions that have code of their own; the others are the value in double
+/// precision, rounded.
+const SINGLE: [(&str, f64); 7] =
+    [("exp", 0.9), ("ln", 0.8), ("sin", 1.6), ("cos", 1.6), ("sinh", 1.7), ("cosh", 1.4), ("tanh", 1.4)];
+
+/// Four million of all floats there are, evenly by their bits, against the system's functions of double precision.
 #[test]
-fn single_precision_is_rounded_double() {
-    let mut random = SmallRng::seed_from_u64(8);
-    for Row { name, range: [low, high], single, system, .. } in ROWS {
-        let mut other = 0;
-        for _ in 0..100_000 {
-            let x = random.random_range(low as f32..high as f32);
-            let (found, right) = (single(Fused(x)).0, system(f64::from(x)) as f32);
-            assert!(found == right || (found - right).abs() <= right.abs() * f32::EPSILON, "{name}({x:?})");
-            other += u32::from(found != right);
+fn single_precision() {
+    for Row { name, single, system, .. } in ROWS {
+        let allowed = SINGLE.iter().find(|row| row.0 == name).map_or(0.5 + 1e-6, |row| row.1);
+        let mut worst = 0.0_f64;
+        for bits in (0..=u32::MAX).step_by(1021) {
+            let x = f32::from_bits(bits);
+            let (found, theirs) = (single(Fused(x)).0, system(f64::from(x)));
+            let too_far = x.abs() > 1_099_511_627_776.0 && ["sin", "cos", "tan"].contains(&name);
+            let right = theirs as f32;
+            if theirs.is_nan() || too_far {
+                assert!(found.is_nan(), "{name}({x:?}) = {found:?}, not a number");
+            } else if right.is_infinite() || theirs == 0.0 {
+                assert_eq!(found.to_bits(), right.to_bits(), "{name}({x:?}) = {found:?}, not {right:?}");
+            } else {
+                let unit = f64::from(f32::from_bits(right.abs().to_bits() + 1)) - f64::from(right.abs());
+                let off = (f64::from(found) - theirs).abs() / unit;
+                assert!(off <= allowed, "{name}({x:?}) = {found:?}, {off} units off {theirs:?}");
+                worst = worst.max(off);
+            }
         }
-        assert!(other <= 1, "{name}: {other} of 100 000 are not the nearest"); // 2⁻²⁸ of them lie so near a middle
+        println!("{name}: at most {worst:.3} units of the last place in single precision");
+        assert!(worst > 0.5 * allowed, "{name}: {worst}");
     }
 }

@@ -19,6 +19,7 @@ mod exponential;
 mod logarithm;
 mod power;
 mod root;
+pub(super) mod single;
 
 pub(super) use arc::{acos, asin, atan, atan2};
 pub(super) use circular::{cos, sin, sin_cos, tan};

@@ -10,10 +10,11 @@
 use super::{Pair, ROUNDER, polynomial, quotient, select, sum};
 
 /// π/2 in parts of 53, 33 and 53 digits: products of the second with integers below 2¹⁸ have no rounding error.
-const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_384_61e-17, 3.521_559_865_183_2e-27];
+pub(super) const HALF_PI: [f64; 3] =
+    [std::f64::consts::FRAC_PI_2, 6.123_233_995_384_61e-17, 3.521_559_865_183_2e-27];
 
 /// Beyond it the functions are not a number: neighbours are 2⁻¹² apart there, too far for any motion along a wave.
-const FARTHEST_ANGLE: f64 = 1_099_511_627_776.0;
+pub(super) const FARTHEST_ANGLE: f64 = 1_099_511_627_776.0;
 
 /// (sin r − r)/r³, in r².
 const SIN: [f64; 6] = [

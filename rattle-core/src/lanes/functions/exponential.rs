@@ -113,7 +113,10 @@ pub(in crate::lanes) fn sinh(x: f64) -> f64 {
 #[inline(always)]
 pub(in crate::lanes) fn tanh(x: f64) -> f64 {
     let [t, low] = exp_less_one(2.0 * at_most(22.0, x.abs()));
-    let inverse = 1.0 / (t + 2.0);
-    let low = low * inverse * (inverse + inverse);
-    t.mul_add(inverse, low).copysign(x)
+    let below = t + 2.0;
+    let below_low = (2.0 - below) + t;
+    let tanh = t / below;
+    // To t, over t + 2 = 2/(1 − tanh), of which no digits are left near 1.
+    let missing = select(below < 1e12, (-tanh).mul_add(low + below_low, low), 0.0);
+    missing.mul_add((-0.5_f64).mul_add(tanh, 0.5), tanh).copysign(x)
 }
