@@ -8,16 +8,19 @@
 //! A line is `what/function/numbers  time: [low estimate high]`: of one evaluation at one point, or of one step of one
 //! trajectory, with the ends of an interval of 95 % confidence.
 //! `f64` goes point by point, as a simulation does. `lanes` goes 64 side by side, as ensembles do, with the widest instructions of this
-//! processor, and is the time of one of them. Evaluations are measured one after the other without waiting for
+//! processor, and is the time of one of them; `lanes of f32` in single precision. Evaluations are measured one after the other without waiting for
 //! results, so that a step takes longer than what it is made of.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
-use rattle::ensemble::{InstructionSet, Work};
+use rattle::bodies::One;
+use rattle::effect::Effects;
+use rattle::ensemble::{Double, InstructionSet, Precision, Single, Work};
 use rattle::kernel::{ConstraintKernel, PairKernel, PotentialKernel};
 use rattle::lanes::{Fused, Lane};
 use rattle::prelude::*;
 use rattle::real::Real;
+use rattle::scene::Hold;
 use rattle::surfaces::{Clebsch, Lemniscate, Sphere, Torus};
 use std::array::from_fn;
 use std::hint::black_box;
@@ -215,42 +218,68 @@ fn elementary(criterion: &mut Criterion) {
     }
 }
 
-/// Steps of a particle on the lemniscate under gravity.
+/// Steps of a particle under gravity, on the lemniscate; RATTLE on the landscape.
 fn steps(criterion: &mut Criterion) {
     let group = &mut criterion.benchmark_group("step");
-    step(group, "rattle", Rattle::new(0.01), true);
-    step(group, "shake", Shake::new(0.01), false);
-    step(group, "composition", Composition::new(SUZUKI_1990_ORDER_4, 0.02), true);
-    step(group, "lobatto", Lobatto::<4>::new(0.05), false);
-    step(group, "taylor", Taylor::new(16, 0.01), false);
+    let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
+    alone(group, "rattle", &scene, Rattle::new(0.01));
+    side_by_side_in(Double, group, "rattle/lanes", &scene, Rattle::new(0.01));
+    side_by_side_in(Single, group, "rattle/lanes of f32", &scene, Rattle::new(0.01));
+    let composition = || Composition::new(SUZUKI_1990_ORDER_4, 0.02);
+    alone(group, "composition", &scene, composition());
+    side_by_side_in(Double, group, "composition/lanes", &scene, composition());
+    alone(group, "shake", &scene, Shake::new(0.01));
+    alone(group, "lobatto", &scene, Lobatto::<4>::new(0.05));
+    alone(group, "taylor", &scene, Taylor::new(16, 0.01));
+
+    let scene = Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 });
+    alone(group, "landscape", &scene, Rattle::new(0.01));
+    side_by_side_in(Double, group, "landscape/lanes", &scene, Rattle::new(0.01));
+    side_by_side_in(Single, group, "landscape/lanes of f32", &scene, Rattle::new(0.01));
 }
 
-fn step<S: Stepper>(group: &mut Group<'_>, name: &str, method: S, in_lanes: bool) {
-    let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
-    let start = |i: usize| {
-        let angle = 0.1 * i as f64 + 0.7;
-        State::at([0.0, 0.0, 1.0 / 6.0]).moving([angle.cos(), angle.sin(), 0.0])
-    };
+fn start<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, i: usize) -> State<3> {
+    let angle = 0.1 * i as f64 + 0.7;
+    let near = State::at([0.0, 0.0, 1.0 / 6.0]).moving([angle.cos(), angle.sin(), 0.0]);
+    scene.project(&near).expect("a point near the surface")
+}
+
+fn alone<C: Hold<3>, E: Effects<3>, S: Stepper>(
+    group: &mut Group<'_>,
+    name: &str,
+    scene: &Scene<C, E, One, 3>,
+    method: S,
+) {
     group.bench_function(format!("{name}/f64"), |bencher| {
         bencher.iter_custom(|steps| {
-            let mut simulation = scene.simulate(start(0), method.clone()).expect("a start on the surface");
+            let start = start(scene, 0);
+            let mut simulation = scene.simulate(start, method.clone()).expect("a start on the surface");
             let begin = Instant::now();
             simulation.run(steps).expect("steps within reach");
             begin.elapsed()
         });
     });
-    if in_lanes {
-        group.bench_function(format!("{name}/lanes"), |bencher| {
+}
+
+fn side_by_side_in<P: Precision, C: Hold<3>, E: Effects<3>, S: Stepper>(
+    precision: P,
+    group: &mut Group<'_>,
+    name: &str,
+    scene: &Scene<C, E, One, 3>,
+    method: S,
+) {
+    group.bench_function(name, |bencher| {
+        bencher.iter_custom(|steps| {
+            let starts = (0..LANES).map(|i| start(scene, i));
             let mut ensemble =
-                scene.ensemble((0..LANES).map(start), method.clone()).expect("starts on the surface");
-            bencher.iter_custom(|steps| {
-                let begin = Instant::now();
-                ensemble.run(steps);
-                begin.elapsed() / LANES as u32
-            });
+                scene.ensemble_in(precision, starts, method.clone()).expect("starts on the surface");
+            let begin = Instant::now();
+            ensemble.run(steps);
+            let time = begin.elapsed() / LANES as u32;
             assert_eq!(ensemble.failures().count(), 0);
+            time
         });
-    }
+    });
 }
 
 fn short() -> Criterion {

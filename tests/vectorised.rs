@@ -7,6 +7,7 @@
 
 use rattle::bodies::One;
 use rattle::effect::Effects;
+use rattle::ensemble::{Double, Precision, Single};
 use rattle::prelude::*;
 use rattle::scene::Hold;
 use rattle::surfaces::Gyroid;
@@ -64,16 +65,20 @@ fn gas() {
 }
 
 fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
+    run_in(Double, scene, q);
+}
+
+fn run_in<P: Precision, C: Hold<3>, E: Effects<3>>(precision: P, scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     let directions = (0..64).map(f64::from);
     let starts =
         directions.map(|i| scene.project(&State::at(q).moving([0.1 * i.cos(), 0.1 * i.sin(), 0.1])).unwrap());
-    let mut ensemble = scene.ensemble(starts, Rattle::new(0.01)).unwrap();
+    let mut ensemble = scene.ensemble_in(precision, starts, Rattle::new(0.01)).unwrap();
     ensemble.run(10);
     assert_eq!(ensemble.failures().count(), 0);
 }
 
-/// The scenes that this program has: seven ensembles and a gas.
-const SCENES: usize = 8;
+/// The scenes that this program has: eight ensembles, one of them in single precision, and a gas.
+const SCENES: usize = 9;
 
 #[test]
 fn entries_are_vectorised() {
@@ -82,6 +87,7 @@ fn entries_are_vectorised() {
     run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
+    run_in(Single, &Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
     run(&Scene::on(Arcs { height: 0.5 }), [0.1, 0.2, 2.0]);
     run(&Scene::on(Powers { power: 1.3 }), [0.1, 0.2, 0.3]);
 
@@ -118,13 +124,10 @@ fn entries_are_vectorised() {
                 assert!(larger >= 20, "{name} {larger} comparisons of vectors");
             }
             // A loop that goes number by number has its products there, and again in what corrects one lane alone.
-            let products = |numbers: &str| {
-                let of = |line: &str| {
-                    line.contains(numbers) && (line.contains("vfmadd") || line.contains("vfnmadd"))
-                };
-                function.lines().filter(|line| of(line)).count()
+            let products = |numbers: [&str; 2]| {
+                numbers.map(|of| count(&["vfmadd", of]) + count(&["vfnmadd", of])).iter().sum::<usize>()
             };
-            let (packed, single) = (products("pd "), products("sd "));
+            let (packed, single) = (products(["pd ", "ps "]), products(["sd ", "ss "]));
             assert!(packed > single, "{name} {packed} products of vectors, {single} of numbers");
             // Loops over loops, vectorised across the outer one.
             assert_eq!(count(&["vgather"]) + count(&["vscatter"]), 0, "{name} numbers are gathered");
