@@ -1,5 +1,6 @@
 //! The loops of an ensemble are vectorised, whole: read off the machine code of this program, which runs a
-//! scene with a polynomial, one with a root, one with waves, one with exp, tanh and ln, sweeps over parameters, and a gas.
+//! scene with a polynomial, one with a root, one with waves, three with all other functions, sweeps over parameters,
+//! and gases.
 //!
 //! What would make them tens of times slower without a word: a function that is not inlined, a number read through
 //! memory that the loop may write, a condition that is a branch.
@@ -7,7 +8,7 @@
 
 use rattle::bodies::One;
 use rattle::effect::Effects;
-use rattle::ensemble::{Double, Ensemble};
+use rattle::ensemble::{Double, Ensemble, Precision, Single};
 use rattle::prelude::*;
 use rattle::scene::Hold;
 use rattle::surfaces::Gyroid;
@@ -42,6 +43,17 @@ constraint! {
 }
 
 constraint! {
+    struct Arcs { height }
+    |x, y, z| z - height * atan(x) + acos(y / 4) / 8 + asin(x / 5) / 4 - atan2(y, 2 + x) / 8 + tan(x / 4) / 9 - hypot(x, 2)
+}
+
+constraint! {
+    struct Powers { power }
+    |x, y, z| z - (2 + x)^power / 8 + log2(2 + y^2) / 4 - log10(3 + x) / 4 + cbrt(3 + y) / 4 - erf(x) / 8
+        + asinh(y) / 8 - acosh(3 + x) / 9 + atanh(y / 4) / 9
+}
+
+constraint! {
     struct Dented { a, b, c, depth, width }
     |x, y, z| x^2 / (a^2 + b^2) + y^2 * exp(-b / c) + z^2 / c^2 - depth * tanh(width) * x * y
         + sqrt(depth^2 + width^2) * z * x / (a * b) - cos(width) * (1 + depth / a)
@@ -65,10 +77,14 @@ fn gas() {
 }
 
 fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
+    run_in(Double, scene, q);
+}
+
+fn run_in<P: Precision, C: Hold<3>, E: Effects<3>>(precision: P, scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     let directions = (0..64).map(f64::from);
     let starts =
         directions.map(|i| scene.project(&State::at(q).moving([0.1 * i.cos(), 0.1 * i.sin(), 0.1])).unwrap());
-    let mut ensemble = scene.ensemble(starts, Rattle::new(0.01)).unwrap();
+    let mut ensemble = scene.ensemble_in(precision, starts, Rattle::new(0.01)).unwrap();
     ensemble.run(10);
     assert_eq!(ensemble.failures().count(), 0);
 }
@@ -85,8 +101,8 @@ fn sweep<C: Hold<3> + 'static, E: Effects<3> + 'static>(
     assert_eq!(ensemble.failures().count(), 0);
 }
 
-/// The scenes that this program has: five ensembles, three sweeps and a gas.
-const SCENES: usize = 9;
+/// The scenes that this program has: eight ensembles, one of them in single precision, three sweeps, and a gas.
+const SCENES: usize = 12;
 
 #[test]
 fn entries_are_vectorised() {
@@ -95,6 +111,9 @@ fn entries_are_vectorised() {
     run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
+    run_in(Single, &Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
+    run(&Scene::on(Arcs { height: 0.5 }), [0.1, 0.2, 2.0]);
+    run(&Scene::on(Powers { power: 1.3 }), [0.1, 0.2, 0.3]);
 
     let tube = |t| Scene::on(Lemniscate { a: 1.0 + 0.1 * t, r: 0.2 - 0.05 * t });
     let dent = |t| Dented { a: 1.0 + t, b: 1.2, c: 0.9 + 0.2 * t, depth: 0.1 + 0.1 * t, width: 0.3 };
@@ -143,9 +162,18 @@ fn entries_are_vectorised() {
                 let mut calls = function.lines().filter(named);
                 assert_eq!(calls.find(|line| !seldom(line)), None, "{name} calls a function");
             }
+            // A loop that goes number by number has its products there, and again in what corrects one lane alone.
+            let products = |numbers: [&str; 2]| {
+                numbers.map(|of| count(&["vfmadd", of]) + count(&["vfnmadd", of])).iter().sum::<usize>()
+            };
+            let (packed, single) = (products(["pd ", "ps "]), products(["sd ", "ss "]));
+            assert!(packed > single, "{name} {packed} products of vectors, {single} of numbers");
             // Loops over loops, vectorised across the outer one.
             assert_eq!(count(&["vgather"]) + count(&["vscatter"]), 0, "{name} numbers are gathered");
-            for function in ["fma", "sin", "cos", "exp", "tanh", "log", "sqrt"] {
+            for function in [
+                "fma", "sin", "cos", "tan", "atan", "asin", "acos", "exp", "pow", "log", "sqrt", "cbrt",
+                "hypot", "erf", "floor",
+            ] {
                 assert_eq!(count(&["call", &format!("<{function}")]), 0, "{name} {function} is a function");
             }
         }

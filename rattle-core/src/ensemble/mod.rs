@@ -19,9 +19,9 @@
 //! results agree with those of a simulation to rounding, not to the bit; and so does an ensemble started from the states of
 //! another, which does not know the steps before.
 //!
-//! **Functions.** √, exp, ln, sin, cos, sinh, cosh and tanh go in lanes: they are
-//! [straight-line code](crate::lanes) of 20 to 40 operations each, and differ from those of the system's library by rounding. sin and cos of angles
-//! beyond 2⁴⁰ are not a number there: a trajectory ends.
+//! **Functions.** All that the macros know go in lanes: they are [straight-line code](crate::lanes) of 20 to 90 operations
+//! each, and differ from those of the system's library by rounding. sin, cos and tan of angles beyond 2⁴⁰ are not a number
+//! there: a trajectory ends.
 //!
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
 //! go on.

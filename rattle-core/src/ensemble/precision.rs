@@ -18,8 +18,8 @@ pub struct Double;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Compensated;
 
-/// Single precision, where seven digits are enough: half the memory, and two thirds of the time where the constraint is
-/// arithmetic and roots (sines and the like are computed in double precision).
+/// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time (but tan, ∛, powers,
+/// log₂, log₁₀, erf and inverse functions are computed in double precision).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Single;
 
