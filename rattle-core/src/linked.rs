@@ -539,7 +539,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         }
     }
 
-    fn kinetic_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
         let energy = parts.map(|((p, low), root)| {
             let v = root.velocity(p);
@@ -548,7 +548,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         energy.sum()
     }
 
-    fn potential_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
         self.field.energy(bodies.q.as_ref())
     }
 

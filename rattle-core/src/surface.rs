@@ -229,13 +229,13 @@ where
         }
     }
 
-    fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
         let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));
         energy.fold(T::from_f64(0.0), |sum, part| sum + part)
     }
 
-    fn potential_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+    fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
         self.field.energy(bodies.q.as_ref())
     }
 

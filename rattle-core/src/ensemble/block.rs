@@ -361,6 +361,21 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
     }
 
+    /// Positions and momenta of all lanes, see [`momentum`](Self::momentum).
+    #[inline(always)]
+    pub(crate) fn all<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(
+        &self,
+        laws: &impl Laws<K, F>,
+        parts: &[Part],
+    ) -> (Vectors<S, L, D>, Vectors<S, L, D>) {
+        let mut momenta = [[S::default(); L]; D];
+        for lane in 0..L {
+            let [p, _] = self.momentum(lane, (laws.constraint(lane), laws.field(lane)), parts);
+            put(&mut momenta, lane, p);
+        }
+        (self.q, momenta)
+    }
+
     /// Whether all momenta are numbers.
     #[inline(always)]
     pub(crate) fn check<K: ConstraintKernel<S, D, 1>, F: Field<S, D>>(

@@ -1,17 +1,16 @@
-//! Trajectories that are moved on together: those of a block side by side, or one by itself.
+//! Trajectories that are moved on together, and those of a block side by side.
 
 use crate::bodies::Body;
 use crate::effect::Field;
 use crate::ensemble::block::{Block, Kept, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
-use crate::ensemble::observe::Sight;
+use crate::ensemble::look::{Onlooker, Page};
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
-use crate::simulation::{Simulation, after_steps};
+use crate::simulation::{after_steps, later, passed};
 use crate::state::State;
-use crate::stepper::{Failure, Stepper};
-use crate::system::System;
+use crate::stepper::Failure;
 use nalgebra::SVector;
 use std::array::from_fn;
 use std::marker::PhantomData;
@@ -21,72 +20,26 @@ use std::marker::PhantomData;
 pub trait Group<const D: usize>: Send + Sync {
     /// How many there are.
     fn len(&self) -> usize;
-    /// Takes so many steps; trajectories that fail rest where they were before the step.
-    fn run(&mut self, steps: u64, set: InstructionSet);
+    /// Bodies of each.
+    fn bodies(&self) -> usize;
+    /// Takes so many steps, and shows the group to an onlooker when it is time; trajectories that fail rest where they were
+    /// before the step.
+    fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
     /// The state of one.
     fn state(&self, trajectory: usize) -> State<D>;
-    /// Writes times, and positions and momenta of all bodies, of all trajectories in turn.
-    fn look(&self, seen: &mut Seen<D>, set: InstructionSet);
+    /// Writes all of them.
+    fn look(&self, page: Page<'_, D>, set: InstructionSet);
+    /// Of each, whether it goes on; there may be more numbers than trajectories.
+    fn moving(&self) -> &[bool];
+    /// Kinetic and potential energy that one, which goes on, would have there.
+    fn energies(
+        &self,
+        trajectory: usize,
+        positions: &[SVector<f64, D>],
+        momenta: &[SVector<f64, D>],
+    ) -> [f64; 2];
     /// Why one goes on no more.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
-}
-
-/// Times, positions and momenta of a group's trajectories in turn.
-#[derive(Debug, Clone, Default)]
-pub struct Seen<const D: usize> {
-    pub(crate) times: Vec<f64>,
-    pub(crate) positions: Vec<SVector<f64, D>>,
-    pub(crate) momenta: Vec<SVector<f64, D>>,
-}
-
-impl<const D: usize> Seen<D> {
-    pub(crate) fn clear(&mut self) {
-        self.times.clear();
-        self.positions.clear();
-        self.momenta.clear();
-    }
-
-    /// One of the trajectories, which all have as many bodies.
-    pub(crate) fn sight(&self, first: usize, own: usize) -> Sight<'_, D> {
-        let bodies = self.positions.len() / self.times.len();
-        let bodies = own * bodies..(own + 1) * bodies;
-        let (positions, momenta) = (&self.positions[bodies.clone()], &self.momenta[bodies]);
-        Sight { trajectory: first + own, time: self.times[own], positions, momenta }
-    }
-}
-
-/// A simulation by itself.
-pub(crate) struct Alone<Y: System<f64, D>, S: Stepper, const D: usize> {
-    simulation: Simulation<Y, S, D>,
-    failure: Option<Error>,
-}
-
-impl<Y: System<f64, D>, S: Stepper, const D: usize> Alone<Y, S, D> {
-    pub(crate) fn new(simulation: Simulation<Y, S, D>) -> Self {
-        Self { simulation, failure: None }
-    }
-}
-
-impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> {
-    fn len(&self) -> usize {
-        1
-    }
-    fn run(&mut self, steps: u64, _: InstructionSet) {
-        if self.failure.is_none() {
-            self.failure = self.simulation.run(steps).err();
-        }
-    }
-    fn state(&self, _: usize) -> State<D> {
-        self.simulation.state()
-    }
-    fn look(&self, seen: &mut Seen<D>, _: InstructionSet) {
-        seen.times.push(self.simulation.time());
-        seen.positions.extend(self.simulation.positions());
-        seen.momenta.extend(self.simulation.momenta());
-    }
-    fn failure(&self, _: usize) -> Option<&Error> {
-        self.failure.as_ref()
-    }
 }
 
 /// Steps after which a block is put back: what is gone through again when a lane fails.
@@ -122,7 +75,7 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Kept<K, F> + Send + Sync,
 {
     /// The trajectories that start so, one per lane, at most L; by a method that takes RATTLE steps of these lengths.
     pub(crate) fn new(starts: &[State<D>], laws: X, lengths: &[f64], h: f64) -> Self {
@@ -158,17 +111,22 @@ where
         }
     }
 
-    /// Takes so many steps, or none if a lane fails on the way.
-    fn attempt(&mut self, steps: u64, set: InstructionSet) -> Result<(), Stuck> {
-        S::run(set, Stretch { group: self, steps })?;
+    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown.
+    fn attempt(
+        &mut self,
+        steps: u64,
+        set: InstructionSet,
+        onlooker: Option<&mut Onlooker<'_, D>>,
+    ) -> Result<(), Stuck> {
+        S::run(set, Stretch { group: self, steps, onlooker })?;
         self.steps += steps;
         Ok(())
     }
 
     /// Takes one step with all lanes that can be moved.
-    fn step(&mut self, set: InstructionSet) {
+    fn step(&mut self, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         while self.moving.contains(&true) {
-            match self.attempt(1, set) {
+            match self.attempt(1, set, onlooker.as_deref_mut()) {
                 Ok(()) => return,
                 Err(Stuck { lane, failure }) => self.end(lane, failure),
             }
@@ -198,6 +156,27 @@ where
         self.block.momentum(lane, (self.laws.constraint(lane), self.laws.field(lane)), &self.parts)
     }
 
+    /// Writes all trajectories, which after so many steps are in this block.
+    #[inline(always)]
+    fn write(&self, block: &Block<S, L, D, SUMS>, laws: &X, steps: u64, page: Page<'_, D>) {
+        let (q, p) = block.all(laws, &self.parts);
+        let number = self.start_time.len();
+        let Page { times, positions, momenta } = page;
+        for lane in 0..number.min(L).min(positions.len()) {
+            positions[lane] = from_fn::<_, D, _>(|d| q[d][lane].to_f64()).into();
+        }
+        for lane in 0..number.min(L).min(momenta.len()) {
+            momenta[lane] = from_fn::<_, D, _>(|d| p[d][lane].to_f64()).into();
+        }
+        let passed = passed(steps, self.h);
+        times.iter_mut().zip(&self.start_time).for_each(|(time, &start)| *time = later(start, passed).0);
+        for &Ended { lane, ref q, ref p, .. } in &self.ended {
+            times[lane] = self.time(lane).0;
+            positions[lane] = q[0].map(Lane::to_f64).into();
+            momenta[lane] = p[0].map(Lane::to_f64).into();
+        }
+    }
+
     /// The time of a trajectory, and what rounding took from it.
     fn time(&self, lane: usize) -> (f64, f64) {
         let steps = self.ended(lane).map_or(self.steps, |ended| ended.steps);
@@ -223,16 +202,17 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
     scratch: Scratch<S, L, D>,
 }
 
-/// Steps of a block, without looking up. If a lane fails, the block is as before.
-struct Stretch<'a, G> {
+/// Steps of a block. If a lane fails, the block is as before.
+struct Stretch<'a, 'b, G, const D: usize> {
     group: &'a mut G,
     steps: u64,
+    onlooker: Option<&'a mut Onlooker<'b, D>>,
 }
 
-/// Looks up.
+/// Writes all trajectories.
 struct Look<'a, G, const D: usize> {
     group: &'a G,
-    seen: &'a mut Seen<D>,
+    page: Page<'a, D>,
 }
 
 impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
@@ -241,48 +221,58 @@ where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Kept<K, F> + Send + Sync,
 {
     type Done = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { group, seen } = self;
-        for lane in 0..group.start_time.len() {
-            let (q, p) = group.numbers(lane);
-            seen.times.push(group.time(lane).0);
-            seen.positions.push(q[0].map(Lane::to_f64).into());
-            seen.momenta.push(p[0].map(Lane::to_f64).into());
-        }
+        let Self { group, page } = self;
+        let laws = group.laws.clone();
+        group.write(&group.block, &laws, group.steps, page);
     }
 }
 
 impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Work
-    for Stretch<'_, SideBySide<S, K, F, X, L, D, SUMS>>
+    for Stretch<'_, '_, SideBySide<S, K, F, X, L, D, SUMS>, D>
 where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
     F: Field<S, D>,
-    X: Kept<K, F>,
+    X: Kept<K, F> + Send + Sync,
 {
     type Done = Result<(), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let SideBySide { block, laws, parts, .. } = self.group;
-        let laws = laws.clone();
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        for _ in 0..self.steps {
-            if Part::are_equal(parts) {
-                desk.block.advance::<K, F, true>(&laws, parts, &mut desk.scratch)?;
-                continue;
+        let Self { group, steps, mut onlooker } = self;
+        let (laws, parts) = (group.laws.clone(), &group.parts);
+        let mut desk = Desk { block: group.block.clone(), scratch: Scratch::new() };
+        let (mut now, end) = (group.steps, group.steps + steps);
+        loop {
+            let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
+            for _ in now..stop {
+                if Part::are_equal(parts) {
+                    desk.block.advance::<K, F, true>(&laws, parts, &mut desk.scratch)?;
+                    continue;
+                }
+                for _ in 0..parts.len() {
+                    desk.block.advance::<K, F, false>(&laws, parts, &mut desk.scratch)?;
+                }
             }
-            for _ in 0..parts.len() {
-                desk.block.advance::<K, F, false>(&laws, parts, &mut desk.scratch)?;
+            desk.block.check(&laws)?;
+            now = stop;
+            if let Some(onlooker) = &mut onlooker
+                && onlooker.next == now
+            {
+                group.write(&desk.block, &laws, now, onlooker.now.page());
+                onlooker.show(group);
+            }
+            if now == end {
+                break;
             }
         }
-        desk.block.check(&laws)?;
-        *block = desk.block;
+        group.block = desk.block;
         Ok(())
     }
 }
@@ -292,19 +282,23 @@ impl<S, K, F, X, const L: usize, const D: usize, const SUMS: usize> Group<D>
 where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
-    F: Field<S, D> + Send,
+    F: Field<S, D>,
     X: Kept<K, F> + Send + Sync,
 {
     fn len(&self) -> usize {
         self.start_time.len()
     }
 
-    fn run(&mut self, steps: u64, set: InstructionSet) {
+    fn bodies(&self) -> usize {
+        1
+    }
+
+    fn run(&mut self, steps: u64, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            if self.attempt(stretch, set).is_err() {
-                (0..stretch).for_each(|_| self.step(set)); // to see which, and where
+            if self.attempt(stretch, set, onlooker.as_deref_mut()).is_err() {
+                (0..stretch).for_each(|_| self.step(set, onlooker.as_deref_mut())); // to see which, and where
             }
         }
         self.steps = end;
@@ -319,8 +313,18 @@ where
         state
     }
 
-    fn look(&self, seen: &mut Seen<D>, set: InstructionSet) {
-        S::run(set, Look { group: self, seen });
+    fn look(&self, page: Page<'_, D>, set: InstructionSet) {
+        S::run(set, Look { group: self, page });
+    }
+
+    fn moving(&self) -> &[bool] {
+        &self.moving
+    }
+
+    fn energies(&self, lane: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
+        let place: [f64; D] = positions[0].into();
+        let potential = self.laws.field(lane).energy(&[place.map(S::from_f64)]);
+        [0.5 * momenta[0].norm_squared(), potential.to_f64()]
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -26,10 +26,12 @@
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
 //! go on.
 
+mod alone;
 mod block;
 #[doc(hidden)]
 pub mod group;
 mod instruction_set;
+mod look;
 mod observe;
 mod precision;
 mod stream;
@@ -47,7 +49,9 @@ use crate::error::{Error, StartFailure};
 use crate::scene::{Hold, Scene};
 use crate::state::State;
 use crate::stepper::Stepper;
-use group::{Alone, Group, Seen};
+use alone::Alone;
+use group::Group;
+use look::{Onlooker, Seen};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -162,8 +166,8 @@ impl<const D: usize> Ensemble<D> {
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
         match &mut self.groups[..] {
-            [group] => group.run(steps, set), // without waking other threads
-            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set)),
+            [group] => group.run(steps, set, None), // without waking other threads
+            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set, None)),
         }
         self.steps = self.steps.saturating_add(steps);
     }
@@ -186,21 +190,19 @@ impl<const D: usize> Ensemble<D> {
     /// If `every` is 0.
     pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: impl Fn() -> O + Sync) -> O {
         assert!(every > 0, "an ensemble is observed after every 1 or more steps");
-        let set = self.set;
+        let (set, next) = (self.set, self.steps.saturating_add(every));
         let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
-            let (mut own, mut before, mut now) = (observer(), Seen::default(), Seen::default());
-            group.look(&mut before, set);
-            for part in (0..steps).step_by(usize::try_from(every).unwrap_or(usize::MAX)) {
-                group.run(every.min(steps - part), set);
-                now.clear();
-                group.look(&mut now, set);
-                if steps - part >= every {
-                    for trajectory in (0..group.len()).filter(|&one| group.failure(one).is_none()) {
-                        own.see(&before.sight(first, trajectory), &now.sight(first, trajectory));
+            let (mut own, now) = (observer(), Seen::of(&**group, set));
+            let mut before = now.clone();
+            let mut show = |now: &mut Seen<D>, group: &dyn Group<D>| {
+                for (trajectory, &moves) in group.moving().iter().enumerate().take(group.len()) {
+                    if moves {
+                        own.see(&before.sight(group, first, trajectory), &now.sight(group, first, trajectory));
                     }
                 }
-                std::mem::swap(&mut before, &mut now);
-            }
+                std::mem::swap(&mut before, now);
+            };
+            group.run(steps, set, Some(&mut Onlooker { next, every, now, show: &mut show }));
             own
         };
         let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();

@@ -1,9 +1,11 @@
 //! What is kept of an ensemble while it runs, instead of its trajectories: means, histograms, crossings of a section.
 
+use super::group::Group;
 use nalgebra::SVector;
+use std::fmt;
 
 /// A trajectory at a time: its bodies' positions and momenta.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Sight<'a, const D: usize> {
     /// Which trajectory, counted from 0.
     pub trajectory: usize,
@@ -13,6 +15,8 @@ pub struct Sight<'a, const D: usize> {
     pub positions: &'a [SVector<f64, D>],
     /// Momenta of its bodies.
     pub momenta: &'a [SVector<f64, D>],
+    /// What knows its energy, and under which number.
+    pub(crate) scene: (&'a dyn Group<D>, usize),
 }
 
 impl<const D: usize> Sight<'_, D> {
@@ -26,6 +30,39 @@ impl<const D: usize> Sight<'_, D> {
     #[must_use]
     pub fn momentum(&self) -> SVector<f64, D> {
         self.momenta[0]
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). As that of a
+    /// [`Simulation`](crate::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked for.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.energies()[0]
+    }
+
+    /// Potential energy U of all effects, of the trajectory's own scene in a sweep.
+    #[must_use]
+    pub fn potential_energy(&self) -> f64 {
+        self.energies()[1]
+    }
+
+    /// Energy H = K + U.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        let [kinetic, potential] = self.energies();
+        kinetic + potential
+    }
+
+    fn energies(&self) -> [f64; 2] {
+        let (group, trajectory) = self.scene;
+        group.energies(trajectory, self.positions, self.momenta)
+    }
+}
+
+impl<const D: usize> fmt::Debug for Sight<'_, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Sight");
+        debug.field("trajectory", &self.trajectory).field("time", &self.time);
+        debug.field("positions", &self.positions).field("momenta", &self.momenta).finish_non_exhaustive()
     }
 }
 
@@ -215,7 +252,7 @@ impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Section
         for _ in 0..60 {
             let part = low - at_low * (high - low) / (at_high - at_low);
             crossing = between(before, now, part);
-            let s = (self.quantity)(&crossing.sight());
+            let s = (self.quantity)(&crossing.sight(now));
             if s < 0.0 {
                 (low, at_low, at_high) = (part, s, 0.5 * at_high);
             } else {
@@ -234,9 +271,9 @@ impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Section
 }
 
 impl<const D: usize> Crossing<D> {
-    fn sight(&self) -> Sight<'_, D> {
+    fn sight<'a>(&'a self, now: &Sight<'a, D>) -> Sight<'a, D> {
         let Self { trajectory, time, positions, momenta } = self;
-        Sight { trajectory: *trajectory, time: *time, positions, momenta }
+        Sight { trajectory: *trajectory, time: *time, positions, momenta, scene: now.scene }
     }
 }
 
