@@ -373,11 +373,7 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Kinetic and potential energy of the same bodies at other places, with other momenta.
-    pub(crate) fn energies_at(
-        &self,
-        positions: &[SVector<f64, D>],
-        momenta: &[SVector<f64, D>],
-    ) -> [f64; 2] {
+    pub(crate) fn energies_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
         let mut bodies = self.before.clone();
         let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
         places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));

@@ -7,7 +7,7 @@ use nalgebra::SVector;
 
 /// Times, positions and momenta of a group's trajectories in turn, in memory that is used again and again.
 #[derive(Debug, Clone)]
-pub struct Seen<const D: usize> {
+pub(crate) struct Seen<const D: usize> {
     times: Vec<f64>,
     positions: Vec<SVector<f64, D>>,
     momenta: Vec<SVector<f64, D>>,
@@ -31,12 +31,20 @@ impl<const D: usize> Seen<D> {
         Page { times: &mut self.times, positions: &mut self.positions, momenta: &mut self.momenta }
     }
 
-    /// One of the trajectories of the group, whose first one has this number.
+    /// The trajectories of the group in turn, the first of which has this number.
     #[inline(always)]
-    pub(crate) fn sight<'a>(&'a self, group: &'a dyn Group<D>, first: usize, own: usize) -> Sight<'a, D> {
-        let bodies = own * self.bodies..(own + 1) * self.bodies;
-        let (positions, momenta) = (&self.positions[bodies.clone()], &self.momenta[bodies]);
-        Sight { trajectory: first + own, time: self.times[own], positions, momenta, scene: (group, own) }
+    pub(crate) fn sights<'a>(
+        &'a self,
+        group: &'a dyn Group<D>,
+        first: usize,
+    ) -> impl Iterator<Item = Sight<'a, D>> {
+        let (mut places, mut ways) = (&self.positions[..], &self.momenta[..]);
+        self.times.iter().enumerate().map(move |(own, &time)| {
+            let (positions, momenta);
+            ((positions, places), (momenta, ways)) =
+                (places.split_at(self.bodies), ways.split_at(self.bodies));
+            Sight { trajectory: first + own, time, positions, momenta, scene: (group, own) }
+        })
     }
 }
 

@@ -195,10 +195,9 @@ impl<const D: usize> Ensemble<D> {
             let (mut own, now) = (observer(), Seen::of(&**group, set));
             let mut before = now.clone();
             let mut show = |now: &mut Seen<D>, group: &dyn Group<D>| {
-                for (trajectory, &moves) in group.moving().iter().enumerate().take(group.len()) {
-                    if moves {
-                        own.see(&before.sight(group, first, trajectory), &now.sight(group, first, trajectory));
-                    }
+                let sights = before.sights(group, first).zip(now.sights(group, first));
+                for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
+                    own.see(&before, &now);
                 }
                 std::mem::swap(&mut before, now);
             };
