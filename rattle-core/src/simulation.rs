@@ -13,6 +13,9 @@ use nalgebra::SVector;
 use std::fmt;
 use std::marker::PhantomData;
 
+/// Parts of a step are counted by 32 bits.
+pub(crate) const MOST_HALVINGS: u32 = 30;
+
 /// A scene, its present state and the method that moves it on.
 ///
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
@@ -101,8 +104,12 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     /// ```
     #[must_use]
     pub fn retry(mut self, halvings: u32) -> Self {
-        self.halvings = halvings.min(30);
+        self.halve(halvings);
         self
+    }
+
+    pub(crate) fn halve(&mut self, halvings: u32) {
+        self.halvings = halvings.min(MOST_HALVINGS);
     }
 
     /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to

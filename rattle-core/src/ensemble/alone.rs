@@ -47,6 +47,10 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> 
         }
     }
 
+    fn retry(&mut self, halvings: u32) {
+        self.simulation.halve(halvings);
+    }
+
     fn state(&self, _: usize) -> State<D> {
         self.simulation.state()
     }

@@ -125,6 +125,10 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    pub(crate) fn length(&self) -> f64 {
+        self.h
+    }
+
     /// Whether all steps are of one length, and momenta kept times it.
     pub(crate) fn are_equal(parts: &[Part]) -> bool {
         parts.len() == 1 && parts[0].unit == parts[0].h

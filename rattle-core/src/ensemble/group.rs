@@ -1,6 +1,6 @@
 //! Trajectories that are moved on together, and those of a block side by side.
 
-use crate::bodies::Body;
+use crate::bodies::{Body, One};
 use crate::effect::Field;
 use crate::ensemble::block::{Block, Kept, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
@@ -8,9 +8,12 @@ use crate::ensemble::look::{Onlooker, Page};
 use crate::error::Error;
 use crate::kernel::ConstraintKernel;
 use crate::lanes::Lane;
-use crate::simulation::{after_steps, later, passed};
+use crate::rattle::Rattle;
+use crate::simulation::{MOST_HALVINGS, after_steps, later, passed};
 use crate::state::State;
-use crate::stepper::Failure;
+use crate::stepper::{Failure, Stepper};
+use crate::surface::OnSurface;
+use crate::system::System;
 use nalgebra::SVector;
 use std::array::from_fn;
 use std::marker::PhantomData;
@@ -25,6 +28,8 @@ pub trait Group<const D: usize>: Send + Sync {
     /// Takes so many steps, and shows the group to an onlooker when it is time; trajectories that fail rest where they were
     /// before the step.
     fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
+    /// Takes steps that cannot be taken in 2, 4, … 2^`halvings` parts.
+    fn retry(&mut self, halvings: u32);
     /// The state of one.
     fn state(&self, trajectory: usize) -> State<D>;
     /// Writes all of them.
@@ -58,8 +63,13 @@ pub(crate) struct SideBySide<S, K, F, X, const L: usize, const D: usize, const S
     moving: [bool; L],
     copy_of: [usize; L],
     ended: Vec<Ended<S, D>>,
+    /// How often a step that cannot be taken is halved.
+    halvings: u32,
     kernels: PhantomData<fn() -> (K, F)>,
 }
+
+/// Position and momentum, and what rounding took from them.
+type Place<S, const D: usize> = ([[S; D]; 2], [[S; D]; 2]);
 
 /// A trajectory that goes on no more.
 struct Ended<S, const D: usize> {
@@ -107,6 +117,7 @@ where
             moving,
             copy_of,
             ended: Vec::new(),
+            halvings: 0,
             kernels: PhantomData,
         }
     }
@@ -123,32 +134,82 @@ where
         Ok(())
     }
 
-    /// Takes one step with all lanes that can be moved.
-    fn step(&mut self, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
-        while self.moving.contains(&true) {
-            match self.attempt(1, set, onlooker.as_deref_mut()) {
-                Ok(()) => return,
-                Err(Stuck { lane, failure }) => self.end(lane, failure),
+    /// Takes one step with all lanes that can be moved, be it in parts.
+    fn step(&mut self, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>) {
+        let (end, mut together) = (self.steps + 1, self.moving);
+        let (mut divided, mut laws) = (Vec::new(), None);
+        while together.contains(&true) {
+            let Err(Stuck { lane, failure }) = self.attempt(1, set, None) else { break };
+            let stuck = self.copy_of[lane];
+            match self.in_parts(stuck, failure) {
+                Ok(place) => {
+                    laws.get_or_insert_with(|| self.laws.clone());
+                    divided.push((stuck, place));
+                }
+                Err(failure) => self.end(stuck, failure),
             }
+            together[stuck] = false;
+            self.stand_in(&together);
         }
-        self.steps += 1;
+        if let Some(laws) = laws {
+            self.laws = laws;
+            for (lane, (q, p)) in divided {
+                let law = (self.laws.constraint(lane), self.laws.field(lane));
+                self.block.set(lane, law, &self.parts, q, p);
+            }
+            self.stand_in(&self.moving.clone());
+        }
+        self.steps = end;
+        if let Some(onlooker) = onlooker
+            && onlooker.next == end
+        {
+            self.look(onlooker.now.page(), set);
+            onlooker.show(self);
+        }
     }
 
-    /// Takes the trajectory that is in a lane, itself or as a copy, and cannot be moved on, out of the block.
-    fn end(&mut self, lane: usize, Failure { body, cause }: Failure) {
-        let stuck = self.copy_of[lane];
-        if std::mem::replace(&mut self.moving[stuck], false) {
-            let (q, p) = (self.block.position(stuck), self.momentum(stuck));
-            let (time, _) = self.time(stuck);
-            let failure = Error::Step { step: self.steps + 1, time, body, cause };
-            self.ended.push(Ended { lane: stuck, steps: self.steps, q, p, failure });
+    /// Fills the lanes that are not among these with copies of one that is.
+    fn stand_in(&mut self, among: &[bool; L]) {
+        let Some(other) = among.iter().position(|&is| is) else { return };
+        self.copy_of = from_fn(|lane| if among[lane] { lane } else { other });
+        for lane in (0..L).filter(|&lane| !among[lane]) {
+            self.block.copy(other, lane);
+            self.laws.copy(other, lane);
         }
-        let Some(other) = self.moving.iter().position(|&moves| moves) else { return };
-        for copy in (0..L).filter(|&copy| self.copy_of[copy] == stuck) {
-            self.block.copy(other, copy);
-            self.laws.copy(other, copy);
+    }
+
+    /// Has a trajectory rest where it is.
+    fn end(&mut self, lane: usize, failure: Error) {
+        let (q, p) = (self.block.position(lane), self.momentum(lane));
+        self.ended.push(Ended { lane, steps: self.steps, q, p, failure });
+        self.moving[lane] = false;
+    }
+
+    /// Where a trajectory is after a step in parts, as often halved as is allowed, by itself: with sums that are
+    /// compensated until it is back in its lane.
+    #[cold]
+    fn in_parts(&self, lane: usize, mut failure: Failure) -> Result<Place<S, D>, Error> {
+        let ([q, q_low], [p, p_low]) = (self.block.position(lane), self.momentum(lane));
+        let system = OnSurface::new(self.laws.constraint(lane).clone(), self.laws.field(lane).clone(), One);
+        for halved in 1..=self.halvings {
+            let number = 1_u32 << halved;
+            let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
+            let lengths = self.parts.iter().map(|part| part.length() / f64::from(number));
+            let mut steps = (0..number).flat_map(|_| lengths.clone());
+            match steps.try_for_each(|h| Rattle::new(h).step(&system, &mut bodies, &mut [], &mut ())) {
+                Ok(()) => {
+                    let Body { q, q_low, p, p_low } = bodies.body(0);
+                    return Ok(([q, q_low], [p, p_low]));
+                }
+                Err(again) => failure = again,
+            }
         }
-        self.copy_of = self.copy_of.map(|of| if of == stuck { other } else { of });
+        let (step, time, halvings) = (self.steps + 1, self.time(lane).0, self.halvings);
+        let Failure { body, cause } = failure;
+        Err(match halvings {
+            0 => Error::Step { step, time, body, cause },
+            _ => Error::Retried { step, time, body, halvings, cause },
+        })
     }
 
     #[inline(always)]
@@ -188,7 +249,7 @@ where
     }
 
     #[inline(always)]
-    fn numbers(&self, lane: usize) -> ([[S; D]; 2], [[S; D]; 2]) {
+    fn numbers(&self, lane: usize) -> Place<S, D> {
         self.ended(lane)
             .map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
     }
@@ -302,6 +363,10 @@ where
             }
         }
         self.steps = end;
+    }
+
+    fn retry(&mut self, halvings: u32) {
+        self.halvings = halvings.min(MOST_HALVINGS);
     }
 
     fn state(&self, trajectory: usize) -> State<D> {

@@ -162,6 +162,24 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
+    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts, that step of
+    /// that trajectory alone, as [`Simulation::retry`](crate::simulation::Simulation::retry) does; the others are not touched by
+    /// it. Where no step fails nothing changes. The group of a trajectory whose steps fail goes step by step: up to some ten times
+    /// as slowly.
+    ///
+    /// ```
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?.retry(6);
+    /// # ensemble.run(2);
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    #[must_use]
+    pub fn retry(mut self, halvings: u32) -> Self {
+        self.groups.iter_mut().for_each(|group| group.retry(halvings));
+        self
+    }
+
     /// Takes `steps` steps with every trajectory that can be moved.
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
