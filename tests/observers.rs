@@ -225,6 +225,30 @@ fn what_is_gone_through_again_is_not_shown_again() {
     assert!(seen.0 == expected);
 }
 
+constraint! {
+    struct Floor {}
+    |x, y, z| z + 0 * x + 0 * y
+}
+
+potential! {
+    /// Not a number where x < 0.
+    struct Root {}
+    |x, y, z| sqrt(x) + 0 * y + 0 * z
+}
+
+/// A step that gives a momentum that is not a number is not taken, and so not shown.
+#[test]
+fn what_is_not_a_number_is_not_shown() {
+    let scene = Scene::on(Floor {}).with(Root {});
+    let start = |speed: f64| State::at([0.1, 0.0, 0.0]).moving([speed, 0.0, 0.0]);
+    for every in [1, 2] {
+        let mut ensemble = scene.ensemble([start(3.0), start(-1.0)], Rattle::new(0.03)).unwrap();
+        let seen = ensemble.observe(8, every, || Mean::of(|now: &Sight<'_, 3>| now.momentum().x)).mean();
+        let Some(rattle::Error::Step { step: 4, .. }) = ensemble.failure(1) else { panic!("no failure") };
+        assert!(seen.is_finite(), "every {every}: {seen}");
+    }
+}
+
 /// Which trajectory, when, K and U.
 struct Energies(Vec<(usize, f64, f64, f64)>);
 
