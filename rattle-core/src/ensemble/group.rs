@@ -221,13 +221,12 @@ where
     #[inline(always)]
     fn write(&self, block: &Block<S, L, D, SUMS>, laws: &X, steps: u64, page: Page<'_, D>) {
         let (q, p) = block.all(laws, &self.parts);
-        let number = self.start_time.len();
         let Page { times, positions, momenta } = page;
-        for lane in 0..number.min(L).min(positions.len()) {
-            positions[lane] = from_fn::<_, D, _>(|d| q[d][lane].to_f64()).into();
+        for (lane, place) in positions.iter_mut().enumerate().take(L) {
+            *place = from_fn::<_, D, _>(|d| q[d][lane].to_f64()).into();
         }
-        for lane in 0..number.min(L).min(momenta.len()) {
-            momenta[lane] = from_fn::<_, D, _>(|d| p[d][lane].to_f64()).into();
+        for (lane, way) in momenta.iter_mut().enumerate().take(L) {
+            *way = from_fn::<_, D, _>(|d| p[d][lane].to_f64()).into();
         }
         let passed = passed(steps, self.h);
         times.iter_mut().zip(&self.start_time).for_each(|(time, &start)| *time = later(start, passed).0);

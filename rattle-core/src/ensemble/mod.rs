@@ -24,7 +24,7 @@
 //! beyond 2⁴⁰ are not a number there: a trajectory ends.
 //!
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
-//! go on.
+//! go on. [`Ensemble::retry`] has it take that step in parts.
 
 mod alone;
 mod block;
@@ -164,8 +164,7 @@ impl<const D: usize> Ensemble<D> {
 
     /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts, that step of
     /// that trajectory alone, as [`Simulation::retry`](crate::simulation::Simulation::retry) does; the others are not touched by
-    /// it. Where no step fails nothing changes. The group of a trajectory whose steps fail goes step by step: up to some ten times
-    /// as slowly.
+    /// it. Where no step fails nothing changes. In parts a step takes some microseconds, as in a simulation.
     ///
     /// ```
     /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
@@ -191,9 +190,12 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
-    /// again. Looking costs as much as some twenty steps, for a momentum is made whole and a lane read out of its block.
-    /// Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
+    /// again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
     /// are left at different times.
+    ///
+    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is done
+    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`] of a height takes 1.9 steps
+    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](Sight::energy) a step more.
     ///
     /// ```
     /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::{Mean, Sight}};
