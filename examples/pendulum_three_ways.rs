@@ -144,9 +144,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     let time = "time t / √(l/g)";
+    fn last_swings(curve: &Curve) -> impl Iterator<Item = (f64, f64)> {
+        curve.iter().copied().filter(|point| point.0 >= 0.8 * T)
+    }
     // As texts draw it: angle and multiplier in one picture.
     for (name, title, of) in [
-        ("angle", "A pendulum from 0.9 π, three ways, h = 0.01", None),
+        ("angle", "A pendulum from 0.9 π, three ways, h = 0.01: the last swings", None),
         ("rattle", "RATTLE: angle and tension of the rod, negative where it pushes outwards", Some(&rattle)),
         ("bdf2", "BDF2: angle and tension of the rod, negative where it pushes outwards", Some(&bdf2)),
     ] {
@@ -157,9 +160,9 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .line("tension −λ", run.tension.iter().copied()),
             None => chart
                 .y("angle φ from the bottom / rad")
-                .line("RATTLE", rattle.angle.iter().copied())
-                .line("BDF2", bdf2.angle.iter().copied())
-                .points("by the angle", angle.iter().step_by(50).copied()),
+                .line("RATTLE", last_swings(&rattle.angle))
+                .line("BDF2", last_swings(&bdf2.angle))
+                .points("by the angle", last_swings(&angle).step_by(25)),
         };
         chart.save(format!("out/pendulum_three_ways/{name}.svg"))?;
     }
