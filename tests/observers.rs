@@ -162,7 +162,9 @@ fn sections_know_when() {
     let speeds = [1.0, 1.25, 1.5, 2.0];
     let starts = speeds.map(|v| State::at([1.0, 0.0]).moving([0.0, v]));
     let mut ensemble = circle.ensemble(starts, Rattle::new(0.01)).unwrap();
-    let section = ensemble.observe(3000, 1, || Section::of(|now: &Sight<'_, 2>| now.position().x));
+    // Zero where x is; but not linear, so that the root takes some steps.
+    let bent = |now: &Sight<'_, 2>| now.position().x * (5.0 * now.position().x).exp();
+    let section = ensemble.observe(3000, 1, || Section::of(bent));
     let returns = section.return_times();
     assert!(returns.len() > 12, "{} returns", returns.len());
     for (trajectory, time) in returns {
