@@ -372,7 +372,11 @@ fn snapshots_tell_times() {
     };
     let mut ensemble = scene.ensemble((0..70).map(start), Rattle::new(0.02)).unwrap();
     let mut times = vec![];
-    ensemble.stream(200, 100, |snapshot| Ok::<_, ()>(times = snapshot.times.clone())).unwrap();
+    let copy = |snapshot: &rattle::ensemble::Snapshot<3>| {
+        times.clone_from(&snapshot.times);
+        Ok::<(), ()>(())
+    };
+    ensemble.stream(200, 100, copy).unwrap();
     let Some(rattle::Error::Step { time, .. }) = ensemble.failure(66) else { panic!("nothing failed") };
     assert_eq!(times[66], *time);
     assert_eq!(times, ensemble.states().map(|state| state.time()).collect::<Vec<_>>());
