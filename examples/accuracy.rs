@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("Kahan–Li, order 8", measure(kahan_li, 0.04, exact)?),
         ("Lobatto, order 4", measure(Lobatto::<3>::new, 0.05, exact)?),
         ("Lobatto, order 8", measure(Lobatto::<5>::new, 0.05, exact)?),
-        ("… extrapolated", measure(|h| Lobatto::<5>::new(h).guess(Extrapolated), 0.05, exact)?),
+        ("Lobatto 8, extrapolated", measure(|h| Lobatto::<5>::new(h).guess(Extrapolated), 0.05, exact)?),
         ("Lobatto, order 16", measure(Lobatto::<9>::new, 0.1, exact)?),
         ("DOP853", measure(Dop853::new, 0.05, exact)?),
         ("DOP853, adaptive", measure_tolerances(|tolerance| Dop853::adaptive(T, tolerance), exact)?),
@@ -61,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     for (name, points) in &methods {
         println!(
-            "{name:18} {:>9} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9}",
+            "{name:23} {:>9} {:>10} {:>7} {:>9} {:>9} {:>9} {:>9}",
             if name.contains("adaptive") { "tolerance" } else { "h" },
             "error",
             "order",
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 format!("{:.2}", (last.error / point.error).ln() / (last.h / point.h).ln())
             });
             println!(
-                "{:18} {:9.1e} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
+                "{:23} {:9.1e} {:10.2e} {order:>7} {:9.3} {:9} {:9} {:9}",
                 "", point.h, point.error, point.milliseconds, point.values, point.gradients, point.forces
             );
             last = Some(point);

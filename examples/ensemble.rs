@@ -36,10 +36,6 @@ const R: f64 = 1.0 / 6.0;
 const NUMBER: usize = 10_000;
 const H: f64 = 0.005;
 
-fn energy(now: &Sight<'_, 3>) -> f64 {
-    0.5 * now.momentum().norm_squared() + now.position().z
-}
-
 fn starts() -> impl Iterator<Item = State<3>> {
     (0..NUMBER).map(|i| {
         let angle = std::f64::consts::TAU * (i as f64 + 0.5) / NUMBER as f64;
@@ -66,10 +62,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Gravity { g: 1.0 });
     let mut ensemble = scene.ensemble(starts(), Rattle::new(H))?;
     println!("{} instructions, {} threads", ensemble.instruction_set(), rayon::current_num_threads());
-    let error = |now: &Sight<'_, 3>| (energy(now) - 0.5 - R).abs();
+    let error = |now: &Sight<'_, 3>| (now.energy() - 0.5 - R).abs();
+    let errors = Histogram::of(error, 0.0, 0.01, 100)?;
     let observers = || {
         let through = Section::of(|now: &Sight<'_, 3>| now.position().y);
-        (through, (Mean::of(error), Histogram::of(error, 0.0, 0.01, 100)))
+        (through, (Mean::of(error), errors.clone()))
     };
     let (section, (errors, histogram)) = ensemble.observe(4000, 1, observers);
     println!("{} crossings; energy error {:.1e} on average", section.crossings().len(), errors.mean());
@@ -81,7 +78,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all("out/ensemble")?;
     let dots = section.crossings().iter().filter(|crossing| crossing.positions[0].z > 0.0).step_by(4);
     let dots = dots.map(|crossing| (crossing.positions[0].x, crossing.momenta[0].x)).take(30_000);
-    Chart::new("Through the plane y = 0, upwards, on the upper side")
+    Chart::new("Through the plane y = 0 towards y > 0, where z > 0")
         .x("x")
         .y("momentum along x")
         .points("crossings", dots)

@@ -78,6 +78,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     Chart::new("The Hopf pendulum crosses its fibres; the constraint pushes along them")
         .equal_aspect()
+        .x("0.9 a − 0.44 b,  (a, b, c) = (q_y, p_y, p_x) / (1 − q_x)")
+        .y("c + 0.22 a + 0.45 b")
         .family(fibres)
         .line("motion", path.iter().map(|&at| seen(at)))
         .marked("start", [seen(path[0])])

@@ -85,6 +85,7 @@ pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constrain
 pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::effect::Over;
+    pub use crate::ensemble::{Compensated, Double, Histogram, Mean, Section, Sight, Single};
     pub use crate::guess::{Extrapolated, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};

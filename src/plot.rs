@@ -381,7 +381,13 @@ impl Frame {
         }
         let moved = |(low, high): (f64, f64), shift| (scaled(low, shift), scaled(high, shift));
         let (x, y) = (moved(x, shift.0), moved(y, shift.1));
-        let (x, y) = (padded(x, if chart.equal { 0.05 } else { 0.0 }), padded(y, 0.06));
+        let dots = curves.iter().any(|curve| curve.style == Style::Points);
+        let at_the_sides = match (chart.equal, dots) {
+            (true, _) => 0.05,
+            (false, true) => 0.015, // a dot is not cut in half
+            (false, false) => 0.0,
+        };
+        let (x, y) = (padded(x, at_the_sides), padded(y, 0.06));
         let height = if chart.equal {
             // Title, ticks and labels take about 110 of the height and 90 of the width.
             (110.0 + (WIDTH - 90.0) * (y.1 - y.0) / (x.1 - x.0)).clamp(240.0, 900.0)
@@ -406,7 +412,7 @@ impl Frame {
             plots.push(Plot::Line(line.with_data(points.iter().copied())));
         }
         if matches!(curve.style, Style::Marked | Style::Points) {
-            let size = if curve.style == Style::Points { 3.0 } else { 4.0 };
+            let size = if curve.style == Style::Points { dot(points.len()) } else { 4.0 };
             plots.push(Plot::Scatter(
                 ScatterPlot::new().with_data(points).with_color(&*curve.colour).with_size(size),
             ));
@@ -419,6 +425,11 @@ impl Frame {
 const LOG_LABELS: f64 = 16.0;
 /// Room at the ends of a logarithmic axis.
 const LOG_MARGIN: f64 = 1.35;
+
+/// The radius of so many dots: all together they cover the same part of the paper, as long as one can be seen.
+fn dot(number: usize) -> f64 {
+    (3.0 * (300.0 / number as f64).sqrt()).clamp(0.8, 3.0)
+}
 
 /// By how many decades tiny numbers are to be raised on a linear axis; none from 10⁻⁶ on.
 fn decades_up((low, high): (f64, f64)) -> i32 {

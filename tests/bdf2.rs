@@ -134,3 +134,25 @@ fn a_step_that_is_too_long_is_an_error() {
     simulation.step().unwrap_err();
     assert_eq!(bits(&simulation.state()), before);
 }
+
+constraint! {
+    /// A rod from the origin whose equation has a slope of 1, so that g is known to a rounding of the coordinates, no better.
+    struct Reach { length }
+    |x, y| sqrt(x^2 + y^2) - length
+}
+
+/// What rounding leaves of g after a correction may be a third of what was there, and is then no reason to end.
+#[test]
+fn links_are_kept_to_rounding_and_that_is_enough() {
+    let scene = Scene::point().link(Reach { length: 1.0 }, [[0]]).with(PlanarGravity { g: 1.0 });
+    for part in [0.5_f64, 0.7, 0.9] {
+        let angle = part * std::f64::consts::PI;
+        let start = State::at([angle.sin(), -angle.cos()]);
+        for h in [0.02, 0.01, 0.005] {
+            let mut simulation = scene.simulate(start.clone(), Bdf2::new(h)).unwrap();
+            let mut worst = 0.0_f64;
+            simulation.run_with(2000, |now| worst = worst.max(now.constraint_residual())).unwrap();
+            assert!(worst <= 3.0 * f64::EPSILON, "from {part} π, h = {h}: {worst:e}");
+        }
+    }
+}

@@ -7,7 +7,7 @@ use rattle::bodies::{Body, One};
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::surface::OnSurface;
+use rattle::surface::{OnSurface, OneByOne};
 use rattle::system::System;
 use std::array::from_fn;
 
@@ -81,7 +81,7 @@ fn parameters_can_differ_from_lane_to_lane() {
         p: [same(0.6), same(0.8), same(0.0)],
         p_low: [same(0.0); 3],
     };
-    let system = OnSurface::new(constraint, surfaces[0].kernel(), (), One);
+    let system = OnSurface::new(constraint, OneByOne, (), One);
     let mut together = system.bodies(place, 0.0);
     for _ in 0..500 {
         Rattle::new(2e-3).step(&system, &mut together, &mut [], &mut ()).unwrap();

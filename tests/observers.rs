@@ -1,8 +1,10 @@
 //! What is kept of ensembles that are not stored: means, histograms, sections; and snapshots for a consumer beside.
 
 mod common;
+use common::linked::Rod;
 use common::*;
 use rattle::ensemble::{Ensemble, Histogram, Mean, Observer, Section, Sight};
+use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -54,7 +56,8 @@ fn observers_see_what_states_say() {
 #[test]
 fn means_and_histograms_are_those_of_all_numbers() {
     let height = |now: &Sight<'_, 3>| now.position().z;
-    let observers = || (Mean::of(height), Histogram::of(height, -0.1, 0.1, 7));
+    let empty = Histogram::of(height, -0.1, 0.1, 7).unwrap();
+    let observers = || (Mean::of(height), empty.clone());
     let mut ensemble = billiards(100);
     let (mean, histogram) = ensemble.observe(300, 30, observers);
     assert_eq!(ensemble.steps(), 300);
@@ -79,8 +82,55 @@ fn means_and_histograms_are_those_of_all_numbers() {
     assert!(histogram.outside() > 0);
     let nothing = billiards(3).observe(5, 10, || Mean::of(height));
     assert!(nothing.number() == 0 && nothing.mean().is_nan() && nothing.variance().is_nan());
-    let undefined = billiards(3).observe(5, 5, || Histogram::of(|_: &Sight<'_, 3>| f64::NAN, 0.0, 1.0, 3));
+    let empty = Histogram::of(|_: &Sight<'_, 3>| f64::NAN, 0.0, 1.0, 3).unwrap();
+    let undefined = billiards(3).observe(5, 5, || empty.clone());
     assert_eq!((undefined.outside(), undefined.counts()), (3, &[0, 0, 0][..]));
+}
+
+/// Far from zero, few or many, and of all that is not a number nothing.
+#[test]
+fn means_keep_their_digits() {
+    for number in [1, 2, 63, 64, 65, 200] {
+        let quantity = |now: &Sight<'_, 3>| 1e9 + 2e-3 * now.trajectory as f64 + now.time;
+        let mean = billiards(number).observe(4, 1, || Mean::of(quantity));
+        let n = 4.0 * number as f64;
+        assert_eq!(mean.number(), 4 * number as u64);
+        // Numbers near 1e9 are rounded to 1.2e-7 (of the uniform spread of n things with spacing d: (n² − 1) d²/12).
+        let expected = 1e9 + 1e-3 * (number as f64 - 1.0) + 0.025;
+        assert!((mean.mean() - expected).abs() < 2.4e-7, "{number}: {}", mean.mean());
+        let spread = |n: usize, d: f64| d * d * ((n * n) as f64 - 1.0) / 12.0;
+        let expected = (spread(number, 2e-3) + spread(4, 0.01)) * n / (n - 1.0);
+        // Of differences up to 0.4, each off by 1.2e-7 at most.
+        assert!((mean.variance() - expected).abs() < 2.0 * 1.2e-7 * 0.4, "{number}: {}", mean.variance());
+    }
+    let mean = billiards(100)
+        .observe(2, 1, || Mean::of(|now: &Sight<'_, 3>| if now.trajectory == 70 { f64::NAN } else { 1.0 }));
+    assert!(mean.number() == 200 && mean.mean().is_nan() && mean.variance().is_nan());
+}
+
+#[test]
+fn bins_hold_what_lies_between_their_ends() {
+    let quantity = |now: &Sight<'_, 3>| {
+        [-1.0, 0.0, 0.1_f64.next_down(), 0.3, 0.9, 1.0_f64.next_down(), 1.0][now.trajectory]
+    };
+    let empty = Histogram::of(quantity, 0.0, 1.0, 10).unwrap();
+    let histogram = billiards(7).observe(1, 1, || empty.clone());
+    assert_eq!(histogram.counts(), [2, 0, 0, 1, 0, 0, 0, 0, 0, 2]);
+    assert_eq!(histogram.outside(), 2);
+    for (from, to, bins) in [
+        (0.0, 1.0, 0),
+        (1.0, 1.0, 5),
+        (2.0, 1.0, 5),
+        (f64::NAN, 1.0, 5),
+        (0.0, f64::NAN, 5),
+        (f64::NEG_INFINITY, 1.0, 5),
+        (0.0, f64::INFINITY, 5),
+        (-1e308, 1e308, 5), // whose difference is not finite
+    ] {
+        let error = Histogram::of(quantity, from, to, bins).err().unwrap();
+        assert!(matches!(error, rattle::Error::Bins { .. }), "{error}");
+        assert!(error.to_string().contains(&format!("found {bins} from {from} to {to}")), "{error}");
+    }
 }
 
 /// The same for any number of threads, bit for bit.
@@ -112,7 +162,9 @@ fn sections_know_when() {
     let speeds = [1.0, 1.25, 1.5, 2.0];
     let starts = speeds.map(|v| State::at([1.0, 0.0]).moving([0.0, v]));
     let mut ensemble = circle.ensemble(starts, Rattle::new(0.01)).unwrap();
-    let section = ensemble.observe(3000, 1, || Section::of(|now: &Sight<'_, 2>| now.position().x));
+    // Zero where x is; but not linear, so that the root takes some steps.
+    let bent = |now: &Sight<'_, 2>| now.position().x * (5.0 * now.position().x).exp();
+    let section = ensemble.observe(3000, 1, || Section::of(bent));
     let returns = section.return_times();
     assert!(returns.len() > 12, "{} returns", returns.len());
     for (trajectory, time) in returns {
@@ -140,6 +192,197 @@ fn who_fails_is_not_seen_again() {
     let of = |i: usize| seen.0.iter().filter(|text| text.starts_with(&format!("{i} "))).count();
     assert_eq!(of(3) as u64, step - 1);
     assert_eq!(of(2), 200);
+}
+
+/// Lanes that fail within a stretch, which is then gone through again: everything is shown once, as it is.
+#[test]
+fn what_is_gone_through_again_is_not_shown_again() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let start = |i: u32| {
+        let speed = if i.is_multiple_of(9) { 3.0 + 0.08 * f64::from(i) } else { 0.7 };
+        let angle = 0.37 * f64::from(i);
+        State::at([0.0, 0.0, SURFACE.r]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
+    };
+    let of = |method| scene.ensemble((0..40).map(start), method).unwrap();
+    let (steps, every) = (2500, 7);
+    let mut ensemble = of(Rattle::new(0.02));
+    let seen = ensemble.observe(steps, every, || All(vec![]));
+    assert!(ensemble.failures().count() > 1, "{} failed", ensemble.failures().count());
+    assert_eq!(ensemble.steps(), steps);
+
+    let mut slowly = of(Rattle::new(0.02));
+    let places = |ensemble: &Ensemble<3>| {
+        ensemble.states().map(|state| state.positions().collect::<Vec<_>>()).collect::<Vec<_>>()
+    };
+    let (mut expected, mut before) = (vec![], places(&slowly));
+    for _ in 0..steps / every {
+        slowly.run(every);
+        let now = places(&slowly);
+        for (i, state) in slowly.states().enumerate().filter(|&(i, _)| slowly.failure(i).is_none()) {
+            expected.push(format!("{i} {} {:?} {:?}", state.time(), now[i], before[i]));
+        }
+        before = now;
+    }
+    assert_eq!(seen.0.len(), expected.len());
+    assert!(seen.0 == expected);
+}
+
+constraint! {
+    struct Floor {}
+    |x, y, z| z + 0 * x + 0 * y
+}
+
+potential! {
+    /// Not a number where x < 0.
+    struct Root {}
+    |x, y, z| sqrt(x) + 0 * y + 0 * z
+}
+
+/// A step that gives a momentum that is not a number is not taken, and so not shown.
+#[test]
+fn what_is_not_a_number_is_not_shown() {
+    let scene = Scene::on(Floor {}).with(Root {});
+    let start = |speed: f64| State::at([0.1, 0.0, 0.0]).moving([speed, 0.0, 0.0]);
+    for every in [1, 2] {
+        let mut ensemble = scene.ensemble([start(3.0), start(-1.0)], Rattle::new(0.03)).unwrap();
+        let seen = ensemble.observe(8, every, || Mean::of(|now: &Sight<'_, 3>| now.momentum().x)).mean();
+        let Some(rattle::Error::Step { step: 4, .. }) = ensemble.failure(1) else { panic!("no failure") };
+        assert!(seen.is_finite(), "every {every}: {seen}");
+    }
+}
+
+/// Which trajectory, when, K and U.
+struct Energies(Vec<(usize, f64, f64, f64)>);
+
+impl<const D: usize> Observer<D> for Energies {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        assert_eq!(now.energy(), now.kinetic_energy() + now.potential_energy());
+        if self.0.iter().all(|&(trajectory, ..)| trajectory != now.trajectory) {
+            self.0.push((before.trajectory, before.time, before.kinetic_energy(), before.potential_energy()));
+        }
+        self.0.push((now.trajectory, now.time, now.kinetic_energy(), now.potential_energy()));
+    }
+    fn join(&mut self, next: Self) {
+        self.0.extend(next.0);
+    }
+}
+
+/// What each trajectory's own simulation says, with the energies of four sights of it; the largest difference.
+fn energies_off<C, E, N, const D: usize>(
+    scenes: &[Scene<C, E, N, D>],
+    start: impl Fn(usize) -> State<D>,
+    method: impl Stepper,
+) -> f64
+where
+    C: rattle::scene::Hold<D> + 'static,
+    E: rattle::effect::Effects<D> + 'static,
+    N: rattle::bodies::Count,
+{
+    let each = scenes.iter().enumerate().map(|(i, scene)| (scene, start(i)));
+    let mut ensemble = Ensemble::sweep(rattle::ensemble::Double, each, method.clone()).unwrap();
+    let mut seen = ensemble.observe(30, 10, || Energies(vec![])).0;
+    seen.sort_by(|a, b| (a.0, a.1).partial_cmp(&(b.0, b.1)).unwrap());
+    let mut expected = Vec::new();
+    for (i, scene) in scenes.iter().enumerate() {
+        let mut alone = scene.simulate(start(i), method.clone()).unwrap();
+        for sight in 0..4 {
+            alone.run(if sight == 0 { 0 } else { 10 }).unwrap();
+            expected.push((i, alone.time(), alone.kinetic_energy(), alone.potential_energy()));
+        }
+    }
+    assert_eq!(seen.len(), expected.len());
+    let mut worst = 0.0_f64;
+    for (a, b) in seen.into_iter().zip(expected) {
+        assert_eq!((a.0, a.1), (b.0, b.1));
+        worst = worst.max((a.2 - b.2).abs()).max((a.3 - b.3).abs());
+    }
+    worst
+}
+
+potential! {
+    /// A top's weight: its centre of mass lies on its third axis.
+    struct Top { weight }
+    |q: [[f64; 3]; 3]| weight * q[2][2]
+}
+
+phase_constraint! {
+    /// The three-sphere.
+    struct Hopf {}
+    |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1
+}
+
+hamiltonian! {
+    /// Free fall.
+    struct Falling { g }
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
+}
+
+/// Energies of a sight are those of the trajectory's own scene: in lanes, in sweeps, with masses, turning bodies, in phase
+/// space. They are of order 1, and off by the rounding of some 30 steps.
+#[test]
+fn sights_know_their_energy() {
+    let billiards: Vec<_> =
+        (0..70).map(|i| Scene::on(SURFACE).with(Gravity { g: 0.5 + 0.02 * f64::from(i) })).collect();
+    let off = energies_off(&billiards, |i| billiard(0.1 * i as f64).at_time(i as f64), Rattle::new(0.01));
+    assert!(off < 2e-14, "in lanes {off:e}");
+    let off = energies_off(&billiards[..3], |i| billiard(0.1 * i as f64), Lobatto::<3>::new(0.01));
+    assert!(off < 1e-15, "alone {off:e}");
+
+    let chains: Vec<_> = [1.0, 2.5]
+        .map(|m| {
+            let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
+            scene.masses([1.0, m, 3.0]).with(PlanarGravity { g: 2.0 })
+        })
+        .into();
+    let start = |_| State::of([[0.0, 0.0], [0.6, 0.8], [1.4, 0.2]]).with_momenta([[0.0; 2], [0.8, -0.6]]);
+    let start = |i: usize| chains[i].project(&start(i)).unwrap();
+    let off = energies_off(&chains, start, Rattle::new(0.01));
+    assert!(off < 1e-14, "linked {off:e}");
+
+    let tops: Vec<_> =
+        [1.0, 1.5].map(|i| Scene::rigid(Rigid::new([i, 2.0, 2.2])).with(Top { weight: i })).into();
+    let start = |_| Rigid::start(&Matrix3::identity(), &Vector3::new(0.3, 0.1, 2.0));
+    let off = energies_off(&tops, start, Rattle::new(0.01));
+    assert!(off < 1e-14, "rigid {off:e}");
+
+    let fibres: Vec<_> = [0.3, 0.4].map(|g| Scene::in_phase_space(Hopf {}, Falling { g })).into();
+    let start = |i: usize| fibres[i].project(&State::at([-0.55, -0.83])).unwrap();
+    let off = energies_off(&fibres, start, Rattle::new(0.01));
+    assert!(off < 1e-14, "in phase space {off:e}");
+}
+
+/// Sections are found on the way between sights; energies there are those of the places there.
+#[test]
+fn sections_may_be_of_energies() {
+    let potential = |now: &Sight<'_, 3>| now.potential_energy();
+    let height = |now: &Sight<'_, 3>| now.position().z;
+    let (by_energy, by_height) =
+        billiards(20).observe(500, 1, || (Section::of(potential), Section::of(height)));
+    assert!(by_height.crossings().len() > 10);
+    assert_eq!(by_energy.crossings(), by_height.crossings()); // U = z
+}
+
+/// Starts have times of their own, and who fails rests at the time of that.
+#[test]
+fn snapshots_tell_times() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let start = |i: u32| {
+        let speed = if i == 66 { 7.0 } else { 0.5 };
+        State::at([0.0, 0.0, SURFACE.r]).moving([speed, 0.1, 0.0]).at_time(0.1 * f64::from(i))
+    };
+    let mut ensemble = scene.ensemble((0..70).map(start), Rattle::new(0.02)).unwrap();
+    let mut times = vec![];
+    let copy = |snapshot: &rattle::ensemble::Snapshot<3>| {
+        times.clone_from(&snapshot.times);
+        Ok::<(), ()>(())
+    };
+    ensemble.stream(200, 100, copy).unwrap();
+    let Some(rattle::Error::Step { time, .. }) = ensemble.failure(66) else { panic!("nothing failed") };
+    assert_eq!(times[66], *time);
+    assert_eq!(times, ensemble.states().map(|state| state.time()).collect::<Vec<_>>());
+    assert!((times[69] - 10.9).abs() < 1e-14 && times[66] < 10.0);
+    let none = scene.ensemble([], Rattle::new(0.02)).unwrap().snapshot();
+    assert!(none.times.is_empty() && none.positions.is_empty());
 }
 
 #[test]

@@ -70,6 +70,17 @@ pub enum Error {
     #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
+    /// Bins of a histogram that hold nothing.
+    #[error("a histogram has one bin or more, between two finite numbers; found {bins} from {from} to {to}")]
+    Bins {
+        /// Where the first begins.
+        from: f64,
+        /// Where the last ends.
+        to: f64,
+        /// How many.
+        bins: usize,
+    },
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {

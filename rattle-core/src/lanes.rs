@@ -59,6 +59,14 @@ pub struct Lanes<S, const L: usize>(pub [S; L]);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Marks<const L: usize>(pub [bool; L]);
 
+impl<S: Lane, const L: usize> Lanes<S, L> {
+    /// The same with lane `to` like lane `from`.
+    pub(crate) fn copied(mut self, from: usize, to: usize) -> Self {
+        self.0[to] = self.0[from];
+        self
+    }
+}
+
 impl<const L: usize> Mask for Marks<L> {
     #[inline(always)]
     fn all(self) -> bool {

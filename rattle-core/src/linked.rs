@@ -431,13 +431,13 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
                 let (sine, row) = bodies.kept.normals(shape, c, time, q);
                 // In roundings of the places alone: a velocity that has run away must not make up for the distance.
                 let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
-                let stalled = roundings <= long && distance >= 0.5 * nearest;
-                if roundings <= 1.0 || stalled {
+                let rounding = roundings <= long;
+                // Newton's method near its root leaves less; from afar it goes half of the way each time. False for NaN.
+                let nearer = distance < if rounding { 0.5 } else { 0.25 } * nearest;
+                if roundings <= 1.0 || rounding && !nearer {
                     self.check_rank(c, bodies, sine, row)?;
                     break;
                 }
-                // Newton's method near its root leaves less; from afar it goes half of the way each time. False for NaN.
-                let nearer = distance < 0.25 * nearest;
                 if !nearer {
                     let body = shape.equation_at(c, worst).bodies[0];
                     return Err(if distance.is_finite() {
@@ -539,7 +539,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         }
     }
 
-    fn kinetic_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
         let energy = parts.map(|((p, low), root)| {
             let v = root.velocity(p);
@@ -548,7 +548,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         energy.sum()
     }
 
-    fn potential_energy(&self, bodies: &BodiesOf<F, N, D>) -> f64 {
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
         self.field.energy(bodies.q.as_ref())
     }
 

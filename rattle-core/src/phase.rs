@@ -477,7 +477,7 @@ where
     }
 
     /// H: what of it is kinetic is not told.
-    fn kinetic_energy(&self, bodies: &BodiesOf<N, D, M>) -> f64 {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
         let energy = |body: Body<f64, D>| {
             let (by_q, by_p) = self.energy.gradients(&body.q, &body.p);
             self.energy.value(&body.q, &body.p) + (dot(&by_q, &body.q_low) + dot(&by_p, &body.p_low))
@@ -485,7 +485,7 @@ where
         (0..self.count.number()).map(|number| energy(bodies.body(number))).sum()
     }
 
-    fn potential_energy(&self, _: &BodiesOf<N, D, M>) -> f64 {
+    fn potential_energy<X>(&self, _: &Bodies<N, f64, X, D>) -> f64 {
         0.0
     }
 

@@ -445,7 +445,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         forces.fill([0.0; 9]);
     }
 
-    fn kinetic_energy(&self, bodies: &BodiesOf<F, N>) -> f64 {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
         let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
             let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
             (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
@@ -453,7 +453,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         energy.sum()
     }
 
-    fn potential_energy(&self, bodies: &BodiesOf<F, N>) -> f64 {
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
         self.field.energy(bodies.q.as_ref())
     }
 

@@ -15,7 +15,7 @@ use crate::simulation::Simulation;
 use crate::start;
 use crate::state::State;
 use crate::stepper::{Need, Stepper, check_step_size};
-use crate::surface::OnSurface;
+use crate::surface::{OnSurface, OneByOne};
 use crate::system::System;
 use crate::vector::{add_scaled, dot, two_sum};
 use nalgebra::SVector;
@@ -371,9 +371,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
-    #[allow(clippy::type_complexity, reason = "a system has its kernels' types")]
-    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N, C::Kernel<Fused<f64>>> {
-        OnSurface::new(self.constraint.kernel(), self.constraint.kernel(), self.effects.field(), self.count)
+    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N, OneByOne> {
+        OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.field(), self.count)
     }
 }
 

@@ -13,6 +13,9 @@ use nalgebra::SVector;
 use std::fmt;
 use std::marker::PhantomData;
 
+/// Parts of a step are counted by 32 bits.
+pub(crate) const MOST_HALVINGS: u32 = 30;
+
 /// A scene, its present state and the method that moves it on.
 ///
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
@@ -101,8 +104,12 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
     /// ```
     #[must_use]
     pub fn retry(mut self, halvings: u32) -> Self {
-        self.halvings = halvings.min(30);
+        self.halve(halvings);
         self
+    }
+
+    pub(crate) fn halve(&mut self, halvings: u32) {
+        self.halvings = halvings.min(MOST_HALVINGS);
     }
 
     /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
@@ -372,6 +379,16 @@ impl<Y: System<f64, D>, S: Stepper, const D: usize> Simulation<Y, S, D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
+    /// Kinetic and potential energy of the same bodies at other places, with other momenta.
+    pub(crate) fn energies_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
+        let mut bodies = self.before.clone();
+        let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
+        places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
+        let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
+        ways.for_each(|((high, low), &p)| (*high, *low) = (p.into(), [0.0; D]));
+        [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
+    }
+
     /// Work that moving constraints have done on the bodies since the start, −∫ λᵀ ∂g/∂t dt, to the order of the
     /// method; 0 where none moves.
     pub fn work(&self) -> f64 {
@@ -426,15 +443,21 @@ impl<F: Field<f64, D>, N: Count, S: Stepper, const D: usize> Simulation<Linked<F
     }
 }
 
-/// The time so many steps of length h after another, both with what rounding took from them.
+/// How long so many steps of length h take, and what rounding took from that.
 #[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
-pub(crate) fn after_steps(start: (f64, f64), steps: u64, h: f64) -> (f64, f64) {
+pub(crate) fn passed(steps: u64, h: f64) -> (f64, f64) {
     let passed = steps as f64 * h;
-    later(start, (passed, (steps as f64).mul_add(h, -passed)))
+    (passed, (steps as f64).mul_add(h, -passed))
+}
+
+/// The time so many steps after another.
+pub(crate) fn after_steps(start: (f64, f64), steps: u64, h: f64) -> (f64, f64) {
+    later(start, passed(steps, h))
 }
 
 /// A time and what rounding took from it, and another, added.
-fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
+#[inline(always)]
+pub(crate) fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
     let ([high], [low]) = two_sum(&[time.0], &[passed.0]);
     let ([high], [low]) = two_sum(&[high], &[low + (time.1 + passed.1)]);
     (high, low)

@@ -27,7 +27,7 @@ use series::Room;
 pub struct OnSurface<K, F, N, L> {
     /// g, one equation per body.
     pub constraint: K,
-    /// The same function for several bodies at a time.
+    /// The same function for several bodies at a time; or [`OneByOne`].
     pub in_lanes: L,
     /// U, from all effects.
     pub field: F,
@@ -36,9 +36,34 @@ pub struct OnSurface<K, F, N, L> {
 }
 
 impl<K, F, N, L> OnSurface<K, F, N, L> {
-    /// So many bodies on this surface, of which the kernel is given twice, in this field.
+    /// So many bodies on this surface in this field, `in_lanes` or [`OneByOne`].
     pub fn new(constraint: K, in_lanes: L, field: F, count: N) -> Self {
         Self { constraint, in_lanes, field, count }
+    }
+}
+
+/// Stands for a kernel in lanes where bodies go one by one.
+#[derive(Debug, Clone, Copy)]
+pub struct OneByOne;
+
+const NAN: Fused<f64> = Fused(f64::NAN);
+
+impl<const D: usize> ConstraintKernel<Fused<f64>, D, 1> for OneByOne {
+    fn value(&self, _: &[Fused<f64>; D]) -> [Fused<f64>; 1] {
+        [NAN]
+    }
+    fn value_and_jacobian(&self, _: &[Fused<f64>; D]) -> ([Fused<f64>; 1], [[Fused<f64>; D]; 1]) {
+        ([NAN], [[NAN; D]])
+    }
+    fn hessian_vector(&self, _: &[Fused<f64>; D], _: &[Fused<f64>; D]) -> [[Fused<f64>; D]; 1] {
+        [[NAN; D]]
+    }
+    fn jet(
+        &self,
+        _: &[Fused<f64>; D],
+        _: &[Fused<f64>; D],
+    ) -> ([Fused<f64>; 1], [Fused<f64>; 1], [Fused<f64>; 1]) {
+        ([NAN], [NAN], [NAN])
     }
 }
 
@@ -104,7 +129,7 @@ where
         witness: &mut W,
     ) -> Result<(), Failure> {
         if X::KIND == Kind::Newton
-            && let Some(set) = side_by_side::entry::<T, N, D>(self.count)
+            && let Some(set) = side_by_side::entry::<T, L, N, D>(self.count)
         {
             return self.drift_in_tiles(set, kick, h, guess, bodies, witness);
         }
@@ -141,7 +166,7 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        if let Some(set) = side_by_side::entry::<T, N, D>(self.count) {
+        if let Some(set) = side_by_side::entry::<T, L, N, D>(self.count) {
             return self.settle_in_tiles(set, kick, h, bodies, witness);
         }
         for body in 0..bodies.q.as_ref().len() {
@@ -245,13 +270,13 @@ where
         }
     }
 
-    fn kinetic_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
         let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));
         energy.fold(T::from_f64(0.0), |sum, part| sum + part)
     }
 
-    fn potential_energy(&self, bodies: &BodiesOf<N, T, F, D>) -> T {
+    fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
         self.field.energy(bodies.q.as_ref())
     }
 

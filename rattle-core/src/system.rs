@@ -189,10 +189,10 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn accelerations(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, accelerations: &mut [[T; D]]);
     /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers); zeros where there are no equations.
     fn constraint_forces(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, forces: &mut [[T; D]]);
-    /// pᵀM⁻¹p/2, summed over the bodies.
-    fn kinetic_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
-    /// U.
-    fn potential_energy(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>) -> T;
+    /// pᵀM⁻¹p/2, summed over the bodies, from places and momenta alone.
+    fn kinetic_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T;
+    /// U, from places alone.
+    fn potential_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T;
     /// Writes g(q, t) of each equation.
     fn residuals(&self, bodies: &Bodies<Self::Count, T, Self::Kept, D>, g: &mut [T]);
     /// Writes G M⁻¹p + ∂g/∂t of each equation.

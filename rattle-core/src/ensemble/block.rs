@@ -126,6 +126,10 @@ pub(crate) struct Part {
 }
 
 impl Part {
+    pub(crate) fn length(&self) -> f64 {
+        self.h
+    }
+
     /// Whether all steps are of one length, and momenta kept times it.
     pub(crate) fn are_equal(parts: &[Part]) -> bool {
         parts.len() == 1 && parts[0].unit == parts[0].h
@@ -302,6 +306,17 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize> Block<S, L, D, 
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]
+    }
+
+    /// Positions and momenta of all lanes, see [`momentum`](Self::momentum).
+    #[inline(always)]
+    pub(crate) fn all(&self, laws: &impl Laws<S, D>, parts: &[Part]) -> (Vectors<S, L, D>, Vectors<S, L, D>) {
+        let mut momenta = [[S::default(); L]; D];
+        for lane in 0..L {
+            let [p, _] = self.momentum(lane, laws, parts);
+            put(&mut momenta, lane, p);
+        }
+        (self.q, momenta)
     }
 
     /// Whether all momenta are numbers.

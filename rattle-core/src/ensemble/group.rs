@@ -1,90 +1,50 @@
-//! Trajectories that are moved on together: those of a block side by side, or one by itself.
+//! Trajectories that are moved on together, and those of a block side by side.
 
-use crate::bodies::Body;
+use crate::bodies::{Body, One};
+use crate::effect::Field;
 use crate::ensemble::block::{Block, Part, Scratch, Stuck};
 use crate::ensemble::instruction_set::{InstructionSet, Work};
 use crate::ensemble::laws::Laws;
-use crate::ensemble::observe::Sight;
+use crate::ensemble::look::{Onlooker, Page};
 use crate::error::Error;
 use crate::lanes::Lane;
-use crate::simulation::{Simulation, after_steps};
+use crate::rattle::Rattle;
+use crate::simulation::{MOST_HALVINGS, after_steps, later, passed};
 use crate::state::State;
 use crate::stepper::{Failure, Stepper};
+use crate::surface::{OnSurface, OneByOne};
 use crate::system::System;
 use nalgebra::SVector;
 use std::array::from_fn;
+use std::borrow::Borrow;
 
 /// Some trajectories of an ensemble.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
 pub trait Group<const D: usize>: Send + Sync {
     /// How many there are.
     fn len(&self) -> usize;
-    /// Takes so many steps; trajectories that fail rest where they were before the step.
-    fn run(&mut self, steps: u64, set: InstructionSet);
+    /// Bodies of each.
+    fn bodies(&self) -> usize;
+    /// Takes so many steps, and shows the group to an onlooker when it is time; trajectories that fail rest where they were
+    /// before the step.
+    fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
+    /// Takes steps that cannot be taken in 2, 4, … 2^`halvings` parts.
+    fn retry(&mut self, halvings: u32);
     /// The state of one.
     fn state(&self, trajectory: usize) -> State<D>;
-    /// Writes times, and positions and momenta of all bodies, of all trajectories in turn.
-    fn look(&self, seen: &mut Seen<D>, set: InstructionSet);
+    /// Writes all of them.
+    fn look(&self, page: Page<'_, D>, set: InstructionSet);
+    /// Of each, whether it goes on; there may be more numbers than trajectories.
+    fn moving(&self) -> &[bool];
+    /// Kinetic and potential energy that one, which goes on, would have there.
+    fn energies(
+        &self,
+        trajectory: usize,
+        positions: &[SVector<f64, D>],
+        momenta: &[SVector<f64, D>],
+    ) -> [f64; 2];
     /// Why one goes on no more.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
-}
-
-/// Times, positions and momenta of a group's trajectories in turn.
-#[derive(Debug, Clone, Default)]
-pub struct Seen<const D: usize> {
-    pub(crate) times: Vec<f64>,
-    pub(crate) positions: Vec<SVector<f64, D>>,
-    pub(crate) momenta: Vec<SVector<f64, D>>,
-}
-
-impl<const D: usize> Seen<D> {
-    pub(crate) fn clear(&mut self) {
-        self.times.clear();
-        self.positions.clear();
-        self.momenta.clear();
-    }
-
-    /// One of the trajectories, which all have as many bodies.
-    pub(crate) fn sight(&self, first: usize, own: usize) -> Sight<'_, D> {
-        let bodies = self.positions.len() / self.times.len();
-        let bodies = own * bodies..(own + 1) * bodies;
-        let (positions, momenta) = (&self.positions[bodies.clone()], &self.momenta[bodies]);
-        Sight { trajectory: first + own, time: self.times[own], positions, momenta }
-    }
-}
-
-/// A simulation by itself.
-pub(crate) struct Alone<Y: System<f64, D>, S: Stepper, const D: usize> {
-    simulation: Simulation<Y, S, D>,
-    failure: Option<Error>,
-}
-
-impl<Y: System<f64, D>, S: Stepper, const D: usize> Alone<Y, S, D> {
-    pub(crate) fn new(simulation: Simulation<Y, S, D>) -> Self {
-        Self { simulation, failure: None }
-    }
-}
-
-impl<Y: System<f64, D>, S: Stepper, const D: usize> Group<D> for Alone<Y, S, D> {
-    fn len(&self) -> usize {
-        1
-    }
-    fn run(&mut self, steps: u64, _: InstructionSet) {
-        if self.failure.is_none() {
-            self.failure = self.simulation.run(steps).err();
-        }
-    }
-    fn state(&self, _: usize) -> State<D> {
-        self.simulation.state()
-    }
-    fn look(&self, seen: &mut Seen<D>, _: InstructionSet) {
-        seen.times.push(self.simulation.time());
-        seen.positions.extend(self.simulation.positions());
-        seen.momenta.extend(self.simulation.momenta());
-    }
-    fn failure(&self, _: usize) -> Option<&Error> {
-        self.failure.as_ref()
-    }
 }
 
 /// Steps after which a block is put back: what is gone through again when a lane fails.
@@ -103,7 +63,12 @@ pub(crate) struct SideBySide<S, X, const L: usize, const D: usize, const SUMS: u
     moving: [bool; L],
     copy_of: [usize; L],
     ended: Vec<Ended<S, D>>,
+    /// How often a step that cannot be taken is halved.
+    halvings: u32,
 }
+
+/// Position and momentum, and what rounding took from them.
+type Place<S, const D: usize> = ([[S; D]; 2], [[S; D]; 2]);
 
 /// A trajectory that goes on no more.
 struct Ended<S, const D: usize> {
@@ -138,47 +103,122 @@ where
             block.copy(0, lane);
         }
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
-        Self { block, laws, parts, h, steps: 0, start_time, moving, copy_of, ended: Vec::new() }
+        Self { block, laws, parts, h, steps: 0, start_time, moving, copy_of, ended: Vec::new(), halvings: 0 }
     }
 
-    /// Takes so many steps, or none if a lane fails on the way.
-    fn attempt(&mut self, steps: u64, set: InstructionSet) -> Result<(), Stuck> {
-        S::run(set, Stretch { group: self, steps })?;
+    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown.
+    fn attempt(
+        &mut self,
+        steps: u64,
+        set: InstructionSet,
+        onlooker: Option<&mut Onlooker<'_, D>>,
+    ) -> Result<(), Stuck> {
+        S::run(set, Stretch { group: self, steps, onlooker })?;
         self.steps += steps;
         Ok(())
     }
 
-    /// Takes one step with all lanes that can be moved.
-    fn step(&mut self, set: InstructionSet) {
-        while self.moving.contains(&true) {
-            match self.attempt(1, set) {
-                Ok(()) => return,
-                Err(Stuck { lane, failure }) => self.end(lane, failure),
+    /// Takes one step with all lanes that can be moved, be it in parts.
+    fn step(&mut self, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>) {
+        let (end, mut together) = (self.steps + 1, self.moving);
+        let (mut divided, mut laws) = (Vec::new(), None);
+        while together.contains(&true) {
+            let Err(Stuck { lane, failure }) = self.attempt(1, set, None) else { break };
+            let stuck = self.copy_of[lane];
+            match self.in_parts(stuck, failure) {
+                Ok(place) => {
+                    laws.get_or_insert_with(|| self.laws.clone());
+                    divided.push((stuck, place));
+                }
+                Err(failure) => self.end(stuck, failure),
             }
+            together[stuck] = false;
+            self.stand_in(&together);
         }
-        self.steps += 1;
+        if let Some(laws) = laws {
+            self.laws = laws;
+            for (lane, (q, p)) in divided {
+                self.block.set(lane, &self.laws, &self.parts, q, p);
+            }
+            self.stand_in(&self.moving.clone());
+        }
+        self.steps = end;
+        if let Some(onlooker) = onlooker
+            && onlooker.next == end
+        {
+            self.look(onlooker.now.page(), set);
+            onlooker.show(self);
+        }
     }
 
-    /// Takes the trajectory that is in a lane, itself or as a copy, and cannot be moved on, out of the block.
-    fn end(&mut self, lane: usize, Failure { body, cause }: Failure) {
-        let stuck = self.copy_of[lane];
-        if std::mem::replace(&mut self.moving[stuck], false) {
-            let (q, p) = (self.block.position(stuck), self.momentum(stuck));
-            let (time, _) = self.time(stuck);
-            let failure = Error::Step { step: self.steps + 1, time, body, cause };
-            self.ended.push(Ended { lane: stuck, steps: self.steps, q, p, failure });
+    /// Fills the lanes that are not among these with copies of one that is.
+    fn stand_in(&mut self, among: &[bool; L]) {
+        let Some(other) = among.iter().position(|&is| is) else { return };
+        self.copy_of = from_fn(|lane| if among[lane] { lane } else { other });
+        for lane in (0..L).filter(|&lane| !among[lane]) {
+            self.block.copy(other, lane);
+            self.laws.copy(other, lane);
         }
-        let Some(other) = self.moving.iter().position(|&moves| moves) else { return };
-        for copy in (0..L).filter(|&copy| self.copy_of[copy] == stuck) {
-            self.block.copy(other, copy);
-            self.laws.copy(other, copy);
+    }
+
+    /// Has a trajectory rest where it is.
+    fn end(&mut self, lane: usize, failure: Error) {
+        let (q, p) = (self.block.position(lane), self.momentum(lane));
+        self.ended.push(Ended { lane, steps: self.steps, q, p, failure });
+        self.moving[lane] = false;
+    }
+
+    /// Where a trajectory is after a step in parts, as often halved as is allowed, by itself: with sums that are
+    /// compensated until it is back in its lane.
+    #[cold]
+    fn in_parts(&self, lane: usize, mut failure: Failure) -> Result<Place<S, D>, Error> {
+        let ([q, q_low], [p, p_low]) = (self.block.position(lane), self.momentum(lane));
+        let (constraint, field) = (self.laws.constraint(lane), self.laws.field(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, field.borrow().clone(), One);
+        for halved in 1..=self.halvings {
+            let number = 1_u32 << halved;
+            let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
+            let lengths = self.parts.iter().map(|part| part.length() / f64::from(number));
+            let mut steps = (0..number).flat_map(|_| lengths.clone());
+            match steps.try_for_each(|h| Rattle::new(h).step(&system, &mut bodies, &mut [], &mut ())) {
+                Ok(()) => {
+                    let Body { q, q_low, p, p_low } = bodies.body(0);
+                    return Ok(([q, q_low], [p, p_low]));
+                }
+                Err(again) => failure = again,
+            }
         }
-        self.copy_of = self.copy_of.map(|of| if of == stuck { other } else { of });
+        let (step, time, halvings) = (self.steps + 1, self.time(lane).0, self.halvings);
+        let Failure { body, cause } = failure;
+        Err(match halvings {
+            0 => Error::Step { step, time, body, cause },
+            _ => Error::Retried { step, time, body, halvings, cause },
+        })
     }
 
     #[inline(always)]
     fn momentum(&self, lane: usize) -> [[S; D]; 2] {
         self.block.momentum(lane, &self.laws, &self.parts)
+    }
+
+    /// Writes all trajectories, which after so many steps are in this block.
+    #[inline(always)]
+    fn write(&self, block: &Block<S, L, D, SUMS>, laws: &X, steps: u64, page: Page<'_, D>) {
+        let (q, p) = block.all(laws, &self.parts);
+        let Page { times, positions, momenta } = page;
+        for (lane, place) in positions.iter_mut().enumerate().take(L) {
+            *place = from_fn::<_, D, _>(|d| q[d][lane].to_f64()).into();
+        }
+        for (lane, way) in momenta.iter_mut().enumerate().take(L) {
+            *way = from_fn::<_, D, _>(|d| p[d][lane].to_f64()).into();
+        }
+        let passed = passed(steps, self.h);
+        times.iter_mut().zip(&self.start_time).for_each(|(time, &start)| *time = later(start, passed).0);
+        for &Ended { lane, ref q, ref p, .. } in &self.ended {
+            times[lane] = self.time(lane).0;
+            positions[lane] = q[0].map(Lane::to_f64).into();
+            momenta[lane] = p[0].map(Lane::to_f64).into();
+        }
     }
 
     /// The time of a trajectory, and what rounding took from it.
@@ -192,7 +232,7 @@ where
     }
 
     #[inline(always)]
-    fn numbers(&self, lane: usize) -> ([[S; D]; 2], [[S; D]; 2]) {
+    fn numbers(&self, lane: usize) -> Place<S, D> {
         self.ended(lane)
             .map_or_else(|| (self.block.position(lane), self.momentum(lane)), |ended| (ended.q, ended.p))
     }
@@ -206,16 +246,17 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize> {
     scratch: Scratch<S, L, D>,
 }
 
-/// Steps of a block, without looking up. If a lane fails, the block is as before.
-struct Stretch<'a, G> {
+/// Steps of a block. If a lane fails, the block is as before.
+struct Stretch<'a, 'b, G, const D: usize> {
     group: &'a mut G,
     steps: u64,
+    onlooker: Option<&'a mut Onlooker<'b, D>>,
 }
 
-/// Looks up.
+/// Writes all trajectories.
 struct Look<'a, G, const D: usize> {
     group: &'a G,
-    seen: &'a mut Seen<D>,
+    page: Page<'a, D>,
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize> Work
@@ -228,18 +269,14 @@ where
 
     #[inline(always)]
     fn run(self) {
-        let Self { group, seen } = self;
-        for lane in 0..group.start_time.len() {
-            let (q, p) = group.numbers(lane);
-            seen.times.push(group.time(lane).0);
-            seen.positions.push(q[0].map(Lane::to_f64).into());
-            seen.momenta.push(p[0].map(Lane::to_f64).into());
-        }
+        let Self { group, page } = self;
+        let laws = group.laws.clone();
+        group.write(&group.block, &laws, group.steps, page);
     }
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize> Work
-    for Stretch<'_, SideBySide<S, X, L, D, SUMS>>
+    for Stretch<'_, '_, SideBySide<S, X, L, D, SUMS>, D>
 where
     S: Lane,
     X: Laws<S, D>,
@@ -248,20 +285,34 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let SideBySide { block, laws, parts, .. } = self.group;
-        let laws = laws.clone();
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        for _ in 0..self.steps {
-            if Part::are_equal(parts) {
-                desk.block.advance::<true>(&laws, parts, &mut desk.scratch)?;
-                continue;
+        let Self { group, steps, mut onlooker } = self;
+        let (laws, parts) = (group.laws.clone(), &group.parts);
+        let mut desk = Desk { block: group.block.clone(), scratch: Scratch::new() };
+        let (mut now, end) = (group.steps, group.steps + steps);
+        loop {
+            let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
+            for _ in now..stop {
+                if Part::are_equal(parts) {
+                    desk.block.advance::<true>(&laws, parts, &mut desk.scratch)?;
+                    continue;
+                }
+                for _ in 0..parts.len() {
+                    desk.block.advance::<false>(&laws, parts, &mut desk.scratch)?;
+                }
             }
-            for _ in 0..parts.len() {
-                desk.block.advance::<false>(&laws, parts, &mut desk.scratch)?;
+            desk.block.check(&laws)?;
+            now = stop;
+            if let Some(onlooker) = &mut onlooker
+                && onlooker.next == now
+            {
+                group.write(&desk.block, &laws, now, onlooker.now.page());
+                onlooker.show(group);
+            }
+            if now == end {
+                break;
             }
         }
-        desk.block.check(&laws)?;
-        *block = desk.block;
+        group.block = desk.block;
         Ok(())
     }
 }
@@ -275,15 +326,23 @@ where
         self.start_time.len()
     }
 
-    fn run(&mut self, steps: u64, set: InstructionSet) {
+    fn bodies(&self) -> usize {
+        1
+    }
+
+    fn run(&mut self, steps: u64, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            if self.attempt(stretch, set).is_err() {
-                (0..stretch).for_each(|_| self.step(set)); // to see which, and where
+            if self.attempt(stretch, set, onlooker.as_deref_mut()).is_err() {
+                (0..stretch).for_each(|_| self.step(set, onlooker.as_deref_mut())); // to see which, and where
             }
         }
         self.steps = end;
+    }
+
+    fn retry(&mut self, halvings: u32) {
+        self.halvings = halvings.min(MOST_HALVINGS);
     }
 
     fn state(&self, trajectory: usize) -> State<D> {
@@ -295,8 +354,18 @@ where
         state
     }
 
-    fn look(&self, seen: &mut Seen<D>, set: InstructionSet) {
-        S::run(set, Look { group: self, seen });
+    fn look(&self, page: Page<'_, D>, set: InstructionSet) {
+        S::run(set, Look { group: self, page });
+    }
+
+    fn moving(&self) -> &[bool] {
+        &self.moving
+    }
+
+    fn energies(&self, lane: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
+        let place: [f64; D] = positions[0].into();
+        let potential = self.laws.field(lane).borrow().energy(&[place.map(S::from_f64)]);
+        [0.5 * momenta[0].norm_squared(), potential.to_f64()]
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -24,13 +24,15 @@
 //! there: a trajectory ends.
 //!
 //! **A trajectory that fails** rests where it was before the step, and its [error](Ensemble::failure) says why; the others
-//! go on.
+//! go on. [`Ensemble::retry`] has it take that step in parts.
 
+mod alone;
 mod block;
 #[doc(hidden)]
 pub mod group;
 mod instruction_set;
 mod laws;
+mod look;
 mod observe;
 mod precision;
 mod stream;
@@ -48,7 +50,9 @@ use crate::error::{Error, StartFailure};
 use crate::scene::{Hold, Scene};
 use crate::state::State;
 use crate::stepper::Stepper;
-use group::{Alone, Group, Seen};
+use alone::Alone;
+use group::Group;
+use look::{Onlooker, Seen};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -159,20 +163,40 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
+    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts, that step of
+    /// that trajectory alone, as [`Simulation::retry`](crate::simulation::Simulation::retry) does; the others are not touched by
+    /// it. Where no step fails nothing changes. In parts a step takes some microseconds, as in a simulation.
+    ///
+    /// ```
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?.retry(6);
+    /// # ensemble.run(2);
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    #[must_use]
+    pub fn retry(mut self, halvings: u32) -> Self {
+        self.groups.iter_mut().for_each(|group| group.retry(halvings));
+        self
+    }
+
     /// Takes `steps` steps with every trajectory that can be moved.
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
         match &mut self.groups[..] {
-            [group] => group.run(steps, set), // without waking other threads
-            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set)),
+            [group] => group.run(steps, set, None), // without waking other threads
+            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set, None)),
         }
         self.steps = self.steps.saturating_add(steps);
     }
 
     /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
-    /// again. Looking costs as much as some twenty steps, for a momentum is made whole and a lane read out of its block.
-    /// Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
+    /// again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
     /// are left at different times.
+    ///
+    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is done
+    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`] of a height takes 1.9 steps
+    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](Sight::energy) a step more.
     ///
     /// ```
     /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::{Mean, Sight}};
@@ -187,21 +211,18 @@ impl<const D: usize> Ensemble<D> {
     /// If `every` is 0.
     pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: impl Fn() -> O + Sync) -> O {
         assert!(every > 0, "an ensemble is observed after every 1 or more steps");
-        let set = self.set;
+        let (set, next) = (self.set, self.steps.saturating_add(every));
         let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
-            let (mut own, mut before, mut now) = (observer(), Seen::default(), Seen::default());
-            group.look(&mut before, set);
-            for part in (0..steps).step_by(usize::try_from(every).unwrap_or(usize::MAX)) {
-                group.run(every.min(steps - part), set);
-                now.clear();
-                group.look(&mut now, set);
-                if steps - part >= every {
-                    for trajectory in (0..group.len()).filter(|&one| group.failure(one).is_none()) {
-                        own.see(&before.sight(first, trajectory), &now.sight(first, trajectory));
-                    }
+            let (mut own, now) = (observer(), Seen::of(&**group, set));
+            let mut before = now.clone();
+            let mut show = |now: &mut Seen<D>, group: &dyn Group<D>| {
+                let sights = before.sights(group, first).zip(now.sights(group, first));
+                for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
+                    own.see(&before, &now);
                 }
-                std::mem::swap(&mut before, &mut now);
-            }
+                std::mem::swap(&mut before, now);
+            };
+            group.run(steps, set, Some(&mut Onlooker { next, every, now, show: &mut show }));
             own
         };
         let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();

@@ -1,9 +1,12 @@
 //! What is kept of an ensemble while it runs, instead of its trajectories: means, histograms, crossings of a section.
 
+use super::group::Group;
+use crate::error::Error;
 use nalgebra::SVector;
+use std::fmt;
 
 /// A trajectory at a time: its bodies' positions and momenta.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Sight<'a, const D: usize> {
     /// Which trajectory, counted from 0.
     pub trajectory: usize,
@@ -13,6 +16,8 @@ pub struct Sight<'a, const D: usize> {
     pub positions: &'a [SVector<f64, D>],
     /// Momenta of its bodies.
     pub momenta: &'a [SVector<f64, D>],
+    /// What knows its energy, and under which number.
+    pub(crate) scene: (&'a dyn Group<D>, usize),
 }
 
 impl<const D: usize> Sight<'_, D> {
@@ -26,6 +31,39 @@ impl<const D: usize> Sight<'_, D> {
     #[must_use]
     pub fn momentum(&self) -> SVector<f64, D> {
         self.momenta[0]
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). As that of a
+    /// [`Simulation`](crate::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked for.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.energies()[0]
+    }
+
+    /// Potential energy U of all effects, of the trajectory's own scene in a sweep.
+    #[must_use]
+    pub fn potential_energy(&self) -> f64 {
+        self.energies()[1]
+    }
+
+    /// Energy H = K + U.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        let [kinetic, potential] = self.energies();
+        kinetic + potential
+    }
+
+    fn energies(&self) -> [f64; 2] {
+        let (group, trajectory) = self.scene;
+        group.energies(trajectory, self.positions, self.momenta)
+    }
+}
+
+impl<const D: usize> fmt::Debug for Sight<'_, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Sight");
+        debug.field("trajectory", &self.trajectory).field("time", &self.time);
+        debug.field("positions", &self.positions).field("momenta", &self.momenta).finish_non_exhaustive()
     }
 }
 
@@ -41,6 +79,7 @@ pub trait Observer<const D: usize>: Send {
 }
 
 impl<A: Observer<D>, B: Observer<D>, const D: usize> Observer<D> for (A, B) {
+    #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         self.0.see(before, now);
         self.1.see(before, now);
@@ -51,13 +90,61 @@ impl<A: Observer<D>, B: Observer<D>, const D: usize> Observer<D> for (A, B) {
     }
 }
 
-/// Number, mean and variance of a quantity over all sights (Welford 1962; joined as Chan, Golub and LeVeque 1979 do).
+/// Number, mean and variance of a quantity over all sights.
+///
+/// Those of 64 sights at a time are joined to the numbers before as Chan, Golub and LeVeque (1979) do; so are those of two
+/// groups. No sight waits for the one before.
 #[derive(Debug, Clone)]
 pub struct Mean<Q> {
     quantity: Q,
+    all: Moments,
+    /// What is not yet in `all`: so many of these.
+    number: usize,
+    recent: [f64; RECENT],
+}
+
+/// So many sights are joined at a time.
+const RECENT: usize = 64;
+
+/// Number, mean, and sum of the squares of differences to it.
+#[derive(Debug, Clone, Copy)]
+struct Moments {
     number: f64,
     mean: f64,
     squares: f64,
+}
+
+impl Moments {
+    #[allow(clippy::cast_precision_loss, reason = "a number of things")]
+    fn of(all: &[f64]) -> Self {
+        let number = all.len() as f64;
+        let mean = if all.is_empty() { 0.0 } else { sum_of(all, |x| x) / number };
+        Self { number, mean, squares: sum_of(all, |x| (x - mean) * (x - mean)) }
+    }
+
+    fn and(self, next: Self) -> Self {
+        if self.number == 0.0 || next.number == 0.0 {
+            return if self.number == 0.0 { next } else { self };
+        }
+        let (number, off) = (self.number + next.number, next.mean - self.mean);
+        Self {
+            number,
+            mean: self.mean + off * (next.number / number),
+            squares: self.squares + next.squares + off * off * (self.number * next.number / number),
+        }
+    }
+}
+
+/// Several sums side by side, and then theirs.
+fn sum_of(all: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let (whole, rest) = all.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for chunk in whole {
+        for (sum, &x) in sums.iter_mut().zip(chunk) {
+            *sum += term(x);
+        }
+    }
+    sums.into_iter().chain(rest.iter().map(|&x| term(x))).sum()
 }
 
 impl<Q> Mean<Q> {
@@ -66,43 +153,50 @@ impl<Q> Mean<Q> {
     where
         Q: Fn(&Sight<'_, D>) -> f64,
     {
-        Self { quantity, number: 0.0, mean: 0.0, squares: 0.0 }
+        Self { quantity, all: Moments::of(&[]), number: 0, recent: [0.0; RECENT] }
+    }
+
+    fn moments(&self) -> Moments {
+        self.all.and(Moments::of(&self.recent[..self.number]))
+    }
+
+    #[inline(never)]
+    fn settle(&mut self) {
+        (self.all, self.number) = (self.moments(), 0);
     }
 
     /// How many sights there were.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of things")]
     pub fn number(&self) -> u64 {
-        self.number as u64
+        self.moments().number as u64
     }
 
     /// The mean; NaN of none.
     pub fn mean(&self) -> f64 {
-        if self.number == 0.0 { f64::NAN } else { self.mean }
+        let Moments { number, mean, .. } = self.moments();
+        if number == 0.0 { f64::NAN } else { mean }
     }
 
     /// The mean square deviation from the mean, with n − 1 in the denominator; NaN of fewer than two.
     pub fn variance(&self) -> f64 {
-        if self.number < 2.0 { f64::NAN } else { self.squares / (self.number - 1.0) }
+        let Moments { number, squares, .. } = self.moments();
+        if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }
     }
 }
 
 impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Mean<Q> {
+    #[inline(always)]
     fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
-        let x = (self.quantity)(now);
-        self.number += 1.0;
-        let off = x - self.mean;
-        self.mean += off / self.number;
-        self.squares += off * (x - self.mean);
+        self.recent[self.number] = (self.quantity)(now);
+        self.number += 1;
+        if self.number == RECENT {
+            self.settle();
+        }
     }
 
     fn join(&mut self, next: Self) {
-        let number = self.number + next.number;
-        if number > 0.0 {
-            let off = next.mean - self.mean;
-            self.mean += off * (next.number / number);
-            self.squares += next.squares + off * off * (self.number * next.number / number);
-            self.number = number;
-        }
+        self.settle();
+        self.all = self.all.and(next.moments());
     }
 }
 
@@ -112,20 +206,41 @@ pub struct Histogram<Q> {
     quantity: Q,
     from: f64,
     to: f64,
+    /// Bins per unit.
+    density: f64,
     counts: Vec<u64>,
     outside: u64,
 }
 
 impl<Q> Histogram<Q> {
-    /// Of this quantity, in so many bins between two numbers.
-    pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Self
+    /// Of this quantity, in so many bins between two numbers. It is asked for once, and each group of trajectories is
+    /// given a copy:
+    ///
+    /// ```
+    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle, ensemble::{Histogram, Sight}};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+    /// let speeds = Histogram::of(|now: &Sight<'_, 1>| now.momentum().norm(), 0.0, 80.0, 4)?;
+    /// let speeds = ensemble.observe(10, 1, || speeds.clone());
+    /// assert_eq!((speeds.counts(), speeds.outside()), (&[200, 200, 200, 200][..], 200));
+    /// # Ok::<(), rattle_core::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Bins`] without bins, or if the numbers are not finite, or the first not below the second.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
+    pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where
         Q: Fn(&Sight<'_, D>) -> f64,
     {
-        Self { quantity, from, to, counts: vec![0; bins], outside: 0 }
+        let density = bins as f64 / (to - from);
+        if !(bins > 0 && from < to && from.is_finite() && to.is_finite() && density.is_normal()) {
+            return Err(Error::Bins { from, to, bins });
+        }
+        Ok(Self { quantity, from, to, density, counts: vec![0; bins], outside: 0 })
     }
 
-    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins.
+    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x − from.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
@@ -140,13 +255,18 @@ impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Histogr
     #[allow(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        clippy::cast_precision_loss,
         reason = "a bin, after it was seen to be one"
     )]
+    #[inline(always)]
     fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
-        let place = ((self.quantity)(now) - self.from) / (self.to - self.from) * self.counts.len() as f64;
-        let bin = if place >= 0.0 { self.counts.get_mut(place as usize) } else { None };
-        *bin.unwrap_or(&mut self.outside) += 1;
+        let x = (self.quantity)(now);
+        let last = self.counts.len() - 1;
+        let count = if x >= self.from && x < self.to {
+            &mut self.counts[(((x - self.from) * self.density) as usize).min(last)]
+        } else {
+            &mut self.outside
+        };
+        *count += 1;
     }
 
     fn join(&mut self, next: Self) {
@@ -192,6 +312,34 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
         &self.crossings
     }
 
+    /// Where s passes from s₀ < 0 to s₁ ≥ 0.
+    #[inline(never)]
+    fn crossing(&self, (before, s0): (&Sight<'_, D>, f64), (now, s1): (&Sight<'_, D>, f64)) -> Crossing<D> {
+        // The root by regula falsi; s at an end that stays twice is halved (Dowell and Jarratt 1971). It is nearly linear in a step.
+        let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, s0, s1);
+        let (mut crossing, mut last, mut was_below) = (Crossing::of(now), f64::NAN, None);
+        for _ in 0..60 {
+            let part = low - at_low * (high - low) / (at_high - at_low);
+            crossing.move_to(before, now, part);
+            let s = (self.quantity)(&crossing.sight(now));
+            let below = s < 0.0;
+            let (end, at_end, at_other) = if below {
+                (&mut low, &mut at_low, &mut at_high)
+            } else {
+                (&mut high, &mut at_high, &mut at_low)
+            };
+            (*end, *at_end) = (part, s);
+            if was_below == Some(below) {
+                *at_other *= 0.5;
+            }
+            if s == 0.0 || high - low <= f64::EPSILON || (part - last).abs() <= f64::EPSILON {
+                break;
+            }
+            (last, was_below) = (part, Some(below));
+        }
+        crossing
+    }
+
     /// How long each trajectory took from one crossing to its next, with the number of the trajectory.
     pub fn return_times(&self) -> Vec<(usize, f64)> {
         let mut order: Vec<&Crossing<D>> = self.crossings.iter().collect();
@@ -204,28 +352,12 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
 }
 
 impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Section<Q, D> {
+    #[inline(always)]
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
         let (s0, s1) = ((self.quantity)(before), (self.quantity)(now));
-        if !(s0 < 0.0 && s1 >= 0.0) {
-            return;
+        if s0 < 0.0 && s1 >= 0.0 {
+            self.crossings.push(self.crossing((before, s0), (now, s1)));
         }
-        // The root by regula falsi, halved where it does not shrink (Dowell and Jarratt 1971): s is nearly linear in a step.
-        let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, s0, s1);
-        let mut crossing = between(before, now, 1.0);
-        for _ in 0..60 {
-            let part = low - at_low * (high - low) / (at_high - at_low);
-            crossing = between(before, now, part);
-            let s = (self.quantity)(&crossing.sight());
-            if s < 0.0 {
-                (low, at_low, at_high) = (part, s, 0.5 * at_high);
-            } else {
-                (high, at_high, at_low) = (part, s, 0.5 * at_low);
-            }
-            if s == 0.0 || high - low <= 1e-15 {
-                break;
-            }
-        }
-        self.crossings.push(crossing);
     }
 
     fn join(&mut self, mut next: Self) {
@@ -234,35 +366,34 @@ impl<Q: Fn(&Sight<'_, D>) -> f64 + Send, const D: usize> Observer<D> for Section
 }
 
 impl<const D: usize> Crossing<D> {
-    fn sight(&self) -> Sight<'_, D> {
-        let Self { trajectory, time, positions, momenta } = self;
-        Sight { trajectory: *trajectory, time: *time, positions, momenta }
+    fn of(now: &Sight<'_, D>) -> Self {
+        let (positions, momenta) = (now.positions.to_vec(), now.momenta.to_vec());
+        Self { trajectory: now.trajectory, time: now.time, positions, momenta }
     }
-}
 
-/// The trajectory a part of the way from one sight to the next.
-fn between<const D: usize>(before: &Sight<'_, D>, now: &Sight<'_, D>, part: f64) -> Crossing<D> {
-    let (t, h) = (part, now.time - before.time);
-    let ends = |i: usize| [before.positions[i], before.momenta[i] * h, now.positions[i], now.momenta[i] * h];
-    // Hermite's cubic, and its derivative by time.
-    let place = [
-        (1.0 + 2.0 * t) * (1.0 - t).powi(2),
-        t * (1.0 - t).powi(2),
-        t * t * (3.0 - 2.0 * t),
-        t * t * (t - 1.0),
-    ];
-    let rate = [6.0 * t * (t - 1.0), (1.0 - t) * (1.0 - 3.0 * t), 6.0 * t * (1.0 - t), t * (3.0 * t - 2.0)];
-    let sum = |i: usize, weights: [f64; 4]| {
-        ends(i)
-            .iter()
-            .zip(weights)
-            .fold(SVector::zeros(), |sum: SVector<f64, D>, (end, weight)| sum + end * weight)
-    };
-    let bodies = 0..before.positions.len();
-    Crossing {
-        trajectory: now.trajectory,
-        time: before.time + part * h,
-        positions: bodies.clone().map(|i| sum(i, place)).collect(),
-        momenta: bodies.map(|i| sum(i, rate) / h).collect(),
+    fn sight<'a>(&'a self, now: &Sight<'a, D>) -> Sight<'a, D> {
+        let Self { trajectory, time, positions, momenta } = self;
+        Sight { trajectory: *trajectory, time: *time, positions, momenta, scene: now.scene }
+    }
+
+    /// Puts it a part of the way from one sight to the next, on Hermite's cubic; momenta are its derivative by time.
+    fn move_to(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>, part: f64) {
+        let (t, h) = (part, now.time - before.time);
+        self.time = before.time + part * h;
+        let place = [
+            (1.0 + 2.0 * t) * (1.0 - t).powi(2),
+            t * (1.0 - t).powi(2),
+            t * t * (3.0 - 2.0 * t),
+            t * t * (t - 1.0),
+        ];
+        let rate =
+            [6.0 * t * (t - 1.0), (1.0 - t) * (1.0 - 3.0 * t), 6.0 * t * (1.0 - t), t * (3.0 * t - 2.0)];
+        for body in 0..self.positions.len() {
+            let (q0, q1) = (before.positions[body], now.positions[body]);
+            let (p0, p1) = (before.momenta[body] * h, now.momenta[body] * h);
+            let sum = |[a, b, c, d]: [f64; 4]| q0 * a + p0 * b + q1 * c + p1 * d;
+            self.positions[body] = sum(place);
+            self.momenta[body] = sum(rate) / h;
+        }
     }
 }

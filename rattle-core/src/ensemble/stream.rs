@@ -1,7 +1,7 @@
 //! All trajectories of an ensemble, from time to time, for a consumer that works while the ensemble goes on.
 
 use super::Ensemble;
-use super::group::{Group, Seen};
+use super::look::Page;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::sync::mpsc::sync_channel;
@@ -11,6 +11,8 @@ use std::sync::mpsc::sync_channel;
 pub struct Snapshot<const D: usize> {
     /// Steps taken so far.
     pub steps: u64,
+    /// Times of the trajectories in turn: starts may have times of their own, and who failed rests at the time of that.
+    pub times: Vec<f64>,
     /// Positions of all bodies of all trajectories in turn.
     pub positions: Vec<SVector<f64, D>>,
     /// Momenta of the same.
@@ -72,18 +74,23 @@ impl<const D: usize> Ensemble<D> {
     }
 
     fn fill(&self, snapshot: &mut Snapshot<D>) {
-        let look = |group: &dyn Group<D>| {
-            let mut seen = Seen::default();
-            group.look(&mut seen, self.set);
-            seen
-        };
-        let seen: Vec<Seen<D>> = self.groups.par_iter().map(|group| look(&**group)).collect();
-        snapshot.steps = self.steps;
-        snapshot.positions.clear();
-        snapshot.momenta.clear();
-        for Seen { positions, momenta, .. } in seen {
-            snapshot.positions.extend(positions);
-            snapshot.momenta.extend(momenta);
+        let bodies = self.groups.first().map_or(0, |group| group.bodies()); // the same in all
+        let Snapshot { steps, times, positions, momenta } = snapshot;
+        *steps = self.steps;
+        times.resize(self.len, 0.0);
+        positions.resize(self.len * bodies, SVector::zeros());
+        momenta.resize(self.len * bodies, SVector::zeros());
+        let (mut times, mut positions, mut momenta) = (&mut times[..], &mut positions[..], &mut momenta[..]);
+        let mut pages = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            let (trajectories, all) = (group.len(), group.len() * bodies);
+            let page = Page {
+                times: times.split_off_mut(..trajectories).unwrap_or_default(),
+                positions: positions.split_off_mut(..all).unwrap_or_default(),
+                momenta: momenta.split_off_mut(..all).unwrap_or_default(),
+            };
+            pages.push((group, page));
         }
+        pages.into_par_iter().for_each(|(group, page)| group.look(page, self.set));
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! What a body does depends on nothing but itself, whatever tile it is in.
 
-use super::{BodiesOf, Kept, Normal, OnSurface, drift, is_finite};
+use super::{BodiesOf, Kept, Normal, OnSurface, OneByOne, drift, is_finite};
 use crate::bodies::{Bodies, Count};
 use crate::effect::{Field, Force};
 use crate::ensemble::{InstructionSet, Work};
@@ -23,6 +23,7 @@ use crate::real::{Mask, Real};
 use crate::solver::{FAR_GUESS, LONG_PATH, STRAIGHT};
 use crate::stepper::{Failure, Witness};
 use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use std::any::TypeId;
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -48,11 +49,13 @@ type Vectors<const L: usize, const D: usize> = [[Number; L]; D];
 
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
-pub(super) fn entry<T: Real, N: Count, const D: usize>(number: N) -> Option<InstructionSet> {
-    if !N::MANY || D > MOST_COORDINATES || number.number() < MANY || T::doubles::<D>(&[]).is_none() {
-        return None;
+pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<InstructionSet> {
+    let can = N::MANY && D <= MOST_COORDINATES && TypeId::of::<L>() != TypeId::of::<OneByOne>();
+    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() {
+        Some(InstructionSet::widest()).filter(|set| set.fuses())
+    } else {
+        None
     }
-    Some(InstructionSet::widest()).filter(|set| set.fuses())
 }
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
@@ -137,7 +140,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Field<T, D>,
     {
-        if entry::<T, N, D>(self.count).is_some() {
+        if entry::<T, L, N, D>(self.count).is_some() {
             for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
                 *normal = fused_normal(&self.in_lanes, q);
             }
