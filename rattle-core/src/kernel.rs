@@ -27,7 +27,8 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
     where
         Self: 'a;
 
-    /// The kernel with `number` of each of its numbers; of a kernel of lanes, for example, that of one lane by itself.
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example, that of
+    /// one lane by itself.
     ///
     /// ```text
     /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>
@@ -150,7 +151,8 @@ pub trait Potential<const D: usize>: Sized {
     where
         Self: 'a;
 
-    /// The kernel with `number` of each of its numbers; of a kernel of lanes, for example, that of one lane by itself.
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example, that of
+    /// one lane by itself.
     ///
     /// ```text
     /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>

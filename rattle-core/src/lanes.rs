@@ -33,6 +33,7 @@ use crate::ensemble::{InstructionSet, Work};
 use crate::real::{Mask, Real};
 use functions::single;
 use std::array::from_fn;
+use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number of one lane: [`Fused`], or a plain float.
@@ -54,6 +55,31 @@ pub struct Fused<F>(pub F);
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))] // cache lines, and the widest registers
 pub struct Lanes<S, const L: usize>(pub [S; L]);
+
+/// The kernel of lanes of which lane i is the kernel `lane(i)`; `numbers` shows the numbers of a kernel in turn, and `map`
+/// replaces them in the same order.
+///
+/// Kernels are made one by one, since the code that makes one, with every number an array, would want megabytes of stack
+/// where hundreds of numbers depend on parameters and nothing is optimised.
+pub(crate) fn side_by_side<S: Lane, K, R, const L: usize>(
+    lane: impl Fn(usize) -> K,
+    numbers: impl Fn(&K, &dyn Fn(&S) -> S),
+    map: impl FnOnce(&K, &dyn Fn(&S) -> Lanes<S, L>) -> R,
+) -> R {
+    let all = RefCell::new(Vec::new());
+    for i in 0..L {
+        numbers(&lane(i), &|&number| {
+            all.borrow_mut().push(number);
+            number
+        });
+    }
+    let (all, next) = (all.into_inner(), Cell::new(0));
+    let of_each = all.len() / L;
+    map(&lane(0), &|_| {
+        let place = next.replace(next.get() + 1);
+        Lanes(from_fn(|i| all[i * of_each + place]))
+    })
+}
 
 /// The outcome of a comparison of [`Lanes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

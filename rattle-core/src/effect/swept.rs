@@ -2,7 +2,7 @@
 
 use crate::effect::{Acting, OnEach, Superposed};
 use crate::kernel::Potential;
-use crate::lanes::{Lane, Lanes};
+use crate::lanes::{Lane, Lanes, side_by_side};
 
 /// Effects on L lanes of one body each, every lane with parameters of its own; kept so that a loop over lanes reads their
 /// numbers in the order in which they lie.
@@ -56,7 +56,11 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> OnEachLane<P, S, 
     where
         P: 'a,
     {
-        Self(P::kernel_of_lanes(lane))
+        Self(side_by_side(
+            |i| lane(i).kernel::<S>(),
+            |kernel, number| drop(P::map_kernel::<S, S>(kernel, number)),
+            |kernel, number| P::map_kernel(kernel, number),
+        ))
     }
 }
 

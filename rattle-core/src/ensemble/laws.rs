@@ -2,7 +2,7 @@
 
 use crate::effect::{Effects, Field, Swept};
 use crate::kernel::{Constraint, ConstraintKernel};
-use crate::lanes::{Lane, Lanes};
+use crate::lanes::{Lane, Lanes, side_by_side};
 use std::borrow::Borrow;
 
 /// What each lane obeys. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows, what the
@@ -55,7 +55,12 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize
         C: 'a,
         E: 'a,
     {
-        Self { constraint: C::kernel_of_lanes(|i| lane(i).0), effects: E::swept(|i| lane(i).1) }
+        let constraint = side_by_side(
+            |i| lane(i).0.kernel::<S>(),
+            |kernel, number| drop(C::map_kernel::<S, S>(kernel, number)),
+            |kernel, number| C::map_kernel(kernel, number),
+        );
+        Self { constraint, effects: E::swept(|i| lane(i).1) }
     }
 }
 
