@@ -253,9 +253,8 @@ fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D]]) -> Vect
 /// Writes the first lanes to bodies' vectors.
 #[inline(always)]
 fn scatter<T: Real, const L: usize, const D: usize>(lanes: &Vectors<L, D>, vectors: &mut [[T; D]]) {
-    let number = vectors.len().min(L);
-    for l in 0..number {
-        vectors[l] = at(lanes, l).map(plain);
+    for (l, vector) in vectors.iter_mut().enumerate().take(L) {
+        *vector = at(lanes, l).map(plain);
     }
 }
 
