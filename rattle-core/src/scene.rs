@@ -253,7 +253,9 @@ impl Scene<(), (), One, 0> {
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// This many particles, each under its own copy of the constraint.
+    /// This many particles, each under its own copy of the constraint. From eight on they go several at a time where the
+    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::lanes) of their own, and in
+    /// half to a fourth of the time.
     pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.particles(number), effects: self.effects, count: Many(number) }
     }

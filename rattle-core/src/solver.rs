@@ -123,13 +123,12 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     #[inline(always)]
     pub(crate) fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
         let slope = dot(&self.normal.gradient, &landing.gradient);
-        let change = slope - landing.first_slope;
-        let (slope_square, change_square) = (slope * slope, change * change);
+        let change = (slope - landing.first_slope) / slope; // of no unit: g may be scaled by any number
+        let change_square = change * change;
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-        let long_square = T::from_f64(LONG_PATH * LONG_PATH) * off_square;
-        let short_path = (change_square * path_square).le(long_square * slope_square);
-        let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()) * slope_square);
+        let short_path = (change_square * path_square).le(T::from_f64(LONG_PATH * LONG_PATH) * off_square);
+        let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
         let upright = T::from_f64(0.0).lt(slope);
         landing.converged.and(upright).and(straight.or(near_guess.and(short_path)))
     }

@@ -50,7 +50,8 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     }
     let along_normal = dot(&gradient, &body.p).abs() / length;
     let speed = dot(&body.p, &body.p).sqrt();
-    if tangent && along_normal > START_TOLERANCE * speed {
+    // A way that is shorter than positions are rounded has no direction: that of who rests after rounding.
+    if tangent && path > rounding && along_normal > START_TOLERANCE * speed {
         return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });
     }
     Ok(())

@@ -3,7 +3,7 @@
 Prints for each the largest error that it leaves in the result, relative or in units of the result's size, as a power of 2, and
 the coefficients rounded to doubles, lowest first.
 """
-from mpmath import mp, mpf, asin, atan, atanh, cos, erf, erfc, log, lu_solve, matrix, pi, polyval, sqrt
+from mpmath import mp, mpf, asin, atan, atanh, cos, erf, erfc, exp, log, lu_solve, matrix, pi, polyval, sqrt
 
 mp.dps = 60
 
@@ -45,8 +45,11 @@ def of_square(f, at_zero):
 
 
 third, tan_eighth = mpf(1) / 3, sqrt(2) - 1
+half = log(2) / 2 * mpf('1.0001')
 FITS = [
     # name, function, weight, interval, terms
+    ('EXP', lambda r: (exp(r) - 1 - r) / r**2 if abs(r) > mpf(10) ** -20 else mpf(1) / 2, lambda r: r**2 / exp(r) + mpf('1e-6'),
+     -half, half, 10),
     ('ATAN', of_square(lambda t: (atan(t) - t) / t**3, -third), lambda z: z + mpf('1e-6'), 0, tan_eighth**2 * (1 + mpf('1e-12')), 11),
     ('ASIN', of_square(lambda s: (asin(s) - s) / s**3, third / 2), lambda z: z + mpf('1e-6'), 0, mpf(1) / 4, 13),
     ('ARTANH_FIFTH', of_square(lambda s: (2 * atanh(s) - 2 * s - 2 * third * s**3) / s**5, mpf(2) / 5),

@@ -17,7 +17,8 @@
 //! on the number of threads, or on how a run is divided; nor on the instruction set, as long as it has fused multiply-add
 //! (see [`InstructionSet::fuses`]). In lanes the position multiplier is first guessed from the last steps, so that
 //! results agree with those of a simulation to rounding, not to the bit; and so does an ensemble started from the states of
-//! another, which does not know the steps before.
+//! another, which does not know the steps before. (Those of [`Single`] are on the surface to seven digits: `scene.project` them first.)
+//! There Newton's method and that guess are used, whatever the method says of guesses and ways to solve.
 //!
 //! **Functions.** All that the macros know go in lanes: they are [straight-line code](crate::lanes) of 20 to 90 operations
 //! each, and differ from those of the system's library by rounding. sin, cos and tan of angles beyond 2⁴⁰ are not a number
@@ -250,7 +251,7 @@ impl<const D: usize> Ensemble<D> {
         self.steps
     }
 
-    /// The instructions in use.
+    /// The instructions of trajectories that go in lanes.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set

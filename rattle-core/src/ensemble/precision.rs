@@ -19,7 +19,7 @@ pub struct Double;
 pub struct Compensated;
 
 /// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time (but tan, ∛, powers,
-/// log₂, log₁₀, erf and inverse functions are computed in double precision).
+/// log₂, log₁₀, erf and inverse functions are computed in double precision). What does not go in lanes is computed in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Single;
 

@@ -8,13 +8,16 @@
 //! Λ₁ = Λ₀ − g₀/s₀      Λ₂ = Λ₁ − g₁/(s₀ (1 − 2g₁/g₀))      Λ₃ = Λ₂ − g₂/s₂      sᵢ = ∇gᵢ·∇g(q)
 //! ```
 //!
-//! A body for which that last step was not a small one takes more of them by itself. Bodies that do not come to rest, or at a root
+//! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step was not a
+//! small one takes more of them by itself. Bodies that do not come to rest, or at a root
 //! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one.
 //!
 //! What a body does depends on nothing but itself, whatever tile it is in.
 
-use super::{BodiesOf, Kept, Normal, OnSurface, OneByOne, drift, is_finite};
-use crate::bodies::{Bodies, Count};
+mod tile;
+
+use super::{BodiesOf, Normal, OnSurface, OneByOne, drift, is_finite};
+use crate::bodies::Count;
 use crate::effect::{Field, Force};
 use crate::ensemble::{InstructionSet, Work};
 use crate::kernel::ConstraintKernel;
@@ -26,6 +29,7 @@ use crate::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use std::any::TypeId;
 use std::array::from_fn;
 use std::ops::Range;
+use tile::{Number, Tile, Vectors, at, fused, gathered, plain, put, scatter};
 
 /// From so many bodies on it pays.
 const MANY: usize = 8;
@@ -41,11 +45,6 @@ const CORRECTIONS: usize = 3;
 
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
 const AT_REST: f64 = 256.0;
-
-type Number = Fused<f64>;
-
-/// D coordinates of a tile's bodies.
-type Vectors<const L: usize, const D: usize> = [[Number; L]; D];
 
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
@@ -162,102 +161,6 @@ fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
     (0..number).step_by(TILE).map(move |first| first..number.min(first + TILE))
 }
 
-/// Some bodies, at least one, and what is kept at them.
-struct Tile<'a, T, F, const D: usize> {
-    q: &'a mut [[T; D]],
-    q_low: &'a mut [[T; D]],
-    p: &'a mut [[T; D]],
-    p_low: &'a mut [[T; D]],
-    normal: &'a mut [Normal<T, D>],
-    force: &'a [F],
-}
-
-impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
-    #[inline(always)]
-    fn of<N: Count>(bodies: &'a mut Bodies<N, T, Kept<N, T, F, D>, D>, tile: Range<usize>) -> Self {
-        Self {
-            q: &mut bodies.q.as_mut()[tile.clone()],
-            q_low: &mut bodies.q_low.as_mut()[tile.clone()],
-            p: &mut bodies.p.as_mut()[tile.clone()],
-            p_low: &mut bodies.p_low.as_mut()[tile.clone()],
-            normal: &mut bodies.kept.normal.as_mut()[tile.clone()],
-            force: &bodies.kept.force.as_ref()[tile],
-        }
-    }
-
-    /// ∇g and 1/|∇g|² in lanes.
-    #[inline(always)]
-    fn normals<const L: usize>(&self) -> (Vectors<L, D>, [Number; L]) {
-        let (mut gradient, mut inverse_square) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
-        spread::<_, L>(self.normal, |l, normal| {
-            put(&mut gradient, l, normal.gradient.map(fused));
-            inverse_square[l] = fused(normal.inverse_square);
-        });
-        (gradient, inverse_square)
-    }
-
-    /// Forces in lanes; zeros where there are none.
-    #[inline(always)]
-    fn forces<const L: usize>(&self) -> Vectors<L, D> {
-        let mut lanes = [[Fused(0.0); L]; D];
-        if F::ACTS {
-            spread::<_, L>(self.force, |l, force| put(&mut lanes, l, force.components().map(fused)));
-        }
-        lanes
-    }
-}
-
-#[inline(always)]
-fn fused<T: Real>(x: T) -> Number {
-    Fused(x.lanes().next().unwrap_or(f64::NAN))
-}
-
-#[inline(always)]
-fn plain<T: Real>(x: Number) -> T {
-    T::from_f64(x.0)
-}
-
-#[inline(always)]
-fn at<const L: usize, const D: usize>(vectors: &Vectors<L, D>, lane: usize) -> [Number; D] {
-    from_fn(|d| vectors[d][lane])
-}
-
-#[inline(always)]
-fn put<const L: usize, const D: usize>(vectors: &mut Vectors<L, D>, lane: usize, x: [Number; D]) {
-    for d in 0..D {
-        vectors[d][lane] = x[d];
-    }
-}
-
-/// Puts each of at most L into its lane; the last lanes repeat the last one. (A loop of a length that is not known when compiling
-/// stays one; unrolled, this would not fit the cache of instructions.)
-#[inline(always)]
-fn spread<X, const L: usize>(each: &[X], mut put: impl FnMut(usize, &X)) {
-    let number = each.len().min(L);
-    for l in 0..number {
-        put(l, &each[l]);
-    }
-    for l in number..L {
-        put(l, &each[number - 1]);
-    }
-}
-
-/// Vectors in lanes.
-#[inline(always)]
-fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D]]) -> Vectors<L, D> {
-    let mut lanes = [[Fused(0.0); L]; D];
-    spread::<_, L>(vectors, |l, vector| put(&mut lanes, l, vector.map(fused)));
-    lanes
-}
-
-/// Writes the first lanes to bodies' vectors.
-#[inline(always)]
-fn scatter<T: Real, const L: usize, const D: usize>(lanes: &Vectors<L, D>, vectors: &mut [[T; D]]) {
-    for (l, vector) in vectors.iter_mut().enumerate().take(L) {
-        *vector = at(lanes, l).map(plain);
-    }
-}
-
 #[inline(always)]
 fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Number; D] {
     from_fn(|d| Real::select(first, a[d], b[d]))
@@ -275,15 +178,29 @@ fn point<const L: usize, const D: usize>(
     sum(&at(q, l), &add_scaled(&at(free, l), multiplier[l], &at(normal, l)))
 }
 
+/// Λ after a correction, unless that is at the rounding of the position; and 1 if the body then rests.
+#[inline(always)]
+fn corrected(
+    multiplier: Number,
+    correction: Number,
+    square: Number,
+    floor_square: Number,
+) -> (Number, Number) {
+    let off_square = correction * correction * square;
+    let there = off_square.le(floor_square);
+    let rests = off_square.le(Fused(AT_REST * AT_REST) * floor_square);
+    let correction = Real::select(there, Fused(0.0), correction);
+    (multiplier + correction, Real::select(rests, Fused(1.0), Fused(0.0)))
+}
+
 /// Whether the root found is taken for the one that the motion leads to, as [`solver`](crate::solver) says.
 #[inline(always)]
 fn trusts(off_square: Number, first_slope: Number, slope: Number, path_square: Number) -> bool {
-    let change = slope - first_slope;
-    let (slope_square, change_square) = (slope * slope, change * change);
+    let change = (slope - first_slope) / slope;
+    let change_square = change * change;
     let near_guess = off_square.le(Fused(FAR_GUESS * FAR_GUESS) * path_square);
-    let long_square = Fused(LONG_PATH * LONG_PATH) * off_square;
-    let short_path = (change_square * path_square).le(long_square * slope_square);
-    let straight = change_square.le(Fused(STRAIGHT * STRAIGHT) * slope_square);
+    let short_path = (change_square * path_square).le(Fused(LONG_PATH * LONG_PATH) * off_square);
+    let straight = change_square.le(Fused(STRAIGHT * STRAIGHT));
     Fused(0.0).lt(slope) & (straight | (near_guess & short_path))
 }
 
@@ -341,7 +258,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             }
         }
         let (mut free, mut multiplier) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
-        let (mut square, mut rest_square, mut path_square) =
+        let (mut square, mut floor_square, mut path_square) =
             ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
         let mut gentle = [false; L]; // h·κ·|v| ≤ ½
         for l in 0..L {
@@ -359,8 +276,8 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             multiplier[l] = -half_square * along * inverse_square[l];
             gentle[l] = (Fused(4.0) * step * step * bend[l] * bend[l] * inverse_square[l]).le(speed_square);
             square[l] = Fused(1.0) / inverse_square[l];
-            let rest = Fused(AT_REST * f64::EPSILON) * largest(&q).max(largest(&way));
-            rest_square[l] = rest * rest;
+            let floor = Fused(f64::EPSILON) * largest(&q).max(largest(&way));
+            floor_square[l] = floor * floor;
         }
 
         let (mut first, mut slope, mut g) = ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
@@ -370,13 +287,15 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             g[l] = residual;
             slope[l] = dot(&gradient, &at(&normal, l));
             first[l] = -residual / slope[l];
-            multiplier[l] = multiplier[l] + first[l];
+            let there = (first[l] * first[l] * square[l]).le(floor_square[l]);
+            multiplier[l] = multiplier[l] + Real::select(there, Fused(0.0), first[l]);
         }
         for l in 0..L {
             let [residual] = constraint.value(&point(&q, &free, &normal, &multiplier, l));
             let ratio = residual / g[l];
             let ostrowski = -residual / (slope[l] * (Fused(1.0) - Fused(2.0) * ratio));
-            let near = ratio.abs().lt(Fused(0.25)); // else the parabola says nothing
+            let going = floor_square[l].lt(first[l] * first[l] * square[l]);
+            let near = going & ratio.abs().lt(Fused(0.25)); // else the parabola says nothing
             multiplier[l] = multiplier[l] + Real::select(near, ostrowski, Fused(0.0));
         }
         let mut rests = [Fused(0.0); L]; // 1 where it does
@@ -384,8 +303,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             let point = point(&q, &free, &normal, &multiplier, l);
             let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
             let last = -residual / dot(&gradient, &at(&normal, l));
-            multiplier[l] = multiplier[l] + last;
-            rests[l] = Real::select((last * last * square[l]).le(rest_square[l]), Fused(1.0), Fused(0.0));
+            (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
         }
         for l in 0..number {
             for _ in 0..CORRECTIONS {
@@ -395,8 +313,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
                 let point = point(&q, &free, &normal, &multiplier, l);
                 let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
                 let last = -residual / dot(&gradient, &at(&normal, l));
-                multiplier[l] = multiplier[l] + last;
-                rests[l] = Real::select((last * last * square[l]).le(rest_square[l]), Fused(1.0), Fused(0.0));
+                (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
             }
         }
         let (mut next, mut arrives) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
