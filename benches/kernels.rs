@@ -15,7 +15,8 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use rattle::bodies::One;
 use rattle::effect::Effects;
-use rattle::ensemble::{Double, InstructionSet, Precision, Single, Work};
+use rattle::ensemble::{Double, InstructionSet, Precision, Single};
+use rattle::instructions::Work;
 use rattle::kernel::{ConstraintKernel, PairKernel, PotentialKernel};
 use rattle::lanes::{Fused, Lane};
 use rattle::prelude::*;
@@ -244,7 +245,7 @@ fn start<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, i: usize) -> St
     scene.project(&near).expect("a point near the surface")
 }
 
-fn alone<C: Hold<3>, E: Effects<3>, S: Stepper>(
+fn alone<C: Hold<3>, E: Effects<3>, S: Method>(
     group: &mut Group<'_>,
     name: &str,
     scene: &Scene<C, E, One, 3>,
@@ -261,7 +262,7 @@ fn alone<C: Hold<3>, E: Effects<3>, S: Stepper>(
     });
 }
 
-fn side_by_side_in<P: Precision, C: Hold<3>, E: Effects<3>, S: Stepper>(
+fn side_by_side_in<P: Precision, C: Hold<3> + 'static, E: Effects<3>, S: Method>(
     precision: P,
     group: &mut Group<'_>,
     name: &str,

@@ -206,7 +206,7 @@ fn structured<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 }
 
 /// Error and time from the longest step to a thirty-second of it; steps that are too long are left out.
-fn steps<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
+fn steps<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     exact: &[f64],
@@ -218,7 +218,7 @@ fn steps<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
 }
 
 /// Error and time with tolerances of 1e-2 to 1e-15.
-fn tolerances<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
+fn tolerances<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     exact: &[f64],
@@ -237,7 +237,7 @@ fn point<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     start: &State<D>,
     exact: &[f64],
     h: f64,
-    method: impl Stepper,
+    method: impl Method,
 ) -> Result<Point, rattle::Error> {
     let steps = (T / method.step_size()).round() as u64;
     let fresh = scene.simulate(start.clone(), method)?;
@@ -281,7 +281,7 @@ fn steps_to(points: &[Point], error: f64) -> Option<u64> {
 }
 
 /// The time that a whole run in so many steps takes, every time it is called.
-fn run_of<S: Stepper>(
+fn run_of<S: Method>(
     steps: u64,
     method: impl Fn(f64) -> S,
 ) -> Result<impl Fn() -> Result<f64, rattle::Error>, rattle::Error> {
@@ -300,7 +300,7 @@ struct Point {
 }
 
 /// From the longest step down, by halves and their halves, to the rounding floor or to the last rung.
-fn measure<S: Stepper>(
+fn measure<S: Method>(
     method: impl Fn(f64) -> S,
     longest: f64,
     exact: [f64; 3],
@@ -311,7 +311,7 @@ fn measure<S: Stepper>(
 }
 
 /// With tolerances of 1e-2 to 1e-15, one step to the end.
-fn measure_tolerances<S: Stepper>(
+fn measure_tolerances<S: Method>(
     method: impl Fn(f64) -> S,
     exact: [f64; 3],
 ) -> Result<Vec<Point>, rattle::Error> {
@@ -320,7 +320,7 @@ fn measure_tolerances<S: Stepper>(
 }
 
 /// One run of the billiard, with what it evaluates.
-fn counted(h: f64, method: impl Stepper, exact: [f64; 3]) -> Result<Point, rattle::Error> {
+fn counted(h: f64, method: impl Method, exact: [f64; 3]) -> Result<Point, rattle::Error> {
     let steps = (T / method.step_size()).round() as u64;
     let (surface, gravity) = (Counted::new(SURFACE), Counted::new(GRAVITY));
     let (on_surface, on_gravity) = (surface.counts(), gravity.counts());
@@ -343,14 +343,14 @@ fn start() -> State<3> {
     State::at([0.0, 0.0, SURFACE.r]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2.next_down(), 0.0])
 }
 
-fn error<Y: System<f64, 3, Count = One>, S: Stepper>(
+fn error<Y: System<f64, 3, Count = One>, S: Method>(
     simulation: &Simulation<Y, S, 3>,
     exact: [f64; 3],
 ) -> f64 {
     simulation.position().iter().zip(exact).map(|(q, exact)| (q - exact).abs()).fold(0.0, f64::max)
 }
 
-fn median_time<Y: System<f64, D>, S: Stepper, const D: usize>(
+fn median_time<Y: System<f64, D>, S: Method, const D: usize>(
     fresh: &Simulation<Y, S, D>,
     steps: u64,
 ) -> Result<f64, rattle::Error> {
@@ -362,7 +362,7 @@ fn median_time<Y: System<f64, D>, S: Stepper, const D: usize>(
 }
 
 /// Milliseconds.
-fn time_of<Y: System<f64, D>, S: Stepper, const D: usize>(
+fn time_of<Y: System<f64, D>, S: Method, const D: usize>(
     fresh: &Simulation<Y, S, D>,
     steps: u64,
 ) -> Result<f64, rattle::Error> {

@@ -100,8 +100,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let stationary = path.iter().step_by(70).map(|&at| (0.0, energy(at)));
     chart.points("motion", stationary).save("out/hopf/along.svg")?;
 
-    let errors = |stepper: Composition, label: &str| -> Result<_, rattle::Error> {
-        let mut simulation = scene.simulate(start.clone(), stepper)?;
+    let errors = |method: Composition, label: &str| -> Result<_, rattle::Error> {
+        let mut simulation = scene.simulate(start.clone(), method)?;
         let mut errors = Vec::new();
         simulation.run_with(2000, |now| errors.push((now.time(), now.energy_error())))?;
         Ok((label.to_owned(), errors))

@@ -73,7 +73,7 @@ struct Run {
 }
 
 /// The pendulum in x and y. The multiplier acts on these coordinates; on both is what `link` or `Scene::on` would do.
-fn by_multiplier(method: impl Stepper, acting: [bool; 2]) -> Result<Run, rattle::Error> {
+fn by_multiplier(method: impl Method, acting: [bool; 2]) -> Result<Run, rattle::Error> {
     let rod = Rod { length: LENGTH };
     let scene = Scene::point().link_acting(rod, [[0]], [acting]).with(Weight { g: G });
     let start = State::at([LENGTH * START.sin(), -LENGTH * START.cos()]);
@@ -98,7 +98,7 @@ fn apart(a: &Curve, b: &Curve) -> f64 {
 }
 
 /// A run with the multiplier on both, which nothing ends before its time.
-fn whole(method: impl Stepper) -> Result<Run, rattle::Error> {
+fn whole(method: impl Method) -> Result<Run, rattle::Error> {
     let mut run = by_multiplier(method, [true, true])?;
     match run.ended.take() {
         Some(error) => Err(error),

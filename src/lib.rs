@@ -32,7 +32,7 @@
 //! ```
 //!
 //! A macro differentiates the expression when it compiles and writes native functions for the value,
-//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Stepper`] how: [`Rattle`],
+//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`],
 //! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
 //! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
@@ -50,34 +50,48 @@ pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;
 
-pub use rattle_core::{
-    bdf2, bodies, composition, counted, curvature, dop853, effect, ensemble, error, guess, iteration, kernel,
-    lanes, linked, lobatto, network, phase, real, recorder, scene, series, shadow, simulation, stepper,
-    surface, system, taylor, variable,
-};
+/// What a method is: a map that takes all bodies one step on.
+pub mod method {
+    pub use rattle_core::motion::failure::Failure;
+    pub use rattle_core::motion::method::Method;
+    pub use rattle_core::motion::need::Need;
+    pub use rattle_core::motion::witness::Witness;
+}
 
-pub use rattle_core::bdf2::Bdf2;
-pub use rattle_core::composition::Composition;
-pub use rattle_core::counted::Counted;
-pub use rattle_core::dop853::Dop853;
-pub use rattle_core::ensemble::Ensemble;
+pub use rattle_core::kernel::{counted, series};
+pub use rattle_core::methods::{
+    bdf2, composition, dop853, dop853_table, geodesic, leapfrog, lobatto, position_verlet, shake,
+    symplectic_euler, taylor, variable,
+};
+pub use rattle_core::motion::{bodies, guess, iteration, state, system, table};
+pub use rattle_core::number::{instructions, lanes, real};
+pub use rattle_core::run::{ensemble, recorder, shadow, simulation, trajectory};
+pub use rattle_core::systems::{linked, network, phase, rigid, surface};
+pub use rattle_core::{effect, error, geometry as curvature, kernel, scene};
+
 pub use rattle_core::error::Error;
-pub use rattle_core::geodesic::Geodesic;
-pub use rattle_core::leapfrog::Leapfrog;
-pub use rattle_core::lobatto::Lobatto;
-pub use rattle_core::network::{LinearAlgebra, Mass};
-pub use rattle_core::position_verlet::PositionVerlet;
-pub use rattle_core::rattle::Rattle;
-pub use rattle_core::recorder::{Recorder, Trajectory};
-pub use rattle_core::rigid::Rigid;
+pub use rattle_core::kernel::counted::Counted;
+pub use rattle_core::methods::bdf2::Bdf2;
+pub use rattle_core::methods::composition::Composition;
+pub use rattle_core::methods::dop853::Dop853;
+pub use rattle_core::methods::geodesic::Geodesic;
+pub use rattle_core::methods::leapfrog::Leapfrog;
+pub use rattle_core::methods::lobatto::Lobatto;
+pub use rattle_core::methods::position_verlet::PositionVerlet;
+pub use rattle_core::methods::rattle::Rattle;
+pub use rattle_core::methods::shake::Shake;
+pub use rattle_core::methods::symplectic_euler::SymplecticEuler;
+pub use rattle_core::methods::taylor::Taylor;
+pub use rattle_core::methods::variable::Variable;
+pub use rattle_core::motion::method::Method;
+pub use rattle_core::motion::state::State;
+pub use rattle_core::run::ensemble::Ensemble;
+pub use rattle_core::run::recorder::Recorder;
+pub use rattle_core::run::simulation::Simulation;
+pub use rattle_core::run::trajectory::Trajectory;
 pub use rattle_core::scene::Scene;
-pub use rattle_core::shake::Shake;
-pub use rattle_core::simulation::Simulation;
-pub use rattle_core::state::State;
-pub use rattle_core::stepper::Stepper;
-pub use rattle_core::symplectic_euler::SymplecticEuler;
-pub use rattle_core::taylor::Taylor;
-pub use rattle_core::variable::Variable;
+pub use rattle_core::systems::network::{LinearAlgebra, Mass};
+pub use rattle_core::systems::rigid::Rigid;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
@@ -89,12 +103,12 @@ pub mod prelude {
     pub use crate::guess::{Extrapolated, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
-    pub use crate::recorder::{Recorder, Trajectory};
     pub use crate::{
         Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
         Variable,
     };
-    pub use crate::{Ensemble, LinearAlgebra, Rigid, Scene, Simulation, State, Stepper};
+    pub use crate::{Ensemble, LinearAlgebra, Method, Rigid, Scene, Simulation, State};
+    pub use crate::{Recorder, Trajectory};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

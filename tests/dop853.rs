@@ -5,7 +5,7 @@ use common::linked::{Rod, chain, double_pendulum};
 use common::*;
 use num_bigint::BigInt;
 use rattle::Error;
-use rattle::dop853::table;
+use rattle::dop853_table as table;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
 

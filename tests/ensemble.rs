@@ -26,7 +26,7 @@ fn fusing() -> impl Iterator<Item = InstructionSet> {
 }
 
 /// The largest difference between the places and momenta of an ensemble and of simulations by themselves.
-fn off<P: Precision, S: Stepper>(precision: P, method: &S, steps: u64) -> f64 {
+fn off<P: Precision, S: Method>(precision: P, method: &S, steps: u64) -> f64 {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let mut together = scene.ensemble_in(precision, directions_of(25), method.clone()).unwrap();
     together.run(steps);
@@ -163,7 +163,7 @@ potential! {
 /// and alone.
 #[test]
 fn elementary_functions_in_lanes() {
-    fn check<C: rattle::scene::Hold<3>, E: rattle::effect::Effects<3>>(
+    fn check<C: rattle::scene::Hold<3> + 'static, E: rattle::effect::Effects<3>>(
         scene: &Scene<C, E, rattle::bodies::One, 3>,
         near: [f64; 3],
     ) {
@@ -453,7 +453,7 @@ potential! {
 fn check_sweep<P: Precision, C: rattle::scene::Hold<3> + 'static, E: rattle::effect::Effects<3> + 'static>(
     precision: P,
     trajectories: &[(Scene<C, E, rattle::bodies::One, 3>, State<3>)],
-    method: &impl Stepper,
+    method: &impl Method,
     steps: u64,
 ) -> usize {
     let each = trajectories.iter().map(|(scene, start)| (scene, start.clone()));

@@ -10,7 +10,7 @@ use rattle::system::System;
 use rattle::{Error, Geodesic};
 
 /// How far from each other a trajectory in lanes and its simulation are.
-fn gap<Y: System<f64, 3, Count = One>, S: Stepper>(
+fn gap<Y: System<f64, 3, Count = One>, S: Method>(
     ensemble: &Ensemble<3>,
     alone: &Simulation<Y, S, 3>,
 ) -> f64 {
@@ -22,7 +22,7 @@ fn gap<Y: System<f64, 3, Count = One>, S: Stepper>(
 
 /// Of the trajectories that fail in lanes and as simulations in the same step of the first 40: by which factor that step,
 /// in parts, leads both farther apart than they were, or than `rounding`; and how many there were.
-fn off<P: Precision, S: Stepper>(precision: P, method: &S, rounding: f64) -> (f64, usize) {
+fn off<P: Precision, S: Method>(precision: P, method: &S, rounding: f64) -> (f64, usize) {
     let (mut worst, mut number) = (0.0_f64, 0);
     for i in 0..60 {
         let start = || start(4 * i + 1);

@@ -2,7 +2,7 @@
 
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
-use rattle::ensemble::{InstructionSet, Work};
+use rattle::instructions::{InstructionSet, Work};
 use rattle::lanes::{Fused, Lane};
 use rattle::real::Real;
 use std::array::from_fn;

@@ -68,7 +68,7 @@ fn check(row: &Row, with_multipliers: bool) -> Option<String> {
     Some(what)
 }
 
-fn last<Y: System<f64, 3, Count = One>, S: Stepper>(
+fn last<Y: System<f64, 3, Count = One>, S: Method>(
     mut simulation: Simulation<Y, S, 3>,
     n: u64,
 ) -> ([f64; 3], [f64; 3], [f64; 2]) {

@@ -6,7 +6,7 @@ use rattle::Counted;
 use rattle::prelude::*;
 
 /// The largest difference of positions after so many steps by two methods.
-fn apart<A: Stepper, B: Stepper>(one: A, other: B, steps: u64) -> f64 {
+fn apart<A: Method, B: Method>(one: A, other: B, steps: u64) -> f64 {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let mut one = scene.simulate(billiard_45(), one).unwrap();
     let mut other = scene.simulate(billiard_45(), other).unwrap();
@@ -46,7 +46,7 @@ fn double() -> (Rods<impl rattle::effect::Effects<2> + Clone>, State<2>) {
 }
 
 /// Evaluations of g, ∇g and second derivatives per step, until t = 5 at θ = 45°.
-fn evaluations<S: Stepper>(method: S) -> [f64; 3] {
+fn evaluations<S: Method>(method: S) -> [f64; 3] {
     let surface = Counted::new(SURFACE);
     let counts = surface.counts();
     let steps = (5.0 / method.step_size()).round() as u64;
@@ -130,7 +130,7 @@ where
     C: rattle::scene::Hold<D>,
     E: rattle::effect::Effects<D>,
     N: rattle::bodies::Count,
-    S: Stepper,
+    S: Method,
 {
     let mut whole = scene.simulate(start, method.clone()).unwrap();
     whole.run(25).unwrap();

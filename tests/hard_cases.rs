@@ -55,7 +55,7 @@ fn thin_tube_keeps_its_particle() {
     keeps_its_particle(|h| Rattle::new(h).solved_by(Broyden), 3.5);
 }
 
-fn keeps_its_particle<S: Stepper>(method: impl Fn(f64) -> S, most: f64) {
+fn keeps_its_particle<S: Method>(method: impl Fn(f64) -> S, most: f64) {
     for r in [1e-2, 1e-4, 1e-6, 1e-8] {
         let surface = Counted::new(Lemniscate { a: 1.0, r });
         let counts = surface.counts();
@@ -200,7 +200,7 @@ constraint! {
 
 /// From random states with h·κ·|v| up to 3: a step that succeeds follows the root from h = 0. Points are drawn from a
 /// box of these half sides.
-fn lands_on_its_own_sheet<C: Constraint<3, 1> + Copy, S: Stepper>(
+fn lands_on_its_own_sheet<C: Constraint<3, 1> + Copy, S: Method>(
     method: impl Fn(f64) -> S,
     surface: C,
     sides: [f64; 3],
@@ -272,7 +272,7 @@ fn huge_steps_never_land_on_another_sheet() {
     huge_steps(|h| Rattle::new(h).solved_by(Broyden));
 }
 
-fn huge_steps<S: Stepper>(method: impl Fn(f64) -> S) {
+fn huge_steps<S: Method>(method: impl Fn(f64) -> S) {
     lands_on_its_own_sheet(&method, SURFACE, [1.1, 0.4, 0.2], 10_000);
     lands_on_its_own_sheet(&method, Lemniscate { a: 1.0, r: 0.01 }, [1.1, 0.4, 0.02], 1_000);
     lands_on_its_own_sheet(&method, Torus { major: 1.0, minor: 0.3 }, [1.3, 1.3, 0.3], 1_000);

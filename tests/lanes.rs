@@ -1,4 +1,4 @@
-//! The stepper over several lanes: the same step source, every lane bit for bit its own scalar run.
+//! The method over several lanes: the same step source, every lane bit for bit its own scalar run.
 
 mod common;
 use common::lanes::Four;
@@ -26,7 +26,7 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Dop853::new(0.02));
 }
 
-fn four_alone<S: Stepper>(method: &S) {
+fn four_alone<S: Method>(method: &S) {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let directions = [0.1, 0.7, 2.0, 4.4];
     let alone = directions.map(|theta| scene.simulate(billiard(theta), method.clone()).unwrap());

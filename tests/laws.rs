@@ -199,7 +199,7 @@ fn failure_leaves_no_trace<E, S>(
 ) -> Error
 where
     E: rattle::effect::Effects<3> + Clone,
-    S: Stepper,
+    S: Method,
 {
     let mut simulation = scene.simulate(start, method.clone()).unwrap();
     let (error, before) = loop {

@@ -8,7 +8,7 @@ use rattle::prelude::*;
 use rattle::system::System;
 
 /// The errors of what `measure` finds with n, 2n and 4n steps.
-fn errors<Y: System<f64, D>, S: Stepper, const D: usize>(
+fn errors<Y: System<f64, D>, S: Method, const D: usize>(
     simulate: impl Fn(f64) -> Result<Simulation<Y, S, D>, rattle::Error>,
     (t, n): (f64, u32),
     exact: &[f64],
@@ -57,12 +57,12 @@ fn double_pendulum_as_links_of_bodies() {
 }
 
 /// Positions and momenta of all bodies but the first.
-fn without_pivot<Y: System<f64, D>, S: Stepper, const D: usize>(now: &Simulation<Y, S, D>) -> Vec<f64> {
+fn without_pivot<Y: System<f64, D>, S: Method, const D: usize>(now: &Simulation<Y, S, D>) -> Vec<f64> {
     [&now_part(now, true)[D..], &now_part(now, false)[D..]].concat()
 }
 
 /// Positions or momenta of all bodies.
-fn now_part<Y: System<f64, D>, S: Stepper, const D: usize>(
+fn now_part<Y: System<f64, D>, S: Method, const D: usize>(
     now: &Simulation<Y, S, D>,
     positions: bool,
 ) -> Vec<f64> {

@@ -23,7 +23,7 @@ fn fails<F, N, S, const D: usize>(simulation: &mut Simulation<Linked<F, N, D>, S
 where
     F: Field<f64, D>,
     N: Count,
-    S: Stepper,
+    S: Method,
     Linked<F, N, D>: System<f64, D, Count = N>,
 {
     for _ in 0..steps {
@@ -43,7 +43,7 @@ where
 }
 
 /// What is evaluated at the state.
-fn seen<F: Field<f64, D>, N: Count, S: Stepper, const D: usize>(
+fn seen<F: Field<f64, D>, N: Count, S: Method, const D: usize>(
     simulation: &Simulation<Linked<F, N, D>, S, D>,
 ) -> String
 where
@@ -197,7 +197,7 @@ fn constraints_that_are_no_constraints() {
 trait PositionOf<const D: usize> {
     fn position_of(&self, body: usize) -> [f64; D];
 }
-impl<Y: System<f64, D>, S: Stepper, const D: usize> PositionOf<D> for Simulation<Y, S, D> {
+impl<Y: System<f64, D>, S: Method, const D: usize> PositionOf<D> for Simulation<Y, S, D> {
     fn position_of(&self, body: usize) -> [f64; D] {
         self.positions().nth(body).unwrap().into()
     }

@@ -119,7 +119,7 @@ fn a_long_step_is_an_error_or_the_right_root() {
     long_steps(|h| Rattle::new(h).solved_by(Broyden));
 }
 
-fn long_steps<S: Stepper>(method: impl Fn(f64) -> S) {
+fn long_steps<S: Method>(method: impl Fn(f64) -> S) {
     let mut rng = StdRng::seed_from_u64(10);
     let (mut right, mut wrong, mut beyond, mut refused, mut ended, mut needlessly) = (0, 0, 0, 0, 0, 0);
     for _ in 0..3000 {
@@ -161,7 +161,7 @@ fn guesses_do_not_mislead_long_steps() {
     remembering(|h| Rattle::new(h).guess(Extrapolated).solved_by(Simplified));
 }
 
-fn remembering<S: Stepper>(method: impl Fn(f64) -> S) {
+fn remembering<S: Method>(method: impl Fn(f64) -> S) {
     let mut rng = StdRng::seed_from_u64(12);
     let (mut taken, mut refused) = (0, 0);
     for _ in 0..1000 {

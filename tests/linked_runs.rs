@@ -91,7 +91,7 @@ trait Run {
     fn allocations(&self, steps: u64) -> u64;
 }
 
-fn run<E: rattle::effect::Effects<D> + Clone + 'static, S: Stepper + 'static, const D: usize>(
+fn run<E: rattle::effect::Effects<D> + Clone + 'static, S: Method + 'static, const D: usize>(
     scene: &Scene<rattle::network::Network<D>, E, rattle::bodies::Many, D>,
     start: State<D>,
     method: S,
@@ -99,7 +99,7 @@ fn run<E: rattle::effect::Effects<D> + Clone + 'static, S: Stepper + 'static, co
     Box::new((scene.clone(), start, method))
 }
 
-impl<E: rattle::effect::Effects<D> + Clone, S: Stepper, const D: usize> Run
+impl<E: rattle::effect::Effects<D> + Clone, S: Method, const D: usize> Run
     for (Scene<rattle::network::Network<D>, E, rattle::bodies::Many, D>, State<D>, S)
 {
     /// The bits of the state after all parts, each begun from the state that the last one ended with.

@@ -2,8 +2,8 @@
 
 mod common;
 use common::*;
-use rattle::lobatto::{Table, Tabulated};
 use rattle::prelude::*;
+use rattle::table::{Table, Tabulated};
 
 /// Calls a function for every number of stages.
 macro_rules! for_all_stages {

@@ -3,9 +3,9 @@
 mod common;
 use common::*;
 use rattle::bodies::Bodies;
+use rattle::method::{Failure, Witness};
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::stepper::{Failure, Witness};
 use rattle::system::System;
 
 /// RATTLE with steps that grow by an eighth each: the next step and the last one are remembered.
@@ -18,7 +18,7 @@ fn number<T: Real>(x: T) -> f64 {
     x.lanes().next().unwrap()
 }
 
-impl Stepper for Growing {
+impl Method for Growing {
     type Memory<T: Real> = Vec<T>;
 
     fn step_size(&self) -> f64 {
@@ -70,7 +70,7 @@ fn simulation(
 
 #[test]
 fn one_step_methods_remember_nothing() {
-    fn size<S: Stepper>() -> usize {
+    fn size<S: Method>() -> usize {
         size_of::<S::Memory<f64>>()
     }
     assert_eq!([size::<Rattle>(), size::<Composition>(), size::<Lobatto<5>>(), size::<Leapfrog>()], [0; 4]);

@@ -6,15 +6,15 @@ use common::*;
 use rattle::bodies::{Bodies, Count, Many};
 use rattle::composition::*;
 use rattle::effect::Effects;
+use rattle::method::{Failure, Need, Witness};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
-use rattle::stepper::{Failure, Need, Witness};
 use rattle::system::System;
 
 /// A method of the table, whichever it is.
 #[derive(Debug, Clone, Copy)]
-enum Method {
+enum OneOf {
     Rattle(Rattle),
     Euler(SymplecticEuler),
     Shake(Shake),
@@ -52,7 +52,7 @@ macro_rules! delegate {
     };
 }
 
-impl Stepper for Method {
+impl rattle::Method for OneOf {
     type Memory<T: Real> = Vec<T>;
 
     fn step_size(&self) -> f64 {
@@ -138,7 +138,7 @@ const NONE: Window = [0; 2];
 struct Row {
     name: &'static str,
     order: u32,
-    method: Method,
+    method: OneOf,
     windows: [Window; 3],
     /// Steps on the lemniscate and of the double pendulum at which it shows that the method is not symplectic and does not
     /// go back; none if it is symplectic.
@@ -150,23 +150,23 @@ fn rows() -> Vec<Row> {
     let row = |name, order, method, windows| Row { name, order, method, windows, unstructured: None };
     let free = |name, order, method, windows, h| Row { name, order, method, windows, unstructured: Some(h) };
     let composed = |coefficients: Coefficients, windows| {
-        let method = Method::Composed(Composition::new(coefficients, 1.0));
+        let method = OneOf::Composed(Composition::new(coefficients, 1.0));
         row(coefficients.name, coefficients.order, method, windows)
     };
     let (geodesic, verlet) = (Geodesic::new(1.0, 4), PositionVerlet::new(1.0));
-    let geodesic_6 = Method::ComposedGeodesic(Composition::of(geodesic, KAHAN_LI_1997_ORDER_6));
-    let verlet_4 = Method::ComposedVerlet(Composition::of(verlet, SUZUKI_1990_ORDER_4));
+    let geodesic_6 = OneOf::ComposedGeodesic(Composition::of(geodesic, KAHAN_LI_1997_ORDER_6));
+    let verlet_4 = OneOf::ComposedVerlet(Composition::of(verlet, SUZUKI_1990_ORDER_4));
     vec![
         row(
             "symplectic Euler",
             1,
-            Method::Euler(SymplecticEuler::new(1.0)),
+            OneOf::Euler(SymplecticEuler::new(1.0)),
             [[16_000, 64_000], [100, 400], [100, 400]],
         ),
-        row("RATTLE", 2, Method::Rattle(Rattle::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
-        row("SHAKE", 2, Method::Shake(Shake::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
-        row("geodesic RATTLE", 2, Method::Geodesic(geodesic), [[100, 800], [32, 256], [32, 256]]),
-        row("position Verlet", 2, Method::PositionVerlet(verlet), [[100, 800], [32, 256], [32, 256]]),
+        row("RATTLE", 2, OneOf::Rattle(Rattle::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
+        row("SHAKE", 2, OneOf::Shake(Shake::new(1.0)), [[100, 800], [32, 256], [32, 256]]),
+        row("geodesic RATTLE", 2, OneOf::Geodesic(geodesic), [[100, 800], [32, 256], [32, 256]]),
+        row("position Verlet", 2, OneOf::PositionVerlet(verlet), [[100, 800], [32, 256], [32, 256]]),
         composed(YOSHIDA_1990_ORDER_4, [[181, 1024], [32, 256], [32, 256]]),
         composed(SUZUKI_1990_ORDER_4, [[91, 512], [16, 128], [23, 128]]),
         composed(MCLACHLAN_1995_ORDER_4, [[91, 512], [16, 128], [16, 128]]),
@@ -181,22 +181,22 @@ fn rows() -> Vec<Row> {
         composed(SOFRONIOU_SPALETTA_2005_ORDER_10, [NONE, [3, 8], [9, 16]]),
         row("geodesic RATTLE, Kahan–Li 1997, order 6", 6, geodesic_6, [[128, 300], [8, 64], [16, 90]]),
         row("position Verlet, Suzuki 1990, order 4", 4, verlet_4, [[64, 512], [8, 90], [16, 128]]),
-        row("Lobatto, 3 stages", 4, Method::Lobatto3(Lobatto::new(1.0)), [[64, 256], [8, 64], [16, 128]]),
-        row("Lobatto, 5 stages", 8, Method::Lobatto5(Lobatto::new(1.0)), [[64, 128], [3, 10], [12, 28]]),
-        row("Lobatto, 6 stages", 10, Method::Lobatto6(Lobatto::new(1.0)), [NONE, [2, 5], [10, 18]]),
-        free("DOP853", 8, Method::Dop853(Dop853::new(1.0)), [[128, 200], [3, 10], NONE], [0.1, 0.3]),
-        free("BDF2", 2, Method::Bdf2(Bdf2::new(1.0)), [[400, 3200], [64, 512], [64, 512]], [0.01, 0.01]),
+        row("Lobatto, 3 stages", 4, OneOf::Lobatto3(Lobatto::new(1.0)), [[64, 256], [8, 64], [16, 128]]),
+        row("Lobatto, 5 stages", 8, OneOf::Lobatto5(Lobatto::new(1.0)), [[64, 128], [3, 10], [12, 28]]),
+        row("Lobatto, 6 stages", 10, OneOf::Lobatto6(Lobatto::new(1.0)), [NONE, [2, 5], [10, 18]]),
+        free("DOP853", 8, OneOf::Dop853(Dop853::new(1.0)), [[128, 200], [3, 10], NONE], [0.1, 0.3]),
+        free("BDF2", 2, OneOf::Bdf2(Bdf2::new(1.0)), [[400, 3200], [64, 512], [64, 512]], [0.01, 0.01]),
         free(
             "Taylor, order 6",
             6,
-            Method::Taylor(Taylor::new(6, 1.0)),
+            OneOf::Taylor(Taylor::new(6, 1.0)),
             [[512, 1600], [32, 90], [64, 180]],
             [0.05; 2],
         ),
         free(
             "Taylor, order 10",
             10,
-            Method::Taylor(Taylor::new(10, 1.0)),
+            OneOf::Taylor(Taylor::new(10, 1.0)),
             [NONE, [6, 14], [34, 56]],
             [0.06, 0.15],
         ),
@@ -207,7 +207,7 @@ fn rows() -> Vec<Row> {
 fn run<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
-    method: Method,
+    method: OneOf,
     n: u32,
 ) -> State<D> {
     let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
@@ -217,7 +217,7 @@ fn run<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 }
 
 /// Where a method says that the bodies are after `n` steps, and where they are; momenta too unless staggered.
-fn error<const D: usize>(method: Method, found: &State<D>, q: &[f64], p: &[f64]) -> f64 {
+fn error<const D: usize>(method: OneOf, found: &State<D>, q: &[f64], p: &[f64]) -> f64 {
     let off = |found: Vec<f64>, exact: &[f64]| {
         let moving = &found[found.len() - exact.len()..]; // pinned bodies come first
         moving.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -227,7 +227,7 @@ fn error<const D: usize>(method: Method, found: &State<D>, q: &[f64], p: &[f64])
     if method.momentum_delay() == 0.0 { positions.max(momenta) } else { positions }
 }
 
-fn lemniscate_at_1(method: Method, n: u32) -> f64 {
+fn lemniscate_at_1(method: OneOf, n: u32) -> f64 {
     let rows = table("lemniscate_gravity");
     let row = rows
         .iter()
@@ -245,7 +245,7 @@ fn swinging() -> State<3> {
     State::at([sin, 0.0, -cos]).moving([0.0, 1.5, 0.0])
 }
 
-fn spherical_at_1(method: Method, n: u32) -> f64 {
+fn spherical_at_1(method: OneOf, n: u32) -> f64 {
     let rows = table("spherical_pendulum");
     let row = rows.iter().find(|row| row.text("case") == "a" && row.number("t") == 1.0).unwrap();
     let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
@@ -265,7 +265,7 @@ fn rods() -> (Scene<rattle::network::Network<2>, (), Many, 2>, State<2>) {
     (scene, State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]))
 }
 
-fn double_at_2(method: Method, n: u32) -> f64 {
+fn double_at_2(method: OneOf, n: u32) -> f64 {
     let rows = table("double_pendulum");
     let row = rows.iter().find(|row| row.text("case") == "equal" && row.number("t") == 2.0).unwrap();
     let (scene, start) = double_pendulum();
@@ -286,7 +286,7 @@ fn slope(steps: &[u32], errors: &[f64]) -> f64 {
 
 #[test]
 fn errors_fall_with_the_order_of_the_method() {
-    type ErrorAt = fn(Method, u32) -> f64;
+    type ErrorAt = fn(OneOf, u32) -> f64;
     let problems: [(&str, ErrorAt); 3] = [
         ("lemniscate", lemniscate_at_1),
         ("spherical pendulum", spherical_at_1),
@@ -315,7 +315,7 @@ fn errors_fall_with_the_order_of_the_method() {
 
 #[test]
 fn order_ten_reaches_rounding_in_96_steps() {
-    let method = Method::Composed(Composition::new(SOFRONIOU_SPALETTA_2005_ORDER_10, 1.0));
+    let method = OneOf::Composed(Composition::new(SOFRONIOU_SPALETTA_2005_ORDER_10, 1.0));
     let errors = [40, 96].map(|n| lemniscate_at_1(method, n));
     assert!(errors[0] > 1e-11 && errors[1] <= 1e-14, "{errors:?}");
 }
@@ -371,7 +371,7 @@ const SOME: u32 = 3;
 fn there_and_back<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
-    method: Method,
+    method: OneOf,
     steps: u32,
 ) -> (f64, f64) {
     let mut forth = scene.simulate(start.clone(), method).unwrap();
@@ -492,7 +492,7 @@ fn every_method_stays_on_the_constraint() {
 fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
-    method: Method,
+    method: OneOf,
     time: f64,
 ) -> [(f64, f64); 4] {
     let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
@@ -575,12 +575,12 @@ fn free_bodies_move_as_in_textbooks() {
         (x + h * p, p)
     };
     type Textbook<'a> = &'a dyn Fn(f64, f64) -> (f64, f64);
-    let rows: [(Method, Textbook); 5] = [
-        (Method::Rattle(Rattle::new(h)), &kick_drift_kick),
-        (Method::Geodesic(Geodesic::new(h, 3)), &kick_drift_kick),
-        (Method::PositionVerlet(PositionVerlet::new(h)), &drift_kick_drift),
-        (Method::Euler(SymplecticEuler::new(h)), &kick_drift),
-        (Method::Shake(Shake::new(h)), &kick_drift),
+    let rows: [(OneOf, Textbook); 5] = [
+        (OneOf::Rattle(Rattle::new(h)), &kick_drift_kick),
+        (OneOf::Geodesic(Geodesic::new(h, 3)), &kick_drift_kick),
+        (OneOf::PositionVerlet(PositionVerlet::new(h)), &drift_kick_drift),
+        (OneOf::Euler(SymplecticEuler::new(h)), &kick_drift),
+        (OneOf::Shake(Shake::new(h)), &kick_drift),
     ];
     for (method, textbook) in rows {
         let start = State::at([0.8]).moving([0.5]);
@@ -633,7 +633,7 @@ fn goes_on<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     name: &str,
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
-    method: Method,
+    method: OneOf,
 ) {
     let mut whole = scene.simulate(start.clone(), method).unwrap();
     whole.run(25).unwrap();
@@ -665,18 +665,18 @@ fn no_step_allocates() {
 /// Round the unit sphere at unit speed h·κ·|v| is h: at most 1 for each inner step.
 #[test]
 fn inner_steps_have_the_limit() {
-    let takes = |method: Method| {
+    let takes = |method: OneOf| {
         let scene = Scene::on(Sphere { radius: 1.0 });
         let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
         scene.simulate(start, method).unwrap().run(100).is_ok()
     };
-    type OfStep = fn(f64) -> Method;
+    type OfStep = fn(f64) -> OneOf;
     let limits: [(OfStep, f64); 5] = [
-        (|h| Method::Rattle(Rattle::new(h)), 1.0),
-        (|h| Method::Euler(SymplecticEuler::new(h)), 1.0),
-        (|h| Method::PositionVerlet(PositionVerlet::new(h)), 2.0),
-        (|h| Method::Geodesic(Geodesic::new(h, 4)), 4.0),
-        (|h| Method::Composed(Composition::new(SUZUKI_1990_ORDER_4, h)), 1.0 / 0.657_963_087_177_503),
+        (|h| OneOf::Rattle(Rattle::new(h)), 1.0),
+        (|h| OneOf::Euler(SymplecticEuler::new(h)), 1.0),
+        (|h| OneOf::PositionVerlet(PositionVerlet::new(h)), 2.0),
+        (|h| OneOf::Geodesic(Geodesic::new(h, 4)), 4.0),
+        (|h| OneOf::Composed(Composition::new(SUZUKI_1990_ORDER_4, h)), 1.0 / 0.657_963_087_177_503),
     ];
     for (method, limit) in limits {
         assert!(takes(method(0.9 * limit)) && !takes(method(1.02 * limit)), "{:?}", method(limit));

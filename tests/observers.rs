@@ -271,7 +271,7 @@ impl<const D: usize> Observer<D> for Energies {
 fn energies_off<C, E, N, const D: usize>(
     scenes: &[Scene<C, E, N, D>],
     start: impl Fn(usize) -> State<D>,
-    method: impl Stepper,
+    method: impl Method,
 ) -> f64
 where
     C: rattle::scene::Hold<D> + 'static,

@@ -66,7 +66,7 @@ fn go_as_alone<C, E, S, const D: usize>(scene: &Scene<C, E, One, D>, surface: C,
 where
     C: Constraint<D, 1> + Copy + rattle::scene::Hold<D>,
     E: Effects<D> + Copy,
-    S: Stepper,
+    S: Method,
 {
     let mut worst = 0.0_f64;
     for number in [7, 8, 9, 16, 17, 24, 25, 32, 33, 63, 64, 65, 130] {

@@ -70,7 +70,7 @@ fn wavy() -> (Scene<rattle::phase::PhaseSpace<Wavy, Falling, 1>, (), One, 2>, St
 }
 
 /// q and p of one body.
-fn point<Y: System<f64, D, Count = One>, S: Stepper, const D: usize>(
+fn point<Y: System<f64, D, Count = One>, S: Method, const D: usize>(
     simulation: &Simulation<Y, S, D>,
 ) -> [[f64; D]; 2] {
     [simulation.position().into(), simulation.momentum().into()]
@@ -129,7 +129,7 @@ fn slope<C: rattle::scene::Hold<D>, const D: usize>(
     coefficients: Option<Coefficients>,
     coarsest: u64,
 ) -> f64 {
-    fn end<C: rattle::scene::Hold<D>, S: Stepper, const D: usize>(
+    fn end<C: rattle::scene::Hold<D>, S: Method, const D: usize>(
         scene: &Scene<C, (), One, D>,
         start: &State<D>,
         method: S,
@@ -476,7 +476,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     let nan = hopf().simulate(State::at([f64::NAN, 0.5]), Rattle::new(0.1)).unwrap_err();
     assert!(matches!(nan, Error::Start { cause: StartFailure::NotFinite { .. }, .. }), "{nan}");
 
-    fn method<S: Stepper>(method: S) {
+    fn method<S: Method>(method: S) {
         let error = hopf().simulate(start("B"), method).unwrap_err();
         assert!(matches!(error, Error::NeedsRattle { .. }), "{error}");
     }

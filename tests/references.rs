@@ -15,7 +15,7 @@ fn positions_at<C, E, S, const D: usize>(
 where
     C: Constraint<D, 1>,
     E: rattle::effect::Effects<D>,
-    S: Stepper,
+    S: Method,
 {
     let run = |&n: &u32| {
         let mut simulation = scene.simulate(start.clone(), method(t / f64::from(n))).unwrap();
@@ -233,7 +233,7 @@ where
 }
 
 /// Position and momentum at `t`.
-fn end<C, E, S: Stepper, const D: usize>(
+fn end<C, E, S: Method, const D: usize>(
     scene: &rattle::Scene<C, E, rattle::bodies::One, D>,
     start: &State<D>,
     t: f64,

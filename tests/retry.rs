@@ -7,7 +7,7 @@ use rattle::prelude::*;
 use rattle::{Error, Geodesic};
 
 /// A ball that falls from the top of a unit sphere: h·κ·|v| is h|v|, and |v| grows to 2 at the bottom.
-fn falling<S: Stepper>(
+fn falling<S: Method>(
     method: S,
 ) -> Simulation<impl rattle::system::System<f64, 3, Count = rattle::bodies::One>, S, 3> {
     let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
@@ -15,7 +15,7 @@ fn falling<S: Stepper>(
 }
 
 /// Steps until the first that fails.
-fn until_failure<S: Stepper>(method: S) -> u64 {
+fn until_failure<S: Method>(method: S) -> u64 {
     let mut simulation = falling(method);
     let error = simulation.run(1000).unwrap_err();
     assert!(matches!(error, Error::Step { .. }), "{error}");
@@ -37,7 +37,7 @@ fn bodies(state: &State<3>) -> String {
     all[..all.find("time").unwrap()].to_owned()
 }
 
-fn check<S: Stepper>(method: S) {
+fn check<S: Method>(method: S) {
     let (name, h) = (method.name(), method.step_size());
     let before = until_failure(method.clone());
     let mut simulation = falling(method.clone()).retry(4);

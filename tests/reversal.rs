@@ -3,15 +3,15 @@
 mod common;
 use common::*;
 use rattle::bodies::Bodies;
+use rattle::method::{Failure, Witness};
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::stepper::{Failure, Witness};
 use rattle::system::System;
 use rattle::{Error, Geodesic, nalgebra};
 
 #[test]
 fn symmetric_methods_pass_and_go_on_as_without_the_check() {
-    fn check<S: Stepper>(method: S) {
+    fn check<S: Method>(method: S) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let mut plain = scene.simulate(billiard(0.7), method.clone()).unwrap();
         let mut checked =
@@ -34,7 +34,7 @@ fn symmetric_methods_pass_and_go_on_as_without_the_check() {
 #[derive(Debug, Clone, Copy)]
 struct Pretending(SymplecticEuler);
 
-impl Stepper for Pretending {
+impl Method for Pretending {
     type Memory<T: Real> = [T; 0];
 
     fn step_size(&self) -> f64 {
@@ -87,7 +87,7 @@ fn what_cannot_be_checked_is_refused_at_once() {
         let error = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap().check_reversal(tolerance);
         assert!(matches!(error.unwrap_err(), Error::Tolerance(_)), "{tolerance}");
     }
-    fn refused<S: Stepper>(method: S) {
+    fn refused<S: Method>(method: S) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let start = scene.staggered(&billiard(0.7), &method);
         let error = scene.simulate(start, method).unwrap().check_reversal(1e-14).unwrap_err();
@@ -105,7 +105,7 @@ fn what_cannot_be_checked_is_refused_at_once() {
 /// A ball that falls from the top of a sphere, until steps are too long and are taken in parts.
 #[test]
 fn steps_in_parts_are_taken_back_in_parts() {
-    fn falling<S: Stepper>(method: S) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One>, S, 3> {
+    fn falling<S: Method>(method: S) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One>, S, 3> {
         let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
         Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
     }
@@ -114,7 +114,7 @@ fn steps_in_parts_are_taken_back_in_parts() {
         let all = bits(state);
         all[..all.find("time").unwrap()].to_owned()
     }
-    fn check<S: Stepper>(method: S) {
+    fn check<S: Method>(method: S) {
         let h = method.step_size();
         let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
         let mut checked = falling(method.clone()).retry(5).check_reversal(1e-12).unwrap();
@@ -160,7 +160,7 @@ fn steps_in_parts_are_taken_back_in_parts() {
 
 /// How much a small change of the state at the turning point has grown at most on the way back: what the roundings of
 /// the way may have grown by.
-fn growth<S: Stepper>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
+fn growth<S: Method>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let small = 1e-7;
     let mut most = 1.0_f64;
@@ -192,7 +192,7 @@ fn growth<S: Stepper>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
 /// step's increment, well below a tenth.
 #[test]
 fn long_ways_lead_back() {
-    fn check<S: Stepper>(name: &str, method: S) {
+    fn check<S: Method>(name: &str, method: S) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let mut on_the_way = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
         on_the_way.run(77).unwrap(); // where nothing is symmetric

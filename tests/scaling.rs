@@ -15,7 +15,7 @@ constraint! {
 }
 
 /// Places and momenta after 200 steps; what is remembered holds multipliers, and they scale.
-fn end<S: Stepper>(method: &S, c: f64) -> String {
+fn end<S: Method>(method: &S, c: f64) -> String {
     let scene = Scene::on(Scaled { a: 1.0, r: SURFACE.r, c }).with(Gravity { g: 1.0 });
     let start = scene.staggered(&billiard(0.7), method);
     let mut simulation = scene.simulate(start, method.clone()).unwrap();
@@ -26,7 +26,7 @@ fn end<S: Stepper>(method: &S, c: f64) -> String {
 
 #[test]
 fn no_method_knows_how_g_is_scaled() {
-    fn check<S: Stepper>(method: S) {
+    fn check<S: Method>(method: S) {
         let reference = end(&method, 1.0);
         for exponent in [-60, -1, 1, 60] {
             assert!(end(&method, 2.0_f64.powi(exponent)) == reference, "{}, 2^{exponent}", method.name());

@@ -4,12 +4,12 @@ mod common;
 use common::*;
 use rattle::bodies::{Bodies, Count};
 use rattle::effect::Effects;
+use rattle::method::{Failure, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
 use rattle::shadow::{ShadowEnergy, quadratic_form};
-use rattle::stepper::{Failure, Witness};
 use rattle::system::System;
 
 constraint! {
@@ -54,7 +54,7 @@ fn quadratic_forms_are_the_rational_ones() {
 }
 
 /// By how much H, H₂, E[4], E[6] and E[8] vary in a run.
-fn spreads<C: Hold<D>, E: Effects<D>, N: Count, S: Stepper, const D: usize>(
+fn spreads<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     method: &S,
@@ -142,7 +142,7 @@ impl Faulty {
     }
 }
 
-impl Stepper for Faulty {
+impl Method for Faulty {
     type Memory<T: Real> = [T; 0];
 
     fn step_size(&self) -> f64 {

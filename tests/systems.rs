@@ -32,7 +32,7 @@ hamiltonian! {
 }
 
 /// "yes" where a system is moved, "–" where it is refused before the run.
-fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S: Stepper, const D: usize>(
+fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     method: &S,
@@ -51,7 +51,7 @@ fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S:
     }
 }
 
-fn row<S: Stepper>(name: &str, method: &S) -> String {
+fn row<S: Method>(name: &str, method: &S) -> String {
     let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let free = Scene::points(2).with(PlanarGravity { g: 1.0 });
     let linked = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
@@ -101,7 +101,7 @@ fn the_table_of_the_front_page() {
         row("`Taylor`", &Taylor::new(16, h)),
         row("`Bdf2`", &Bdf2::new(h)),
     ];
-    let pages = [include_str!("../README.md"), include_str!("../rattle-core/src/stepper.rs")];
+    let pages = [include_str!("../README.md"), include_str!("../rattle-core/src/motion/method.rs")];
     for (row, page) in rows.iter().flat_map(|row| pages.map(|page| (row, page))) {
         println!("{row}");
         assert!(page.lines().any(|line| line.trim_start_matches("//! ") == row), "a page lacks\n{row}");

@@ -15,7 +15,7 @@ constraint! {
 /// The way from 0.6 at this speed to t = 1, by steps of 1/n.
 fn along(
     scene: &rattle::Scene<Cylinder, impl rattle::effect::Effects<3>, rattle::bodies::One, 3>,
-    method: impl Stepper,
+    method: impl Method,
 ) -> [f64; 6] {
     let steps = (1.0 / method.step_size()).round() as u64;
     let start = State::at([0.6, 1.0, 0.0]).moving([0.1, 0.0, 0.3]);

@@ -12,7 +12,7 @@ use rattle::network::Network;
 use rattle::prelude::*;
 
 /// Positions, momenta and the work of moving links at t = 1, after so many steps.
-fn end<E: Effects<D>, S: Stepper, const D: usize>(
+fn end<E: Effects<D>, S: Method, const D: usize>(
     scene: &Scene<Network<D>, E, Many, D>,
     start: &State<D>,
     method: S,
@@ -269,7 +269,7 @@ fn a_step_does_not_allocate() {
 /// Steps far too long end in an error as soon as their end cannot be brought back: no step leaves the links apart.
 #[test]
 fn a_motion_that_runs_away_is_an_error_at_once() {
-    fn check(method: impl Stepper + std::fmt::Debug) {
+    fn check(method: impl Method + std::fmt::Debug) {
         let scene = Scene::points::<2>(3)
             .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
             .pin(0, [0.0; 2])

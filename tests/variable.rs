@@ -4,9 +4,9 @@ mod common;
 use common::*;
 use rattle::bodies::{Bodies, Body, One};
 use rattle::error::StepFailure;
+use rattle::method::{Failure, Witness};
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::stepper::{Failure, Witness};
 use rattle::system::System;
 use rattle::{Error, Variable};
 
@@ -17,7 +17,7 @@ struct Naive {
     tau: f64,
 }
 
-impl Stepper for Naive {
+impl Method for Naive {
     type Memory<T: Real> = Vec<T>;
 
     fn step_size(&self) -> f64 {
@@ -128,7 +128,7 @@ struct Long {
     worst: [f64; 2],
 }
 
-fn long<S: Stepper>(method: S, until: f64) -> Long {
+fn long<S: Method>(method: S, until: f64) -> Long {
     let mut simulation = scene().simulate(billiard_45(), method).unwrap();
     let mut long = Long { steps: 0, shortest: f64::INFINITY, longest: 0.0, worst: [0.0; 2] };
     while simulation.time() < until {
@@ -201,7 +201,7 @@ fn a_memory_is_that_of_one_method() {
     whole.run(60).unwrap();
     let state = whole.state();
     let blank = state.clone().with_momenta(state.momenta()); // nothing remembered
-    fn next<S: Stepper>(state: &State<3>, method: S) -> String {
+    fn next<S: Method>(state: &State<3>, method: S) -> String {
         let mut simulation = scene().simulate(state.clone(), method).unwrap();
         simulation.step().unwrap();
         bits(&simulation.state())

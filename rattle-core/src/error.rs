@@ -146,7 +146,7 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::simulation::Simulation::retry).
+    /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
     #[error(
         "step {step} (t = {time}), particle {body}: halved {halvings} times, and its parts still fail: {cause}"
     )]
@@ -163,7 +163,7 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that does not lead back: see [`Simulation::check_reversal`](crate::simulation::Simulation::check_reversal).
+    /// A step that does not lead back: see [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
     #[error(
         "step {step} (t = {time}), particle {body}: {}; try a smaller step",
         missed(*off, *tolerance)

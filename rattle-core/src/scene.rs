@@ -1,23 +1,24 @@
 //! What is simulated: the constraint, the bodies and the effects.
 
-use crate::bodies::{Body, Count, Many, One};
-use crate::effect::{Effect, Effects, Field, Force, With};
-use crate::ensemble::group::Group;
-use crate::ensemble::{Double, Ensemble, InLanes, InstructionSet, Precision};
-use crate::error::{Error, NetworkMistake, StartFailure};
-use crate::kernel::{Constraint, Hamiltonian, PhaseConstraint};
-use crate::lanes::Fused;
-use crate::network::{LinearAlgebra, Links, Mass, Masses, Network};
-use crate::phase::PhaseSpace;
-use crate::real::Real;
-use crate::rigid::Rigid;
-use crate::simulation::Simulation;
-use crate::start;
-use crate::state::State;
-use crate::stepper::{Need, Stepper, check_step_size};
-use crate::surface::{OnSurface, OneByOne};
-use crate::system::System;
-use crate::vector::{add_scaled, dot, two_sum};
+use crate::effect::force::Force;
+use crate::effect::list::{Effects, Field, With};
+use crate::effect::one::Effect;
+use crate::error::Error;
+use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::motion::bodies::{Body, Count, Many, One};
+pub use crate::motion::hold::Hold;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, two_sum};
+use crate::systems::network::constraints::{Masses, Network};
+use crate::systems::network::group::Links;
+use crate::systems::network::mass::Mass;
+use crate::systems::network::solver::LinearAlgebra;
+use crate::systems::network::tie::Tie;
+use crate::systems::phase::PhaseSpace;
+use crate::systems::rigid::Rigid;
+use crate::systems::surface::kept::{OnSurface, OneByOne};
 use nalgebra::SVector;
 use std::marker::PhantomData;
 
@@ -28,137 +29,14 @@ use std::marker::PhantomData;
 /// A function that takes a scene of one particle in space:
 ///
 /// ```
-/// use rattle_core::{bodies::One, effect::Effects, scene::{Hold, Scene}};
+/// use rattle::{bodies::One, effect::Effects, scene::{Hold, Scene}};
 /// fn bills<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>) { /* scene.simulate(…) */ }
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<C, E, N, const D: usize> {
     pub(crate) constraint: C,
     pub(crate) effects: E,
-    count: N,
-}
-
-/// Coordinates of a body beyond which blocks of bodies in lanes would no longer fit the nearest cache, or the stack.
-const MOST_IN_LANES: usize = 16;
-
-/// What holds the bodies of a scene: a surface for each, or a [`Network`] of constraints.
-pub trait Hold<const D: usize>: Sized {
-    /// Bodies held in this way, in a field of force.
-    type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
-
-    /// The system, ready to move from this start by this method.
-    ///
-    /// # Errors
-    /// Where the constraints make no sense for so many bodies; says which body cannot start there and why.
-    fn system<E: Effects<D>, N: Count>(
-        &self,
-        effects: &E,
-        count: N,
-        start: &State<D>,
-        method: &impl Stepper,
-    ) -> Result<Self::System<E, N>, Error>;
-
-    /// Whether this body cannot move at all.
-    fn pinned(&self, _body: usize) -> bool {
-        false
-    }
-
-    /// ṗ of a body at q under a force, before constraints.
-    fn pull(&self, _q: &[f64; D], force: &[f64; D]) -> [f64; D] {
-        *force
-    }
-
-    /// The same for so many particles, each under its own copy.
-    #[must_use]
-    fn particles(self, number: usize) -> Self;
-
-    /// The state moved onto the constraints.
-    ///
-    /// # Errors
-    /// Where none is found.
-    fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
-
-    /// A group of trajectories of one body, which can start so, in lanes; none where there are no lanes for them.
-    #[doc(hidden)]
-    fn in_lanes<P: Precision, E: Effects<D>>(
-        _scene: (&Self, &E),
-        _starts: &[State<D>],
-        _lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>> {
-        None
-    }
-
-    /// The same, each trajectory in a scene of its own.
-    #[doc(hidden)]
-    fn each_in_lanes<P: Precision, E: Effects<D> + 'static>(
-        _scenes: &[(&Self, &E)],
-        _starts: &[State<D>],
-        _lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>>
-    where
-        Self: 'static,
-    {
-        None
-    }
-}
-
-/// What links, pins and masses can be added to.
-pub trait Tie<const D: usize>: Hold<D> {
-    /// The same as a network of so many bodies.
-    fn network(self, bodies: usize) -> Network<D>;
-}
-
-impl<C: Constraint<D, 1>, const D: usize> Tie<D> for C {
-    fn network(self, bodies: usize) -> Network<D> {
-        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
-    }
-}
-
-impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
-    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N, C::Kernel<Fused<f64>>>;
-
-    fn system<E: Effects<D>, N: Count>(
-        &self,
-        effects: &E,
-        count: N,
-        start: &State<D>,
-        method: &impl Stepper,
-    ) -> Result<Self::System<E, N>, Error> {
-        let constraint = self.kernel::<f64>();
-        for (body, state) in start.bodies.iter().enumerate() {
-            let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path, start.must_be_tangent(method))
-                .map_err(|cause| Error::Start { body, cause })?;
-        }
-        Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
-    }
-
-    fn particles(self, _: usize) -> Self {
-        self
-    }
-
-    fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
-        start::project(&self.kernel::<f64>(), state)
-    }
-
-    fn in_lanes<P: Precision, E: Effects<D>>(
-        scene: (&Self, &E),
-        starts: &[State<D>],
-        lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>> {
-        (D <= MOST_IN_LANES).then(|| P::same(scene, starts, lanes))
-    }
-
-    fn each_in_lanes<P: Precision, E: Effects<D> + 'static>(
-        scenes: &[(&Self, &E)],
-        starts: &[State<D>],
-        lanes: &InLanes,
-    ) -> Option<Box<dyn Group<D>>>
-    where
-        Self: 'static,
-    {
-        (D <= MOST_IN_LANES).then(|| P::each(scenes, starts, lanes))
-    }
+    pub(crate) count: N,
 }
 
 /// What a scene can begin with: one constraint, on one particle. A single equation makes a surface; several a
@@ -202,8 +80,8 @@ impl Scene<(), (), One, 0> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
 
-    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by [`Rattle`](crate::rattle::Rattle), which
-    /// then is geometric RATTLE, or a composition of it. See [`phase`](crate::phase) for what g must be.
+    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by [`Rattle`](crate::methods::rattle::Rattle), which
+    /// then is geometric RATTLE, or a composition of it. See [`phase`](crate::systems::phase) for what g must be.
     ///
     /// ```text
     /// phase_constraint! { struct Hopf {}        |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1 }
@@ -239,12 +117,12 @@ impl Scene<(), (), One, 0> {
     /// So many free bodies of unit mass, to be linked or left free.
     ///
     /// ```
-    /// # use rattle_core::{scene::Scene, state::State, rattle::Rattle};
+    /// # use rattle::{Scene, State, Rattle};
     /// let free = Scene::points(2);
     /// let mut simulation = free.simulate(State::of([[0.0], [1.0]]).moving([2.0]), Rattle::new(0.5))?;
     /// simulation.run(2)?;
     /// assert_eq!(simulation.positions().map(|q| q.x).collect::<Vec<_>>(), [2.0, 3.0]);
-    /// # Ok::<(), rattle_core::error::Error>(())
+    /// # Ok::<(), rattle::Error>(())
     /// ```
     #[must_use]
     pub fn points<const D: usize>(number: usize) -> Scene<Network<D>, (), Many, D> {
@@ -254,7 +132,7 @@ impl Scene<(), (), One, 0> {
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// This many particles, each under its own copy of the constraint. From eight on they go several at a time where the
-    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::lanes) of their own, and in
+    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::number::lanes) of their own, and in
     /// half to a fourth of the time.
     pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.particles(number), effects: self.effects, count: Many(number) }
@@ -300,7 +178,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
     /// The same scene with links that change with time: the last variable of `constraint` is the time t.
     ///
-    /// Such a constraint does work, see [`Simulation::work`]; momenta must satisfy G v = −∂g/∂t.
+    /// Such a constraint does work, see [`Simulation::work`](crate::run::simulation::Simulation::work); momenta must satisfy G v = −∂g/∂t.
     pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
         constraint: G,
@@ -348,7 +226,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// matrix. Momenta are then p = M v.
     ///
     /// Potentials do not know masses: weight in proportion to mass is `Gravity { g: 9.81 * mass }`, or
-    /// [`Over::each`](crate::effect::Over::each) where masses differ.
+    /// [`Over::each`](crate::kernel::over::Over::each) where masses differ.
     pub fn mass(self, mass: impl Into<Mass<D>>) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { masses: Masses::Each(mass.into()), ..network })
     }
@@ -359,7 +237,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| Network { masses: Masses::Listed(masses), ..network })
     }
 
-    /// The same scene with multipliers found in this way; see [`Linked::components`](crate::linked::Linked::components)
+    /// The same scene with multipliers found in this way; see [`Linked::components`](crate::systems::linked::Linked::components)
     /// for what is chosen otherwise.
     pub fn linear_algebra(self, algebra: LinearAlgebra) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { algebra, ..network })
@@ -397,7 +275,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
     /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a
     /// staggered method from momenta of the same time.
-    pub fn staggered<S: Stepper>(&self, state: &State<D>, method: &S) -> State<D> {
+    pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> State<D> {
         let mut state = state.clone();
         let forces = self.forces(&state.bodies);
         let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
@@ -410,95 +288,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         state
     }
 
-    /// A simulation of this scene from `start` by the method `stepper`.
-    ///
-    /// # Errors
-    /// [`Error::Start`] if a start is off the constraints, a momentum not tangent (beyond a relative
-    /// 1e-10, see [`crate::START_TOLERANCE`]), or a constraint singular there; see [`Self::project`].
-    #[allow(clippy::type_complexity, reason = "the one place where the types meet")]
-    pub fn simulate<S: Stepper>(
-        &self,
-        start: State<D>,
-        stepper: S,
-    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        check_step_size(stepper.step_size())?;
-        if !start.time.is_finite() {
-            return Err(Error::Time(start.time));
-        }
-        if let Some(momenta) = start.surplus_momenta {
-            return Err(Error::MomentumCount { bodies: start.len(), momenta });
-        }
-        if start.len() != self.count.number() {
-            return Err(Error::BodyCount { scene: self.count.number(), state: start.len() });
-        }
-        if let Some((what, member, body)) = self.effects.stray(start.len()) {
-            let bodies = start.len();
-            return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
-        }
-        let system = self.constraint.system(&self.effects, self.count, &start, &stepper)?;
-        stepper.check(system.equations())?;
-        if let Some(system) = system.refuses(stepper.need()) {
-            return Err(Error::CannotMove { method: stepper.name(), system });
-        }
-        self.check_forces(&start.bodies)?;
-        let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        match stepper.need() {
-            Need::Series => system.reserve_series(&mut bodies, stepper.stages()),
-            _ => system.reserve(&mut bodies, stepper.stages()),
-        }
-        bodies.room = vec![[0.0; D]; stepper.room() * self.count.number()];
-        let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
-        Ok(Simulation::new(system, self.count, bodies, clock, remembered, stepper))
-    }
-
-    /// Many trajectories of this scene, from these starts, by the same method; see [`Ensemble`].
-    ///
-    /// ```text
-    /// let mut ensemble = scene.ensemble(starts, Rattle::new(0.01))?;
-    /// ensemble.run(2000);
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::Trajectory`] says which start is refused, and why, as [`simulate`](Self::simulate) does.
-    pub fn ensemble<S: Stepper>(
-        &self,
-        starts: impl IntoIterator<Item = State<D>>,
-        stepper: S,
-    ) -> Result<Ensemble<D>, Error> {
-        self.ensemble_in(Double, starts, stepper)
-    }
-
-    /// The same with numbers of another [`Precision`] in lanes.
-    ///
-    /// # Errors
-    /// As [`ensemble`](Self::ensemble).
-    pub fn ensemble_in<P: Precision, S: Stepper>(
-        &self,
-        precision: P,
-        starts: impl IntoIterator<Item = State<D>>,
-        stepper: S,
-    ) -> Result<Ensemble<D>, Error> {
-        Ensemble::of(precision, self, starts, stepper, InstructionSet::widest())
-    }
-
-    fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {
+    /// Forces on these bodies.
+    pub(crate) fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {
         let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
         let mut forces = vec![Force::zero(); bodies.len()];
         self.effects.field::<f64>().evaluate(&positions, &mut forces);
         forces
-    }
-
-    fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies).iter().enumerate() {
-            let force = force.components();
-            if !force.iter().all(|f| f.is_finite()) {
-                let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
-                let field = self.effects.field::<f64>();
-                let effect = field.culprit(&positions, body).map_or("sum of effects", |(name, _)| name);
-                let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
-                return Err(Error::Start { body, cause });
-            }
-        }
-        Ok(())
     }
 }

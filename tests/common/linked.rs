@@ -77,7 +77,7 @@ pub fn random<const D: usize>(rng: &mut StdRng) -> [f64; D] {
 }
 
 /// The simulation at time t, after so many steps.
-pub fn after<Y: rattle::system::System<f64, D>, S: Stepper, const D: usize>(
+pub fn after<Y: rattle::system::System<f64, D>, S: Method, const D: usize>(
     simulate: impl Fn(f64) -> Result<Simulation<Y, S, D>, rattle::Error>,
     t: f64,
     steps: u32,

@@ -1,0 +1,92 @@
+//! A potential over chosen bodies, several at a time.
+
+use crate::effect::one::{Acting, Effect};
+use crate::kernel::functions::{Potential, PotentialKernel};
+use crate::kernel::over::Over;
+use crate::kernel::series::Order;
+use crate::number::lanes::Lane;
+use crate::number::real::Real;
+use std::array::from_fn;
+
+/// A potential of K = A·D variables over members of A bodies.
+#[derive(Debug, Clone)]
+pub struct Among<X, const K: usize, const A: usize> {
+    kernels: Vec<X>,
+    members: Vec<[usize; A]>,
+}
+
+impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, Among<(), K, A>>
+    for Over<P, A>
+{
+    type Acting<T: Real> = Among<P::Kernel<T>, K, A>;
+
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        const {
+            assert!(
+                K == A * D,
+                "a potential over A bodies has A times as many variables as a body coordinates"
+            )
+        };
+        Among { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
+    }
+
+    type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        from_fn(|i| Effect::<D, Among<(), K, A>>::acting(lane(i)))
+    }
+
+    fn stray(&self, bodies: usize) -> Option<(usize, usize)> {
+        let mut strays = self.members.iter().enumerate();
+        strays.find_map(|(i, member)| member.iter().find(|&&body| body >= bodies).map(|&body| (i, body)))
+    }
+}
+
+impl<X, const K: usize, const A: usize> Among<X, K, A> {
+    /// Each member's kernel and bodies, and its variables.
+    #[inline(always)]
+    fn each<'a, T: Real, const D: usize>(
+        &'a self,
+        positions: &'a [[T; D]],
+    ) -> impl Iterator<Item = (&'a X, &'a [usize; A], [T; K])> + 'a {
+        self.members.iter().enumerate().map(|(i, member)| {
+            let kernel = &self.kernels[if self.kernels.len() == 1 { 0 } else { i }];
+            (kernel, member, from_fn(|k| positions[member[k / D]][k % D]))
+        })
+    }
+}
+
+impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A: usize> Acting<T, D>
+    for Among<X, K, A>
+{
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        for (kernel, member, variables) in self.each(positions) {
+            let gradient = kernel.gradient(&variables);
+            for (a, &body) in member.iter().enumerate() {
+                forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
+            }
+        }
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        let energies = self.each(positions).map(|(kernel, _, variables)| kernel.value(&variables));
+        energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
+    }
+    fn series_blocks(&self, _: usize) -> Option<usize> {
+        Some(self.members.len() * X::SERIES?)
+    }
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for (kernel, member, variables) in self.each(positions) {
+            let gradient = kernel.gradient_series(&variables, order);
+            for (a, &body) in member.iter().enumerate() {
+                forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
+            }
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! A potential between every two bodies.
+
+use crate::effect::one::{Acting, Effect};
+use crate::effect::tiles;
+use crate::kernel::functions::{PairKernel, PairPotential};
+use crate::kernel::series::Order;
+use crate::kernel::series::blocks;
+#[cfg(doc)]
+use crate::number::instructions::InstructionSet;
+use crate::number::lanes::{Fused, Lane};
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, dot, sum};
+use std::array::from_fn;
+
+/// A potential between every two bodies.
+///
+/// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::number::lanes) of their own, where there are some bodies and
+/// the processor has fused multiply-add. Forces then differ by rounding from those of few bodies, or of a processor without it.
+#[derive(Debug, Clone, Copy)]
+pub struct BetweenPairs<K, L = K> {
+    kernel: K,
+    in_lanes: L,
+}
+
+impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
+    type Acting<T: Real> = BetweenPairs<P::Kernel<T>, P::Kernel<Fused<f64>>>;
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        BetweenPairs { kernel: self.kernel(), in_lanes: self.kernel() }
+    }
+
+    type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        from_fn(|i| Effect::<D, BetweenPairs<()>>::acting(lane(i)))
+    }
+}
+
+impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Acting<T, D>
+    for BetweenPairs<K, L>
+{
+    #[inline(always)]
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        if positions.len() >= tiles::MANY
+            && let (Some(positions), Some(forces)) = (T::doubles(positions), T::doubles_mut(forces))
+            && tiles::add_forces(&self.in_lanes, positions, forces)
+        {
+            return;
+        }
+        for i in 1..positions.len() {
+            let mut on_i = forces[i];
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                let pull = T::from_f64(-2.0) * self.kernel.slope(dot(&apart, &apart)); // −U′(r)/r
+                on_i = add_scaled(&on_i, pull, &apart);
+                forces[j] = add_scaled(&forces[j], -pull, &apart);
+            }
+            forces[i] = on_i;
+        }
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        let mut energy = T::from_f64(-0.0);
+        for i in 1..positions.len() {
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                energy = energy + self.kernel.value(dot(&apart, &apart));
+            }
+        }
+        energy
+    }
+    fn series_blocks(&self, bodies: usize) -> Option<usize> {
+        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + K::SERIES?))
+    }
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for i in 1..positions.len() {
+            for j in 0..i {
+                let apart = add_scaled(&positions[i], T::from_f64(-1.0), &positions[j]);
+                let mut own = order.take(blocks(2 * D));
+                let squares = (0..D).map(|d| own.square(d, apart[d]));
+                let s = squares.fold(T::from_f64(0.0), |sum, square| sum + square);
+                let slope = self.kernel.slope_series(s, order);
+                let pull: [T; D] = from_fn(|d| T::from_f64(-2.0) * own.product(D + d, apart[d], slope));
+                forces[i] = sum(&forces[i], &pull);
+                forces[j] = add_scaled(&forces[j], T::from_f64(-1.0), &pull);
+            }
+        }
+    }
+}

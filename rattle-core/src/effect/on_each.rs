@@ -1,0 +1,100 @@
+//! A potential on each body by itself.
+
+use crate::effect::one::{Acting, Effect};
+use crate::effect::swept::Swept;
+use crate::kernel::functions::{Potential, PotentialKernel};
+use crate::kernel::series::Order;
+use crate::number::lanes::{Lane, Lanes, side_by_side};
+use crate::number::real::Real;
+use crate::number::vector::add_scaled;
+use std::array::from_fn;
+
+/// A potential that acts on each body by itself.
+#[derive(Debug, Clone, Copy)]
+pub struct OnEach<K>(K);
+
+impl<P: Potential<D>, const D: usize> Effect<D, OnEach<()>> for P {
+    type Acting<T: Real> = OnEach<P::Kernel<T>>;
+    fn acting<T: Real>(&self) -> Self::Acting<T> {
+        OnEach(self.kernel())
+    }
+
+    type Swept<S: Lane, const L: usize> = OnEachLane<P, S, L, D>;
+    fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
+    where
+        Self: 'a,
+    {
+        OnEachLane::new(lane)
+    }
+}
+
+impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<K> {
+    #[inline(always)]
+    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+        for (q, force) in positions.iter().zip(forces) {
+            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient(q));
+        }
+    }
+    #[inline(always)]
+    fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
+        let gradient = self.0.gradient(q);
+        from_fn(|d| if K::ACTS_ALONG[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
+    }
+    fn energy(&self, positions: &[[T; D]]) -> T {
+        positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
+    }
+    fn series_blocks(&self, bodies: usize) -> Option<usize> {
+        Some(bodies * K::SERIES?)
+    }
+    #[inline(always)]
+    fn add_series<const FIRST: bool>(
+        &self,
+        positions: &[[T; D]],
+        forces: &mut [[T; D]],
+        order: &mut Order<'_, T, FIRST>,
+    ) {
+        for (q, force) in positions.iter().zip(forces) {
+            *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient_series(q, order));
+        }
+    }
+}
+
+/// A potential on the body of each lane: the kernel whose numbers are lanes.
+#[derive(Debug)]
+pub struct OnEachLane<P: Potential<D>, S: Lane, const L: usize, const D: usize>(P::Kernel<Lanes<S, L>>);
+
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> OnEachLane<P, S, L, D> {
+    pub(super) fn new<'a>(lane: impl Fn(usize) -> &'a P) -> Self
+    where
+        P: 'a,
+    {
+        Self(side_by_side(
+            |i| lane(i).kernel::<S>(),
+            |kernel, number| drop(P::map_kernel::<S, S>(kernel, number)),
+            |kernel, number| P::map_kernel(kernel, number),
+        ))
+    }
+}
+
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Clone for OnEachLane<P, S, L, D> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        Self(self.0.clone())
+    }
+}
+
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, D> for OnEachLane<P, S, L, D> {
+    type Lane = OnEach<P::Kernel<S>>;
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Self::Lane {
+        OnEach(P::map_kernel(&self.0, |number| number.0[lane]))
+    }
+    #[inline(always)]
+    fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
+        Swept::lane(self, lane).kick(q, c, p)
+    }
+    fn copy(&mut self, from: usize, to: usize) {
+        self.0 = P::map_kernel(&self.0, |number| number.copied(from, to));
+    }
+}

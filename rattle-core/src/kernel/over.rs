@@ -1,0 +1,38 @@
+//! A kernel, and the bodies that each copy of it is over.
+
+use std::any::type_name;
+
+/// A potential on chosen bodies, A at a time: its variables are the coordinates of a member's bodies in turn. Made by
+/// [`Potential::over`](crate::kernel::Potential::over).
+///
+/// ```text
+/// scene.with(Spring { stiffness: 9.0, length: 1.0 }.over([[0, 1], [1, 2]]))      // |a: [f64; 3], b: [f64; 3]| …
+/// scene.with(Over::each(masses.iter().enumerate().map(|(i, m)| (Gravity { g: 9.81 * m }, [i]))))
+/// ```
+#[derive(Debug, Clone)]
+pub struct Over<P, const A: usize> {
+    /// One for all members, or one for each.
+    pub(crate) potentials: Vec<P>,
+    pub(crate) members: Vec<[usize; A]>,
+}
+
+impl<P, const A: usize> Over<P, A> {
+    /// The same potential over these members.
+    pub fn new(potential: P, members: impl IntoIterator<Item = [usize; A]>) -> Self {
+        Self { potentials: vec![potential], members: members.into_iter().collect() }
+    }
+
+    /// Each member with a potential of its own.
+    pub fn each(pairs: impl IntoIterator<Item = (P, [usize; A])>) -> Self {
+        let (potentials, members) = pairs.into_iter().unzip();
+        Self { potentials, members }
+    }
+}
+
+/// The name of a type without paths; of a potential over bodies, that of the potential.
+pub(crate) fn short_name<P>() -> &'static str {
+    let name = type_name::<P>();
+    let name = name.split_once("effect::Over<").map_or(name, |(_, potential)| potential);
+    let name = name.split(',').next().unwrap_or(name);
+    name.split('<').next().and_then(|path| path.rsplit("::").next()).unwrap_or(name)
+}

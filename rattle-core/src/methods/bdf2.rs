@@ -1,0 +1,254 @@
+//! BDF2: the implicit two-step method of backward differences, on the equations of motion as they stand (index 3).
+//!
+//! ```text
+//! (3q′ − 4q + q₋)/(2h) = v′,   M (3v′ − 4v + v₋)/(2h) = f(q′) + G(q′)ᵀλ′,   g(q′) = 0
+//! ```
+//!
+//! Second order, with the first step by RATTLE. It damps: energy falls, slower with shorter steps. Constraints hold to rounding,
+//! their derivative G(q′) v′ = 0 only to second order. It is what general solvers of differential-algebraic equations do
+//! with a pendulum, and here to compare with.
+//!
+//! With the increments d = q − q₋, d′ = q′ − q, and β = 2h/3,
+//!
+//! ```text
+//! d′ = d/3 + β (4v − v₋)/3 + β² M⁻¹(f(q′) + G(q′)ᵀλ′)
+//! ```
+//!
+//! is iterated: forces and normals at the last q′, what is missing tangent to the constraint, q′ back onto it. That contracts
+//! like (h·κ·|v|)². The increment and the momentum before the last step are remembered.
+//!
+//! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, VII.3.
+
+use crate::error::StepFailure;
+use crate::methods::rattle;
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::iteration::Newton;
+use crate::motion::method::Method;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
+use std::array::from_fn;
+
+/// Iterations after which a step is given up; four to eight suffice where it is accurate.
+const MAX_ITERATIONS: usize = 100;
+/// Vectors per body: position and momentum at the start of the step, with what rounding took from the position, the
+/// increment sought, and what it is without the new forces.
+const ROOM: usize = 5;
+
+/// BDF2 with a constant step size.
+///
+/// ```
+/// use rattle::{Bdf2, Scene, State};
+///
+/// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Bdf2::new(0.5))?;
+/// simulation.run(4)?;
+/// assert!((simulation.position().x - 2.0).abs() < 1e-15);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bdf2 {
+    h: f64,
+}
+
+impl Bdf2 {
+    /// BDF2 with step size `h`, in the unit of time.
+    #[must_use]
+    pub fn new(h: f64) -> Self {
+        Self { h }
+    }
+}
+
+impl Method for Bdf2 {
+    /// Whether there was a step before, its increment d and the momentum before it, body by body.
+    type Memory<T: Real> = Vec<T>;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        2
+    }
+    fn name(&self) -> &'static str {
+        "BDF2"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self::new(h)
+    }
+    fn is_symmetric(&self) -> bool {
+        false
+    }
+    fn need(&self) -> Need {
+        Need::Differences
+    }
+    fn room(&self) -> usize {
+        ROOM
+    }
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Vec<T> {
+        vec![T::from_f64(0.0); 1 + 2 * D * bodies.q.as_ref().len()]
+    }
+
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let (begun, before) = memory.split_at_mut(1);
+        bodies.with_room(ROOM, |bodies, room| {
+            self.advance(system, bodies, room, &mut begun[0], before, witness)
+        })
+    }
+}
+
+impl Bdf2 {
+    fn advance<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        room: &mut [[T; D]],
+        begun: &mut T,
+        before: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let n = bodies.q.as_ref().len();
+        let (q, rest) = room.split_at_mut(n);
+        let (q_low, rest) = rest.split_at_mut(n);
+        let (p, rest) = rest.split_at_mut(n);
+        let (increment, free) = rest.split_at_mut(n);
+        q.copy_from_slice(bodies.q.as_ref());
+        q_low.copy_from_slice(bodies.q_low.as_ref());
+        p.copy_from_slice(bodies.p.as_ref());
+
+        let first = begun.lanes().any(|begun| begun == 0.0);
+        if first {
+            rattle::step::<Newton, _, _, _, D>(self.h, &[], system, bodies, witness)?;
+            *begun = T::from_f64(1.0);
+        } else {
+            let beta = T::from_f64(2.0 * self.h / 3.0);
+            let (third, four_thirds) = (T::from_f64(1.0 / 3.0), T::from_f64(4.0 / 3.0));
+            // The first guess has the forces and normals of the start.
+            system.rates(bodies, increment, &mut ());
+            for body in 0..n {
+                let [d, p_before] = remembered(before, body);
+                let carried = add_scaled(&scaled(four_thirds, &p[body]), -third, &p_before);
+                bodies.p.as_mut()[body] = carried;
+                bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
+                let drift = system.velocity(bodies, body);
+                free[body] = add_scaled(&scaled(third, &d), beta, &drift);
+                bodies.p.as_mut()[body] = increment[body];
+                let push = system.velocity(bodies, body);
+                increment[body] = add_scaled(&free[body], beta * beta, &push);
+            }
+            self.solve(system, bodies, [q, q_low, increment, free], &mut Once(witness))?;
+            let (ahead, behind) = (T::from_f64(1.5 / self.h), T::from_f64(0.5 / self.h));
+            for body in 0..n {
+                let [d, _] = remembered(before, body);
+                let velocity = add_scaled(&scaled(ahead, &increment[body]), -behind, &d);
+                bodies.p.as_mut()[body] = system.momentum(body, &velocity);
+                bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
+            }
+        }
+        for (body, before) in before.chunks_exact_mut(2 * D).enumerate() {
+            let increment = moved(bodies, body, &q[body], &q_low[body]);
+            before[..D].copy_from_slice(&increment);
+            before[D..].copy_from_slice(&p[body]);
+        }
+        Ok(())
+    }
+
+    /// Iterates until positions no longer move; `increment` is then d′, and momenta are used up.
+    fn solve<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        [q, q_low, increment, free]: [&mut [[T; D]]; 4],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let beta = 2.0 * self.h / 3.0;
+        let (step, inverse) = (T::from_f64(beta), T::from_f64(1.0 / beta));
+        let mut last = f64::INFINITY;
+        for iteration in 1..=MAX_ITERATIONS {
+            for body in 0..q.len() {
+                // A momentum that tells how far a body goes, for what is too far.
+                let way = scaled(T::from_f64(1.0 / self.h), &increment[body]);
+                bodies.p.as_mut()[body] = system.momentum(body, &way);
+                (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =
+                    two_sum(&q[body], &sum(&q_low[body], &increment[body]));
+            }
+            system.project(self.h, bodies)?;
+            for body in 0..q.len() {
+                increment[body] = moved(bodies, body, &q[body], &q_low[body]);
+                let missing = scaled(inverse, &add_scaled(&free[body], T::from_f64(-1.0), &increment[body]));
+                bodies.p.as_mut()[body] = system.momentum(body, &missing);
+                bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
+            }
+            system.settle(beta, 2.0 * beta, bodies, witness)?;
+            let (mut worst, mut slowest) = (0.0, 0);
+            for body in 0..q.len() {
+                let shift = scaled(step, &system.velocity(bodies, body));
+                increment[body] = sum(&increment[body], &shift);
+                let size = largest(&q[body]).max(largest(&increment[body]));
+                let moves = largest(&shift).lanes().zip(size.lanes());
+                for (shift, size) in moves.filter(|&(shift, _)| shift != 0.0) {
+                    let roundings = shift / (f64::EPSILON * size);
+                    if roundings > worst || roundings.is_nan() {
+                        (worst, slowest) = (roundings, body);
+                    }
+                }
+            }
+            let contraction = worst / last;
+            let stalled = contraction >= 0.5 && worst <= 64.0;
+            if worst <= 1.0 / 16.0 || stalled {
+                for body in 0..q.len() {
+                    increment[body] = moved(bodies, body, &q[body], &q_low[body]);
+                }
+                return Ok(());
+            }
+            let hopeless = !worst.is_finite() || (iteration > 10 && contraction > 0.95);
+            if hopeless || iteration == MAX_ITERATIONS {
+                let cause = StepFailure::ImplicitNotSolved { h: self.h, iterations: iteration, left: worst };
+                return Err(Failure { body: slowest, cause });
+            }
+            last = worst;
+        }
+        Ok(()) // not reached: the last iteration returns
+    }
+}
+
+/// The increment of a body's last step, and its momentum before it.
+fn remembered<T: Real, const D: usize>(before: &[T], body: usize) -> [[T; D]; 2] {
+    let numbers = &before[2 * D * body..][..2 * D];
+    [from_fn(|i| numbers[i]), from_fn(|i| numbers[D + i])]
+}
+
+/// How far a body is from a place, with what rounding took from both.
+fn moved<T: Real, N: crate::motion::bodies::Count, X, const D: usize>(
+    bodies: &Bodies<N, T, X, D>,
+    body: usize,
+    q: &[T; D],
+    q_low: &[T; D],
+) -> [T; D] {
+    let high = add_scaled(&bodies.q.as_ref()[body], T::from_f64(-1.0), q);
+    sum(&high, &add_scaled(&bodies.q_low.as_ref()[body], T::from_f64(-1.0), q_low))
+}
+
+/// Hands on each multiplier for both ends of the step: there is one.
+struct Once<'a, W>(&'a mut W);
+
+impl<T: Copy, W: Witness<T>> Witness<T> for Once<'_, W> {
+    const LISTENS: bool = W::LISTENS;
+
+    fn position_multiplier(&mut self, _: usize, _: T) {}
+    fn momentum_multiplier(&mut self, equation: usize, mu: T) {
+        self.0.position_multiplier(equation, mu);
+        self.0.momentum_multiplier(equation, mu);
+    }
+}

@@ -1,0 +1,135 @@
+//! Compositions: methods of high order from steps of a symmetric one with well-chosen sizes.
+//!
+//! ```text
+//! Ψₕ = Φ_{γₛh} ∘ … ∘ Φ_{γ₁h},   γ_{s+1−i} = γᵢ,   Σγᵢ = 1,   Σγᵢ³ = 0 (order 4),   …
+//! ```
+//!
+//! A symmetric method of order 2 composed symmetrically stays symmetric, and symplectic if it was. Some γ are
+//! negative, and the limit h·κ·|v| < 1 holds for each |γᵢ|h.
+//!
+//! **Order conditions.** A symmetric method is exp(hY₁ + h³Y₃ + h⁵Y₅ + …) with Y₁ the exact motion and Yₖ that do not
+//! commute. The composition has order p if in
+//!
+//! ```text
+//! exp(Σₖ γ₁ᵏYₖ) ⋯ exp(Σₖ γₛᵏYₖ)
+//! ```
+//!
+//! every word Y_a Y_b ⋯ with a + b + ⋯ ≤ p that is not a power of Y₁ has the coefficient 0.
+//!
+//! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, III.1.3 and V.3.
+
+pub use crate::methods::coefficients::*;
+
+use crate::error::Error;
+use crate::methods::rattle::Rattle;
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+
+/// Steps of a symmetric method, by default RATTLE, of sizes γᵢh: together one step of size h.
+///
+/// ```
+/// # use rattle::composition::{Composition, KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
+/// # use rattle::Geodesic;
+/// let method = Composition::new(SUZUKI_1990_ORDER_4, 0.03);
+/// let other = Composition::of(Geodesic::new(0.1, 4), KAHAN_LI_1997_ORDER_8);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Composition<B = Rattle> {
+    base: B,
+    coefficients: Coefficients,
+}
+
+impl Composition {
+    /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
+    #[must_use]
+    pub fn new(coefficients: Coefficients, h: f64) -> Self {
+        Self::of(Rattle::new(h), coefficients)
+    }
+}
+
+impl<B: Method> Composition<B> {
+    /// `base` composed with these coefficients: γᵢ of its step in turn make one of the same length.
+    #[must_use]
+    pub fn of(base: B, coefficients: Coefficients) -> Self {
+        Self { base, coefficients }
+    }
+
+    /// Its coefficients.
+    pub fn coefficients(&self) -> Coefficients {
+        self.coefficients
+    }
+}
+
+impl<B: Method> Method for Composition<B> {
+    type Memory<T: Real> = B::Memory<T>;
+
+    fn step_size(&self) -> f64 {
+        self.base.step_size()
+    }
+    fn order(&self) -> u32 {
+        self.coefficients.order.max(self.base.order())
+    }
+    fn name(&self) -> &'static str {
+        self.coefficients.name
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { base: self.base.with_step(h), ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        self.base.is_symmetric()
+    }
+    fn rattle_steps(&self) -> Option<Vec<f64>> {
+        let of_each = self.coefficients.gammas.iter();
+        let of_each = of_each.map(|gamma| self.base.with_step(gamma * self.base.step_size()).rattle_steps());
+        Some(of_each.collect::<Option<Vec<_>>>()?.concat())
+    }
+    fn need(&self) -> Need {
+        self.base.need()
+    }
+    fn stages(&self) -> usize {
+        self.base.stages()
+    }
+    fn room(&self) -> usize {
+        self.base.room()
+    }
+    fn check(&self, equations: usize) -> Result<(), Error> {
+        let Coefficients { name, gammas, .. } = self.coefficients;
+        let sum: f64 = gammas.iter().sum();
+        let rounding = f64::EPSILON * gammas.iter().map(|gamma| gamma.abs()).sum::<f64>();
+        let adds_up = (sum - 1.0).abs() <= 8.0 * rounding; // false for NaN
+        if !(gammas.iter().eq(gammas.iter().rev()) && adds_up) {
+            return Err(Error::Coefficients { name, sum });
+        }
+        if !self.base.is_symmetric() {
+            return Err(Error::NeedsSymmetricMethod { what: name, method: self.base.name() });
+        }
+        self.base.check(equations)
+    }
+
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> B::Memory<T> {
+        self.base.memory(system, bodies)
+    }
+
+    #[inline(always)]
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for gamma in self.coefficients.gammas {
+            self.base.with_step(gamma * self.base.step_size()).step(system, bodies, memory, witness)?;
+        }
+        Ok(())
+    }
+}

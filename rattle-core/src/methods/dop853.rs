@@ -1,0 +1,296 @@
+//! DOP853: the explicit Runge–Kutta method of order 8 of Dormand and Prince, projected onto the constraints.
+//!
+//! ```text
+//! q̇ = M⁻¹p,   ṗ = f(q) + G(q)ᵀλ,   λ such that g̈ = 0
+//! q̂ = q + h Σ bᵢ q̇ᵢ,   p̂ = p + h Σ bᵢ ṗᵢ,   the rates at q + h Σⱼ aᵢⱼ q̇ⱼ and p + h Σⱼ aᵢⱼ ṗⱼ
+//! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
+//! ```
+//!
+//! Neither symplectic nor reversible: energy drifts. It is here to compare with, and for short runs: with a tolerance it is
+//! the cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided so that inner
+//! steps keep the tolerance; it is still a function of the state alone.
+//!
+//! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10; coefficients as
+//! published with their program.
+
+use crate::error::{Error, StepFailure};
+use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::method::{Method, check_step_size};
+use crate::motion::system::System;
+use crate::motion::witness::{AtEnd, Witness};
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
+
+/// Inner steps are made for this part of the error that just passes.
+const SAFETY: f64 = 0.9;
+/// An inner step is at least and at most so many times as long as the one before.
+const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
+/// The smallest part of a step that is tried.
+const SMALLEST_PART: f64 = 1e-6;
+/// Vectors per body: where the step began, and the rates at the stages.
+const ROOM: usize = 4 + 2 * STAGES;
+
+/// DOP853 with projection, of fixed steps or with a tolerance.
+///
+/// ```
+/// use rattle::{Dop853, Scene, State};
+///
+/// let start = State::at([0.0]).moving([1.0]);
+/// let mut simulation = Scene::point().simulate(start, Dop853::adaptive(0.5, 1e-12))?;
+/// simulation.run(4)?;
+/// assert!((simulation.position().x - 2.0).abs() < 1e-12);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dop853 {
+    h: f64,
+    tolerance: Option<f64>,
+}
+
+impl Dop853 {
+    /// The method with fixed steps of size `h`, in the unit of time. That a step is too long is noticed only where its end
+    /// cannot be brought back to the constraint.
+    #[must_use]
+    pub fn new(h: f64) -> Self {
+        Self { h, tolerance: None }
+    }
+
+    /// The method with steps of size `h`, each made of as many inner ones as keep the tolerance, a length: for each body
+    /// the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    #[must_use]
+    pub fn adaptive(h: f64, tolerance: f64) -> Self {
+        Self { h, tolerance: Some(tolerance) }
+    }
+}
+
+impl Method for Dop853 {
+    type Memory<T: Real> = [T; 0];
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        8
+    }
+    fn name(&self) -> &'static str {
+        if self.tolerance.is_some() { "DOP853, adaptive" } else { "DOP853" }
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h, ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        false
+    }
+    fn room(&self) -> usize {
+        ROOM
+    }
+    fn check(&self, _: usize) -> Result<(), Error> {
+        match self.tolerance {
+            Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => {
+                Err(Error::Tolerance(tolerance))
+            }
+            _ => check_step_size(self.h),
+        }
+    }
+
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        _: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let n = bodies.q.as_ref().len();
+        bodies.with_room(ROOM, |bodies, room| {
+            self.steps(system, bodies, room, witness)?;
+            if W::LISTENS {
+                system.rates(bodies, &mut room[..n], &mut AtEnd(witness));
+            }
+            Ok(())
+        })
+    }
+}
+
+impl Dop853 {
+    /// One step, or inner ones that make it up.
+    fn steps<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        room: &mut [[T; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let mut stages = Stages::begin(system, bodies, room, witness);
+        let Some(tolerance) = self.tolerance else {
+            stages.evaluate(system, bodies, self.h);
+            return stages.arrive(system, bodies, self.h);
+        };
+        let (mut left, mut inner) = (self.h, self.h);
+        loop {
+            let last = inner.abs() >= left.abs();
+            if last {
+                inner = left;
+            }
+            stages.evaluate(system, bodies, inner);
+            let (error, body) = stages.error(system, bodies, inner, self.h);
+            let fitting = SAFETY * (tolerance / error).powf(0.125); // NaN is the smallest
+            let fitting = fitting.max(CHANGE.0).min(CHANGE.1);
+            if error <= tolerance {
+                stages.arrive(system, bodies, inner)?;
+                if last {
+                    return Ok(());
+                }
+                left -= inner;
+                inner *= fitting;
+                stages = Stages::begin(system, bodies, room, &mut ());
+            } else {
+                if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
+                    let cause = StepFailure::StepsCollapse { inner, h: self.h, error, tolerance };
+                    return Err(Failure { body, cause });
+                }
+                inner *= fitting.min(SAFETY);
+            }
+        }
+    }
+}
+
+/// Where an inner step begins, and its rates q̇ and ṗ, stage by stage.
+struct Stages<'a, T, const D: usize> {
+    n: usize,
+    q: &'a mut [[T; D]],
+    q_low: &'a mut [[T; D]],
+    p: &'a mut [[T; D]],
+    p_low: &'a mut [[T; D]],
+    v: &'a mut [[T; D]],
+    f: &'a mut [[T; D]],
+    time: f64,
+    power: [T; STAGES],
+}
+
+impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
+    /// Begins where the bodies are, with the first stage.
+    fn begin<Y: System<T, D>, W: Witness<T>>(
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        room: &'a mut [[T; D]],
+        witness: &mut W,
+    ) -> Self {
+        let n = bodies.q.as_ref().len();
+        let (q, rest) = room.split_at_mut(n);
+        let (q_low, rest) = rest.split_at_mut(n);
+        let (p, rest) = rest.split_at_mut(n);
+        let (p_low, rest) = rest.split_at_mut(n);
+        let (v, f) = rest.split_at_mut(STAGES * n);
+        q.copy_from_slice(bodies.q.as_ref());
+        q_low.copy_from_slice(bodies.q_low.as_ref());
+        p.copy_from_slice(bodies.p.as_ref());
+        p_low.copy_from_slice(bodies.p_low.as_ref());
+        let power = [T::from_f64(0.0); STAGES];
+        let mut stages = Self { n, q, q_low, p, p_low, v, f, time: bodies.time, power };
+        stages.rates(system, bodies, 0, witness);
+        stages
+    }
+
+    /// The rates at the bodies' places and momenta.
+    fn rates<Y: System<T, D>, W: Witness<T>>(
+        &mut self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        stage: usize,
+        witness: &mut W,
+    ) {
+        self.power[stage] = system.rates(bodies, &mut self.f[stage * self.n..][..self.n], witness);
+        for body in 0..self.n {
+            self.v[stage * self.n + body] = system.velocity(bodies, body);
+        }
+    }
+
+    /// Σ cⱼ of the rates of a body, q̇ and ṗ.
+    fn combined(&self, weights: &[(usize, f64)], body: usize) -> ([T; D], [T; D]) {
+        let zero = [T::from_f64(0.0); D];
+        weights.iter().fold((zero, zero), |(v, f), &(stage, weight)| {
+            let (at, weight) = (stage * self.n + body, T::from_f64(weight));
+            (add_scaled(&v, weight, &self.v[at]), add_scaled(&f, weight, &self.f[at]))
+        })
+    }
+
+    /// The stages of an inner step h, from the second one on.
+    fn evaluate<Y: System<T, D>>(
+        &mut self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        h: f64,
+    ) {
+        let step = T::from_f64(h);
+        for stage in 1..STAGES {
+            for body in 0..self.n {
+                let (v, f) = self.combined(STEPS[stage], body);
+                bodies.q.as_mut()[body] = sum(&self.q[body], &add_scaled(&self.q_low[body], step, &v));
+                bodies.p.as_mut()[body] = sum(&self.p[body], &add_scaled(&self.p_low[body], step, &f));
+            }
+            bodies.time = self.time + h * NODES[stage];
+            system.refresh(bodies);
+            self.rates(system, bodies, stage, &mut ());
+        }
+    }
+
+    /// The estimated error of an inner step, the largest of all bodies and lanes, and of which body; NaN if it is none.
+    /// The momenta of `bodies` are used up.
+    fn error<Y: System<T, D>>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        h: f64,
+        whole: f64,
+    ) -> (f64, usize) {
+        let mut worst = (0.0, 0);
+        for body in 0..self.n {
+            let mut length = |weights| {
+                let (v, f) = self.combined(weights, body);
+                bodies.p.as_mut()[body] = f;
+                let change = system.velocity(bodies, body);
+                T::from_f64(h.abs())
+                    * (dot(&v, &v).sqrt() + T::from_f64(whole.abs()) * dot(&change, &change).sqrt())
+            };
+            let (fifth, third) = (length(ERROR_5), length(ERROR_3));
+            for (fifth, third) in fifth.lanes().zip(third.lanes()) {
+                // Of eighth order in h, as the method.
+                let error = if fifth == 0.0 { 0.0 } else { fifth * fifth / fifth.hypot(0.1 * third) };
+                if error > worst.0 || error.is_nan() {
+                    worst = (error, body);
+                }
+            }
+        }
+        worst
+    }
+
+    /// Takes the bodies to the end of the inner step and onto the constraints.
+    fn arrive<Y: System<T, D>>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        h: f64,
+    ) -> Result<(), Failure> {
+        let step = T::from_f64(h);
+        for body in 0..self.n {
+            let (v, f) = self.combined(WEIGHTS, body);
+            let finite = dot(&v, &v).lanes().chain(dot(&f, &f).lanes()).all(f64::is_finite);
+            if !finite {
+                return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
+            }
+            let (increment, impulse) = (scaled(step, &v), scaled(step, &f));
+            (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =
+                two_sum(&self.q[body], &sum(&self.q_low[body], &increment));
+            (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) =
+                two_sum(&self.p[body], &sum(&self.p_low[body], &impulse));
+        }
+        for &(stage, weight) in WEIGHTS {
+            bodies.work = bodies.work + T::from_f64(h * weight) * self.power[stage];
+        }
+        bodies.time = self.time + h;
+        system.project(h, bodies)?;
+        system.settle(0.0, h, bodies, &mut ())
+    }
+}

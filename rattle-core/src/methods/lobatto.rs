@@ -1,0 +1,111 @@
+//! Lobatto IIIA–IIIB: symplectic, symmetric collocation of order 2s − 2 with s stages, for constrained motion.
+//!
+//! ```text
+//! Qᵢ = q + h cᵢ M⁻¹p + h² Σⱼ aᵢⱼ M⁻¹(f(Qⱼ) + G(Qⱼ)ᵀλⱼ)      0 = g(Qᵢ),   i = 2 … s,   Q₁ = q
+//! p′ = p + h Σⱼ bⱼ (f(Qⱼ) + G(Qⱼ)ᵀλⱼ)                        λₛ such that G(q′) M⁻¹p′ = 0,   q′ = Qₛ
+//! ```
+//!
+//! aᵢⱼ is the product of the two matrices; two stages are RATTLE. From errors of 1e-4 on this costs several times less
+//! than a composition of RATTLE, and takes steps a few times as long.
+//!
+//! Source: L. Jay, SIAM J. Numer. Anal. 33 (1996) 368; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
+//! VII.1.4.
+
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::guess::{Extrapolated, FromState, Guess};
+use crate::motion::method::Method;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::table::Tabulated;
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+
+/// Lobatto IIIA–IIIB of 2 to 9 stages with a constant step size. Five, order 8, serve most uses.
+///
+/// ```
+/// # use rattle::{Lobatto, Method};
+/// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
+/// ```
+///
+/// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is then
+/// a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before lead to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobatto<const S: usize, G = FromState> {
+    h: f64,
+    guess: G,
+}
+
+impl<const S: usize> Lobatto<S> {
+    // The bound stands here, for only then the compiler tells a wrong number of stages in the words of `Tabulated`.
+    /// The method with step size `h`, in the unit of time.
+    #[must_use]
+    pub fn new(h: f64) -> Self
+    where
+        Table<S>: Tabulated,
+    {
+        Self { h, guess: FromState }
+    }
+
+    /// The same method, its iteration begun with the polynomial through the stages of the step before: fewer iterations
+    /// where steps are short, and the same motion to rounding. A state taken from a simulation carries the stages.
+    ///
+    /// ```
+    /// # use rattle::{guess::Extrapolated, Lobatto};
+    /// let method = Lobatto::<5>::new(0.02).guess(Extrapolated);
+    /// ```
+    #[must_use]
+    pub fn guess(self, guess: Extrapolated) -> Lobatto<S, Extrapolated> {
+        Lobatto { h: self.h, guess }
+    }
+}
+
+impl<const S: usize, G: Guess> Method for Lobatto<S, G>
+where
+    Table<S>: Tabulated,
+{
+    type Memory<T: Real> = G::Memory<T>;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        u32::try_from(2 * S - 2).unwrap_or(u32::MAX)
+    }
+    fn name(&self) -> &'static str {
+        Table::<S>::NAME
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h, ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    fn need(&self) -> Need {
+        Need::Stages
+    }
+    fn stages(&self) -> usize {
+        S
+    }
+
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> G::Memory<T> {
+        // Whether there was a step; f + Gᵀλ and λ of its stages.
+        G::room(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
+    }
+
+    #[inline(always)]
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        system.collocate(&Table::<S>::TABLE, self.h, bodies, memory, witness)
+    }
+}

@@ -1,0 +1,16 @@
+//! The maps that take bodies one step on. A method knows no system.
+
+pub mod bdf2;
+mod coefficients;
+pub mod composition;
+pub mod dop853;
+pub mod dop853_table;
+pub mod geodesic;
+pub mod leapfrog;
+pub mod lobatto;
+pub mod position_verlet;
+pub mod rattle;
+pub mod shake;
+pub mod symplectic_euler;
+pub mod taylor;
+pub mod variable;

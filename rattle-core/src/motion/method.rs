@@ -1,0 +1,117 @@
+//! What a method is: a map that takes all bodies one step on. Which method moves which system:
+//!
+//! | method | surfaces | free bodies | links | links that move | acting links | rigid bodies | phase space |
+//! |---|---|---|---|---|---|---|---|
+//! | `Rattle`, and compositions of it | yes | yes | yes | yes | yes | yes | yes |
+//! | `Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler` | yes | yes | yes | yes | yes | yes | – |
+//! | `Lobatto` | yes | yes | yes | yes | – | – | – |
+//! | `Leapfrog` | – | yes | – | – | – | yes | – |
+//! | `Dop853` | yes | yes | yes | yes | yes | yes | – |
+//! | `Taylor` | yes | yes | yes | yes | yes | yes | – |
+//! | `Bdf2` | yes | yes | yes | – | yes | – | – |
+//!
+//! Others are refused before a run, see [`Need`].
+
+use crate::error::Error;
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+use std::fmt::Debug;
+
+/// A method: a map of the bodies, and of what the method remembers.
+///
+/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a law
+/// of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation, put back
+/// bit for bit when a step fails, and part of a [`State`](crate::motion::state::State) taken from it.
+pub trait Method: Clone + Send + Sync + 'static {
+    /// The numbers carried from step to step: `[T; 0]` for a one-step method.
+    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
+
+    /// The time that one step takes; negative to run backwards.
+    fn step_size(&self) -> f64;
+    /// The order p: errors fall like hᵖ.
+    fn order(&self) -> u32;
+    /// The method's name, as in the literature.
+    fn name(&self) -> &'static str;
+
+    /// The same method with another step size, which may be negative.
+    #[must_use]
+    fn with_step(&self, h: f64) -> Self;
+    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1, with nothing remembered: what
+    /// [compositions](crate::methods::composition) are made of.
+    fn is_symmetric(&self) -> bool;
+
+    /// How much later than positions momenta are, negative if earlier; 0 but for staggered methods. Only momenta of the
+    /// same time can be, and are, those of motion along the constraints.
+    fn momentum_delay(&self) -> f64 {
+        0.0
+    }
+
+    /// The lengths of the RATTLE steps that one step consists of, if it does: such methods go in the lanes of an
+    /// [ensemble](crate::run::ensemble), and make sense in [phase space](crate::systems::phase).
+    fn rattle_steps(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// What the method asks of a system, which may refuse it before the run.
+    fn need(&self) -> Need {
+        Need::Verbs
+    }
+
+    /// Stages of a collocation method, or coefficients of a power series, for which a system makes room.
+    fn stages(&self) -> usize {
+        0
+    }
+
+    /// Vectors per body that a step writes to [`Bodies::room`].
+    fn room(&self) -> usize {
+        0
+    }
+
+    /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.
+    fn parameters(&self) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _system: &Y,
+        _bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+    ) -> Self::Memory<T> {
+        Self::Memory::default()
+    }
+
+    /// How long the step was that left this memory; none if each is of the step size, and the time steps × h.
+    fn time_taken<T: Real>(&self, _memory: &[T]) -> Option<T> {
+        None
+    }
+
+    /// Whether the method makes sense for a system with so many equations, asked once before a run.
+    ///
+    /// # Errors
+    /// [`Error::StepSize`] for a step size that is zero or not finite.
+    fn check(&self, _equations: usize) -> Result<(), Error> {
+        check_step_size(self.step_size())
+    }
+
+    /// Takes `bodies` one step on, and `memory` with them. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// Says which body cannot be moved and why; `bodies` and `memory` are then left half way.
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+}
+
+/// Refuses a step size that is zero or not finite.
+pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
+    if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
+}

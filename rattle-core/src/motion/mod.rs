@@ -1,0 +1,15 @@
+//! The contract between systems and methods: neither knows the other, both know what stands here.
+
+pub mod bodies;
+pub mod failure;
+pub mod guess;
+pub mod hold;
+pub mod iteration;
+pub mod method;
+pub mod need;
+pub mod start;
+pub mod state;
+pub mod system;
+pub mod table;
+mod tables;
+pub mod witness;

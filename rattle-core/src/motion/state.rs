@@ -1,0 +1,138 @@
+//! Positions and momenta, as a user gives and gets them.
+
+use crate::motion::bodies::Body;
+use crate::motion::method::Method;
+use nalgebra::SVector;
+use std::any::type_name;
+
+/// What a method remembered, and whose memory it is.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Remembered {
+    /// Type, name, step size and parameters of the method.
+    whose: (&'static str, &'static str, f64, Vec<f64>),
+    numbers: Box<[f64]>,
+}
+
+fn identity<S: Method>(method: &S) -> (&'static str, &'static str, f64, Vec<f64>) {
+    (type_name::<S>(), method.name(), method.step_size(), method.parameters())
+}
+
+impl Remembered {
+    /// None for a method that remembers nothing.
+    pub(crate) fn of(method: &impl Method, numbers: &[f64]) -> Option<Self> {
+        (!numbers.is_empty()).then(|| Self { whose: identity(method), numbers: numbers.into() })
+    }
+
+    /// The numbers, if they are the memory of this method with this step size and these parameters.
+    pub(crate) fn by(&self, method: &impl Method) -> Option<&[f64]> {
+        (self.whose == identity(method)).then_some(&self.numbers)
+    }
+}
+
+/// Positions and momenta of all bodies, each with `D` coordinates.
+///
+/// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
+/// took from positions and momenta, and what the method remembered: a simulation started from it by the same method goes on
+/// bit for bit. Other momenta or another method start anew.
+///
+/// ```
+/// use rattle::State;
+///
+/// let one = State::at([0.0, 0.0, 1.0]).moving([1.0, 0.0, 0.0]);
+/// let two = State::of([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]); // at rest
+/// assert_eq!((one.len(), two.len()), (1, 2));
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct State<const D: usize> {
+    pub(crate) bodies: Vec<Body<f64, D>>,
+    /// The time of the start, and what rounding took from it; matters to moving constraints.
+    pub(crate) time: f64,
+    pub(crate) time_low: f64,
+    pub(crate) remembered: Option<Remembered>,
+    /// How many momenta were given, if more than there are bodies.
+    pub(crate) surplus_momenta: Option<usize>,
+}
+
+impl<const D: usize> State<D> {
+    /// Whether momenta must be along the constraints: not where a method has them at another time than positions, or goes
+    /// on from its own state.
+    pub(crate) fn must_be_tangent(&self, method: &impl Method) -> bool {
+        let goes_on = self.remembered.as_ref().is_some_and(|remembered| remembered.by(method).is_some());
+        method.momentum_delay() == 0.0 && !goes_on
+    }
+
+    /// One body at rest at `position`.
+    #[must_use]
+    pub fn at(position: impl Into<SVector<f64, D>>) -> Self {
+        Self::of([position])
+    }
+
+    /// Bodies at rest at these positions.
+    #[must_use]
+    pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
+        let zero = [0.0; D];
+        let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
+        let bodies = positions.into_iter().map(at_rest).collect();
+        Self { bodies, time: 0.0, time_low: 0.0, remembered: None, surplus_momenta: None }
+    }
+
+    /// The same, every body with this momentum.
+    #[must_use]
+    pub fn moving(mut self, momentum: impl Into<SVector<f64, D>>) -> Self {
+        let p = momentum.into().into();
+        for body in &mut self.bodies {
+            (body.p, body.p_low) = (p, [0.0; D]);
+        }
+        self.remembered = None;
+        self
+    }
+
+    /// The same, with these momenta in turn; bodies beyond the last one keep theirs. More momenta than bodies are
+    /// refused when the simulation is made.
+    #[must_use]
+    pub fn with_momenta<P: Into<SVector<f64, D>>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
+        let mut momenta = momenta.into_iter();
+        for (body, p) in self.bodies.iter_mut().zip(&mut momenta) {
+            (body.p, body.p_low) = (p.into().into(), [0.0; D]);
+        }
+        self.remembered = None;
+        let surplus = momenta.count();
+        self.surplus_momenta = (surplus > 0).then_some(self.bodies.len() + surplus);
+        self
+    }
+
+    /// The same at this time; a start is at time 0 if nothing is said.
+    #[must_use]
+    pub fn at_time(mut self, time: f64) -> Self {
+        (self.time, self.time_low) = (time, 0.0);
+        self
+    }
+
+    /// Its time.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The number of bodies.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Whether there is no body.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// The positions in turn.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.iter().map(|body| body.q.into())
+    }
+
+    /// The momenta in turn.
+    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.iter().map(|body| body.p.into())
+    }
+}

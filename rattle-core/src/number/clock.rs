@@ -1,0 +1,23 @@
+//! Times that are sums: each with what rounding took from it.
+
+use crate::number::vector::two_sum;
+
+/// How long so many steps of length h take, and what rounding took from that.
+#[allow(clippy::cast_precision_loss, reason = "exact up to 2⁵³ steps")]
+pub(crate) fn passed(steps: u64, h: f64) -> (f64, f64) {
+    let passed = steps as f64 * h;
+    (passed, (steps as f64).mul_add(h, -passed))
+}
+
+/// The time so many steps after another.
+pub(crate) fn after_steps(start: (f64, f64), steps: u64, h: f64) -> (f64, f64) {
+    later(start, passed(steps, h))
+}
+
+/// A time and what rounding took from it, and another, added.
+#[inline(always)]
+pub(crate) fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
+    let ([high], [low]) = two_sum(&[time.0], &[passed.0]);
+    let ([high], [low]) = two_sum(&[high], &[low + (time.1 + passed.1)]);
+    (high, low)
+}

@@ -1,0 +1,8 @@
+//! Numbers: scalars, several of them side by side, and the instructions that move them. Knows nothing of mechanics.
+
+pub mod clock;
+mod functions;
+pub mod instructions;
+pub mod lanes;
+pub mod real;
+pub(crate) mod vector;

@@ -1,0 +1,54 @@
+//! Arithmetic on `[T; D]`, the form in which kernels see points and vectors.
+
+use crate::number::real::Real;
+use std::array::from_fn;
+
+/// a·b, summed from the first component on.
+#[inline(always)]
+pub(crate) fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let mut sum = a[0] * b[0];
+    for i in 1..D {
+        sum = a[i].multiply_add(b[i], sum);
+    }
+    sum
+}
+
+/// a + c b.
+#[inline(always)]
+pub(crate) fn add_scaled<T: Real, const D: usize>(a: &[T; D], c: T, b: &[T; D]) -> [T; D] {
+    from_fn(|i| c.multiply_add(b[i], a[i]))
+}
+
+/// c a.
+#[inline(always)]
+pub(crate) fn scaled<T: Real, const D: usize>(c: T, a: &[T; D]) -> [T; D] {
+    from_fn(|i| c * a[i])
+}
+
+/// a + b.
+#[inline(always)]
+pub(crate) fn sum<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+    from_fn(|i| a[i] + b[i])
+}
+
+/// maxᵢ |aᵢ|.
+#[inline(always)]
+pub(crate) fn largest<T: Real, const D: usize>(a: &[T; D]) -> T {
+    let mut largest = a[0].abs();
+    for component in &a[1..] {
+        largest = largest.max(component.abs());
+    }
+    largest
+}
+
+/// (fl(a + b), a + b − fl(a + b)) in every component: exact, whatever the sizes (Knuth 1969).
+#[inline(always)]
+pub(crate) fn two_sum<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> ([T; D], [T; D]) {
+    let high: [T; D] = from_fn(|i| a[i] + b[i]);
+    let low = from_fn(|i| {
+        let b_part = high[i] - a[i];
+        let a_part = high[i] - b_part;
+        (a[i] - a_part) + (b[i] - b_part)
+    });
+    (high, low)
+}

@@ -1,0 +1,81 @@
+//! A trajectory that is moved by itself, as a simulation.
+
+use crate::error::Error;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::motion::system::System;
+use crate::number::instructions::InstructionSet;
+use crate::run::ensemble::group::Group;
+use crate::run::ensemble::look::Watched;
+use crate::run::ensemble::look::{Onlooker, Page};
+use crate::run::ensemble::sight::Energies;
+use crate::run::simulation::Simulation;
+use nalgebra::SVector;
+
+/// A simulation by itself.
+pub(crate) struct Alone<Y: System<f64, D>, S: Method, const D: usize> {
+    simulation: Simulation<Y, S, D>,
+    failure: Option<Error>,
+    moving: [bool; 1],
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Alone<Y, S, D> {
+    pub(crate) fn new(simulation: Simulation<Y, S, D>) -> Self {
+        Self { simulation, failure: None, moving: [true] }
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
+    fn run(&mut self, steps: u64, set: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
+        let end = self.simulation.steps().saturating_add(steps);
+        while self.failure.is_none() && self.simulation.steps() < end {
+            let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
+            self.failure = self.simulation.run(stop - self.simulation.steps()).err();
+            self.moving = [self.failure.is_none()];
+            if let Some(onlooker) = &mut onlooker
+                && self.simulation.steps() == onlooker.next
+            {
+                self.look(onlooker.now.page(), set);
+                onlooker.show(self);
+            }
+        }
+    }
+
+    fn retry(&mut self, halvings: u32) {
+        self.simulation.halve(halvings);
+    }
+
+    fn state(&self, _: usize) -> State<D> {
+        self.simulation.state()
+    }
+
+    fn failure(&self, _: usize) -> Option<&Error> {
+        self.failure.as_ref()
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D> {
+    fn len(&self) -> usize {
+        1
+    }
+
+    fn bodies(&self) -> usize {
+        self.simulation.len()
+    }
+
+    fn look(&self, page: Page<'_, D>, _: InstructionSet) {
+        page.times[0] = self.simulation.time();
+        page.positions.iter_mut().zip(self.simulation.positions()).for_each(|(place, q)| *place = q);
+        page.momenta.iter_mut().zip(self.simulation.momenta()).for_each(|(place, p)| *place = p);
+    }
+
+    fn moving(&self) -> &[bool] {
+        &self.moving
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Energies<D> for Alone<Y, S, D> {
+    fn energies(&self, _: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
+        self.simulation.energies_at(positions, momenta)
+    }
+}

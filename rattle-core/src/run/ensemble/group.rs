@@ -1,0 +1,19 @@
+//! Trajectories that are moved on together.
+
+use crate::error::Error;
+use crate::motion::state::State;
+use crate::number::instructions::InstructionSet;
+use crate::run::ensemble::look::{Onlooker, Watched};
+
+/// Some trajectories of an ensemble.
+pub trait Group<const D: usize>: Watched<D> + Send + Sync {
+    /// Takes so many steps, and shows the group to an onlooker when it is time; trajectories that fail rest where they were
+    /// before the step.
+    fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
+    /// Takes steps that cannot be taken in 2, 4, … 2^`halvings` parts.
+    fn retry(&mut self, halvings: u32);
+    /// The state of one.
+    fn state(&self, trajectory: usize) -> State<D>;
+    /// Why one goes on no more.
+    fn failure(&self, trajectory: usize) -> Option<&Error>;
+}

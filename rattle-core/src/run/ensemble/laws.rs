@@ -1,0 +1,99 @@
+//! What the trajectories of a block obey: all the same, or each with parameters of its own.
+
+use crate::effect::list::{Effects, Field};
+use crate::effect::swept::Swept;
+use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::number::lanes::{Lane, Lanes, side_by_side};
+use std::borrow::Borrow;
+
+/// What each lane obeys. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows, what the
+/// loop writes.
+pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
+    type Constraint: ConstraintKernel<S, D, 1>;
+    type Field: Field<S, D>;
+
+    fn constraint(&self, lane: usize) -> impl Borrow<Self::Constraint>;
+    fn field(&self, lane: usize) -> impl Borrow<Self::Field>;
+    /// p + c f, with the force f on the body of this lane.
+    fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D];
+    /// Has lane `to` obey what lane `from` does.
+    fn copy(&mut self, from: usize, to: usize);
+}
+
+/// The same for all lanes.
+#[derive(Clone)]
+pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
+
+impl<S: Lane, K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const D: usize> Laws<S, D> for Same<K, F> {
+    type Constraint = K;
+    type Field = F;
+
+    #[inline(always)]
+    fn constraint(&self, _: usize) -> impl Borrow<K> {
+        &self.0
+    }
+    #[inline(always)]
+    fn field(&self, _: usize) -> impl Borrow<F> {
+        &self.1
+    }
+    #[inline(always)]
+    fn kick(&self, _: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
+        self.1.kick(q, c, p)
+    }
+    fn copy(&mut self, _: usize, _: usize) {}
+}
+
+/// Each lane its own, as structures of arrays: kernels whose numbers are lanes.
+pub(crate) struct Each<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> {
+    constraint: C::Kernel<Lanes<S, L>>,
+    effects: E::Swept<S, L>,
+}
+
+impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> Each<C, E, S, L, D> {
+    /// Lane i obeys `lane(i)`.
+    pub(crate) fn new<'a>(lane: impl Fn(usize) -> (&'a C, &'a E)) -> Self
+    where
+        C: 'a,
+        E: 'a,
+    {
+        let constraint = side_by_side(
+            |i| lane(i).0.kernel::<S>(),
+            |kernel, number| drop(C::map_kernel::<S, S>(kernel, number)),
+            |kernel, number| C::map_kernel(kernel, number),
+        );
+        Self { constraint, effects: E::swept(|i| lane(i).1) }
+    }
+}
+
+impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> Clone
+    for Each<C, E, S, L, D>
+{
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        Self { constraint: self.constraint.clone(), effects: self.effects.clone() }
+    }
+}
+
+impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize> Laws<S, D>
+    for Each<C, E, S, L, D>
+{
+    type Constraint = C::Kernel<S>;
+    type Field = E::Field<S>;
+
+    #[inline(always)]
+    fn constraint(&self, lane: usize) -> impl Borrow<C::Kernel<S>> {
+        C::map_kernel(&self.constraint, |number| number.0[lane])
+    }
+    #[inline(always)]
+    fn field(&self, lane: usize) -> impl Borrow<E::Field<S>> {
+        self.effects.lane(lane)
+    }
+    #[inline(always)]
+    fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
+        self.effects.kick(lane, q, c, p)
+    }
+    fn copy(&mut self, from: usize, to: usize) {
+        self.constraint = C::map_kernel(&self.constraint, |number| number.copied(from, to));
+        self.effects.copy(from, to);
+    }
+}

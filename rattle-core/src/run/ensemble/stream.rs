@@ -1,0 +1,96 @@
+//! All trajectories of an ensemble, from time to time, for a consumer that works while the ensemble goes on.
+
+use crate::run::ensemble::look::Page;
+use crate::run::ensemble::trajectories::Ensemble;
+use nalgebra::SVector;
+use rayon::prelude::*;
+use std::sync::mpsc::sync_channel;
+
+/// An ensemble at a time.
+#[derive(Debug, Clone, Default)]
+pub struct Snapshot<const D: usize> {
+    /// Steps taken so far.
+    pub steps: u64,
+    /// Times of the trajectories in turn: starts may have times of their own, and who failed rests at the time of that.
+    pub times: Vec<f64>,
+    /// Positions of all bodies of all trajectories in turn.
+    pub positions: Vec<SVector<f64, D>>,
+    /// Momenta of the same.
+    pub momenta: Vec<SVector<f64, D>>,
+}
+
+/// Snapshots on the way; with more a slow consumer would fill the memory.
+const ON_THE_WAY: usize = 2;
+
+impl<const D: usize> Ensemble<D> {
+    /// Takes `steps` steps and gives a snapshot to `consume` after every `every` of them, on a thread of its own, while the
+    /// ensemble goes on; it waits only where `consume` is two snapshots behind. Trajectories that failed are where they
+    /// rest.
+    ///
+    /// # Errors
+    /// The first error of `consume`, after which no more steps are begun.
+    ///
+    /// # Panics
+    /// If `every` is 0, or `consume` does.
+    pub fn stream<X: Send>(
+        &mut self,
+        steps: u64,
+        every: u64,
+        mut consume: impl FnMut(&Snapshot<D>) -> Result<(), X> + Send,
+    ) -> Result<(), X> {
+        assert!(every > 0, "a snapshot is taken after every 1 or more steps");
+        let (full, to_consume) = sync_channel::<Snapshot<D>>(ON_THE_WAY);
+        let (empty, to_fill) = sync_channel::<Snapshot<D>>(ON_THE_WAY + 2);
+        std::thread::scope(|scope| {
+            let consumer = scope.spawn(move || {
+                for snapshot in to_consume {
+                    consume(&snapshot)?;
+                    empty.try_send(snapshot).ok(); // to be used again, if anybody still wants it
+                }
+                Ok(())
+            });
+            for part in (0..steps).step_by(usize::try_from(every).unwrap_or(usize::MAX)) {
+                self.run(every.min(steps - part));
+                if steps - part < every {
+                    break;
+                }
+                let mut snapshot = to_fill.try_recv().unwrap_or_default();
+                self.fill(&mut snapshot);
+                if full.send(snapshot).is_err() {
+                    break; // the consumer has ended, with an error
+                }
+            }
+            drop(full);
+            consumer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })
+    }
+
+    /// The present positions and momenta.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot<D> {
+        let mut snapshot = Snapshot::default();
+        self.fill(&mut snapshot);
+        snapshot
+    }
+
+    fn fill(&self, snapshot: &mut Snapshot<D>) {
+        let bodies = self.groups.first().map_or(0, |group| group.bodies()); // the same in all
+        let Snapshot { steps, times, positions, momenta } = snapshot;
+        *steps = self.steps;
+        times.resize(self.len, 0.0);
+        positions.resize(self.len * bodies, SVector::zeros());
+        momenta.resize(self.len * bodies, SVector::zeros());
+        let (mut times, mut positions, mut momenta) = (&mut times[..], &mut positions[..], &mut momenta[..]);
+        let mut pages = Vec::with_capacity(self.groups.len());
+        for group in &self.groups {
+            let (trajectories, all) = (group.len(), group.len() * bodies);
+            let page = Page {
+                times: times.split_off_mut(..trajectories).unwrap_or_default(),
+                positions: positions.split_off_mut(..all).unwrap_or_default(),
+                momenta: momenta.split_off_mut(..all).unwrap_or_default(),
+            };
+            pages.push((group, page));
+        }
+        pages.into_par_iter().for_each(|(group, page)| group.look(page, self.set));
+    }
+}

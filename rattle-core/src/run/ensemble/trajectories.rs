@@ -1,0 +1,339 @@
+//! Many independent trajectories, and what is done with all of them.
+
+use crate::number::instructions::InstructionSet;
+use crate::run::ensemble::look::Watched;
+use crate::run::ensemble::observe::Observer;
+use crate::run::ensemble::precision::{Double, InLanes, Precision};
+use crate::run::ensemble::side_by_side::GROUP;
+
+use crate::kernel::functions::Constraint;
+use crate::motion::hold::Surfaces;
+use crate::systems::surface::tiles::MOST_COORDINATES;
+
+use crate::effect::list::Effects;
+use crate::error::{Error, StartFailure};
+use crate::motion::bodies::Count;
+use crate::motion::hold::Hold;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::run::ensemble::alone::Alone;
+use crate::run::ensemble::group::Group;
+use crate::run::ensemble::look::{Onlooker, Seen};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use std::fmt;
+use std::marker::PhantomData;
+
+/// Many independent trajectories. Made by [`Scene::ensemble`](crate::scene::Scene::ensemble).
+///
+/// Work is spread over the threads of the [rayon](https://docs.rs/rayon) pool it is called in: all cores, unless
+/// `RAYON_NUM_THREADS` or a pool of your own says otherwise.
+pub struct Ensemble<const D: usize> {
+    pub(crate) groups: Vec<Box<dyn Group<D>>>,
+    /// The number of the first trajectory of each group.
+    first: Vec<usize>,
+    pub(crate) len: usize,
+    h: f64,
+    pub(crate) steps: u64,
+    pub(crate) set: InstructionSet,
+}
+
+impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
+    /// Many trajectories of this scene, from these starts, by the same method; see [`Ensemble`].
+    ///
+    /// ```text
+    /// let mut ensemble = scene.ensemble(starts, Rattle::new(0.01))?;
+    /// ensemble.run(2000);
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Trajectory`] says which start is refused, and why, as [`simulate`](Self::simulate) does.
+    pub fn ensemble<S: Method>(
+        &self,
+        starts: impl IntoIterator<Item = State<D>>,
+        method: S,
+    ) -> Result<Ensemble<D>, Error> {
+        self.ensemble_in(Double, starts, method)
+    }
+
+    /// The same with numbers of another [`Precision`] in lanes.
+    ///
+    /// # Errors
+    /// As [`ensemble`](Self::ensemble).
+    pub fn ensemble_in<P: Precision, S: Method>(
+        &self,
+        precision: P,
+        starts: impl IntoIterator<Item = State<D>>,
+        method: S,
+    ) -> Result<Ensemble<D>, Error> {
+        Ensemble::of(precision, self, starts, method, InstructionSet::widest())
+    }
+}
+
+impl<const D: usize> Ensemble<D> {
+    /// Trajectories of one scene, with these instructions (or those that every processor has, if this one does not have
+    /// them); see [`Scene::ensemble`].
+    ///
+    /// # Errors
+    /// As [`Scene::ensemble`].
+    pub fn of<P: Precision, C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method>(
+        _precision: P,
+        scene: &Scene<C, E, N, D>,
+        starts: impl IntoIterator<Item = State<D>>,
+        method: S,
+        set: InstructionSet,
+    ) -> Result<Self, Error> {
+        let trajectories = starts.into_iter().map(|start| (scene, start));
+        Self::assembled(P::MOST, trajectories, method, set, |scenes, starts, lanes| {
+            C::surfaces(&[&scenes[0].constraint], Alike(PhantomData::<P>, &scenes[0].effects, starts, lanes))?
+        })
+    }
+
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for all,
+    /// however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of effects over members.)
+    ///
+    /// ```text
+    /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
+    /// let mut ensemble = Ensemble::sweep(Double, scenes.iter().zip(starts), Rattle::new(0.01))?;
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Scene::ensemble`].
+    pub fn sweep<'a, P, C, E, N, S>(
+        _precision: P,
+        trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
+        method: S,
+    ) -> Result<Self, Error>
+    where
+        P: Precision,
+        C: Hold<D> + 'static,
+        E: Effects<D> + 'static,
+        N: Count + 'a,
+        S: Method,
+    {
+        Self::assembled(P::MOST, trajectories, method, InstructionSet::widest(), |scenes, starts, lanes| {
+            let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
+            let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
+            C::surfaces(&constraints, Different(PhantomData::<P>, &effects, starts, lanes))?
+        })
+    }
+
+    /// Checks all starts, and puts trajectories in lanes, a group after the other, where there are lanes for them.
+    #[allow(clippy::type_complexity, reason = "said once")]
+    fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Method>(
+        most: f64,
+        trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
+        method: S,
+        set: InstructionSet,
+        in_lanes: impl Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Option<Box<dyn Group<D>>>,
+    ) -> Result<Self, Error> {
+        let set = if set.is_present() { set } else { InstructionSet::Portable };
+        let h = method.step_size();
+        let lanes = method.rattle_steps().map(|lengths| InLanes { lengths, h, set });
+        let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
+        let mut trajectories = trajectories.into_iter();
+        loop {
+            let (mut scenes, mut starts, mut simulations) = (Vec::new(), Vec::new(), Vec::new());
+            for (scene, start) in trajectories.by_ref().take(GROUP) {
+                let trajectory = ensemble.len + scenes.len();
+                let simulation = match beyond(most, &start) {
+                    Some(error) => Err(error),
+                    None => scene.simulate(start.clone(), method.clone()),
+                };
+                let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
+                simulations.push(simulation.map_err(error)?);
+                starts.push(start);
+                scenes.push(scene);
+            }
+            if scenes.is_empty() {
+                return Ok(ensemble);
+            }
+            let single = starts.iter().all(|start| start.len() == 1);
+            let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
+            let alone =
+                || simulations.into_iter().map(|simulation| Box::new(Alone::new(simulation)) as _).collect();
+            for group in group.map_or_else(alone, |group| vec![group]) {
+                ensemble.first.push(ensemble.len);
+                ensemble.len += group.len();
+                ensemble.groups.push(group);
+            }
+        }
+    }
+
+    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts, that step of
+    /// that trajectory alone, as [`Simulation::retry`](crate::run::simulation::Simulation::retry) does; the others are not touched by
+    /// it. Where no step fails nothing changes. In parts a step takes some microseconds, as in a simulation.
+    ///
+    /// ```
+    /// # use rattle::{Scene, State, Rattle};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?.retry(6);
+    /// # ensemble.run(2);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[must_use]
+    pub fn retry(mut self, halvings: u32) -> Self {
+        self.groups.iter_mut().for_each(|group| group.retry(halvings));
+        self
+    }
+
+    /// Takes `steps` steps with every trajectory that can be moved.
+    pub fn run(&mut self, steps: u64) {
+        let set = self.set;
+        match &mut self.groups[..] {
+            [group] => group.run(steps, set, None), // without waking other threads
+            groups => groups.par_iter_mut().for_each(|group| group.run(steps, set, None)),
+        }
+        self.steps = self.steps.saturating_add(steps);
+    }
+
+    /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
+    /// again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
+    /// are left at different times.
+    ///
+    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is done
+    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::ensemble::Mean) of a height takes 1.9 steps
+    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](crate::run::ensemble::Sight::energy) a step more.
+    ///
+    /// ```
+    /// # use rattle::{Scene, State, Rattle, ensemble::{Mean, Sight}};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+    /// let speed = ensemble.observe(1000, 10, || Mean::of(|now: &Sight<'_, 1>| now.momentum().norm()));
+    /// assert_eq!((speed.number(), speed.mean()), (10_000, 49.5));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: impl Fn() -> O + Sync) -> O {
+        assert!(every > 0, "an ensemble is observed after every 1 or more steps");
+        let (set, next) = (self.set, self.steps.saturating_add(every));
+        let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
+            let (mut own, now) = (observer(), Seen::of(&**group, set));
+            let mut before = now.clone();
+            let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
+                let sights = before.sights(group, first).zip(now.sights(group, first));
+                for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
+                    own.see(&before, &now);
+                }
+                std::mem::swap(&mut before, now);
+            };
+            group.run(steps, set, Some(&mut Onlooker { next, every, now, show: &mut show }));
+            own
+        };
+        let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();
+        self.steps = self.steps.saturating_add(steps);
+        let mut all = observer();
+        observers.into_iter().for_each(|next| all.join(next));
+        all
+    }
+
+    /// How many trajectories there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Steps taken so far.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The instructions of trajectories that go in lanes.
+    #[must_use]
+    pub fn instruction_set(&self) -> InstructionSet {
+        self.set
+    }
+
+    fn group(&self, trajectory: usize) -> (&dyn Group<D>, usize) {
+        let group = self.first.partition_point(|&first| first <= trajectory) - 1;
+        (&*self.groups[group], trajectory - self.first[group])
+    }
+
+    /// The present state of a trajectory; of one that failed, its last.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    #[track_caller]
+    pub fn state(&self, trajectory: usize) -> State<D> {
+        assert!(trajectory < self.len, "trajectory {trajectory} of {}", self.len);
+        let (group, own) = self.group(trajectory);
+        group.state(own)
+    }
+
+    /// The states of all trajectories in turn.
+    pub fn states(&self) -> impl Iterator<Item = State<D>> + '_ {
+        self.groups.iter().flat_map(|group| (0..group.len()).map(|own| group.state(own)))
+    }
+
+    /// Why a trajectory goes on no more; none while it does.
+    #[must_use]
+    pub fn failure(&self, trajectory: usize) -> Option<&Error> {
+        if trajectory >= self.len {
+            return None;
+        }
+        let (group, own) = self.group(trajectory);
+        group.failure(own)
+    }
+
+    /// The trajectories that go on no more, and why.
+    pub fn failures(&self) -> impl Iterator<Item = (usize, &Error)> + '_ {
+        let groups = self.groups.iter().zip(&self.first);
+        groups.flat_map(|(group, &first)| {
+            (0..group.len()).filter_map(move |own| group.failure(own).map(|error| (first + own, error)))
+        })
+    }
+}
+
+/// Puts trajectories of one scene in lanes.
+struct Alike<'a, P, E, const D: usize>(PhantomData<P>, &'a E, &'a [State<D>], &'a InLanes);
+
+impl<P: Precision, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, P, E, D> {
+    type Found = Option<Box<dyn Group<D>>>;
+
+    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
+        let Self(_, effects, starts, lanes) = self;
+        (D <= MOST_COORDINATES).then(|| P::same((surfaces[0], effects), starts, lanes))
+    }
+}
+
+/// Puts trajectories in lanes, each in a scene of its own.
+struct Different<'a, P, E, const D: usize>(PhantomData<P>, &'a [&'a E], &'a [State<D>], &'a InLanes);
+
+impl<P: Precision, E: Effects<D> + 'static, const D: usize> Surfaces<D> for Different<'_, P, E, D> {
+    type Found = Option<Box<dyn Group<D>>>;
+
+    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
+        let Self(_, effects, starts, lanes) = self;
+        let scenes: Vec<_> = surfaces.iter().copied().zip(effects.iter().copied()).collect();
+        (D <= MOST_COORDINATES).then(|| P::each(&scenes, starts, lanes))
+    }
+}
+
+/// What is wrong with a start of which a number is larger than there are numbers.
+fn beyond<const D: usize>(most: f64, start: &State<D>) -> Option<Error> {
+    start.bodies.iter().enumerate().find_map(|(body, place)| {
+        [("position", place.q), ("momentum", place.p)].into_iter().find_map(|(quantity, numbers)| {
+            let component = numbers.iter().position(|x| x.abs() > most)?;
+            let cause = StartFailure::NotFinite { quantity, component, value: numbers[component] };
+            Some(Error::Start { body, cause })
+        })
+    })
+}
+
+impl<const D: usize> fmt::Debug for Ensemble<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Ensemble");
+        debug.field("trajectories", &self.len).field("step_size", &self.h).field("steps", &self.steps);
+        debug.field("instruction_set", &self.set).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,7 @@
+//! Who goes on: a simulation, or an ensemble of them; and who watches.
+
+pub mod ensemble;
+pub mod recorder;
+pub mod shadow;
+pub mod simulation;
+pub mod trajectory;

@@ -1,0 +1,133 @@
+//! Position equations of linked bodies by one matrix that is kept, that of the guess or that of the start: see
+//! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the step.
+
+use crate::motion::iteration::{Iteration, Kind};
+use crate::systems::linked::flight::{FAR_GUESS, Flight, LARGE_TURN, LEARNED, Landing, MAX_CORRECTIONS};
+use crate::systems::linked::kept::{Counts, Room};
+use crate::systems::network::solver::Solver;
+
+/// Residuals of a matrix that is kept must shrink at least like this.
+const SLOWEST: f64 = 0.5;
+
+impl<const D: usize> Flight<'_, D> {
+    /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0: false where that is
+    /// not good enough to tell that the root is the right one.
+    pub(super) fn try_to_solve<X: Iteration>(
+        &self,
+        guess: &[f64],
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> bool {
+        let (rows, m, guessed) = (self.rows(), self.rows().equations(), !guess.is_empty());
+        let mut turn = 0.0;
+        if guessed {
+            let half_square = 0.5 * self.h * self.h;
+            (0..m).for_each(|row| room.dx[row] = half_square * guess[rows.equation(row)]);
+            solver.coefficients(&room.dx[..m], &mut room.guess[..m]);
+        } else {
+            turn = self.guess(solver, room);
+        }
+        room.y[..m].copy_from_slice(&room.guess[..m]);
+        let landing = match X::KIND {
+            Kind::Newton => self.land(solver, 1.0, room, counts, |_| ()),
+            _ => self.chords::<X>(solver, guessed, room, counts),
+        };
+        if guessed && landing.converged {
+            turn = self.change(room, self.blocks); // until the guess, which is near the end
+        }
+        let path = self.path_to(&landing, solver, room);
+        turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room)
+    }
+
+    /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as it
+    /// is or corrected by each residual. Not converged where residuals are not halved. With `look`, `room.blocks` are the
+    /// gradients at the guess.
+    fn chords<X: Iteration>(
+        &self,
+        solver: &mut Solver<D>,
+        look: bool,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Landing {
+        let (rows, time, m) = (self.rows(), self.time + self.h, self.rows().equations());
+        let symmetric = X::KIND == Kind::Symmetric;
+        self.place(solver, 1.0, room);
+        let mut upright = true;
+        if look || symmetric {
+            let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..rows.blocks()]);
+            self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
+            counts.gradients += 1;
+        } else {
+            self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
+        }
+        counts.values += 1;
+        if symmetric {
+            upright = solver.chord::<true>(rows, &room.blocks, &self.shape.roots) > 0.0;
+        } else if rows.acting {
+            upright = solver.chord::<false>(rows, self.blocks, &self.shape.roots) > 0.0;
+        }
+        self.measure_rounding((!(look || symmetric)).then_some(self.blocks), room);
+        let mut landing = Landing { converged: false, upright, first: 0.0, contradictory: false };
+        let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
+        for correction in 0..MAX_CORRECTIONS {
+            if !residual.is_finite() {
+                break;
+            }
+            if symmetric || rows.acting {
+                solver.correct(&room.g[..m], &mut room.dx[..m]);
+            } else {
+                solver.solve(&room.g[..m], &mut room.dx[..m]);
+                room.dx[..m].iter_mut().for_each(|x| *x = -*x);
+            }
+            if X::KIND == Kind::Broyden && !room.learn(solver, correction, m) {
+                break;
+            }
+            room.y[..m].iter_mut().zip(&room.dx).for_each(|(y, dx)| *y += dx);
+            counts.corrections += 1;
+            if correction == 0 {
+                landing.first = self.length_of_correction(solver, room);
+            }
+            let contraction = residual / last;
+            if residual <= 1.0 || (correction > 0 && contraction * residual <= 1.0 / 16.0) {
+                landing.converged = true;
+                break;
+            }
+            self.place(solver, 1.0, room);
+            self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
+            counts.values += 1;
+            (last, residual) = (residual, room.residual(m));
+            if residual > SLOWEST * last {
+                break;
+            }
+        }
+        landing
+    }
+}
+
+impl<const D: usize> Room<D> {
+    /// Broyden's update: `dx`, the correction by the matrix of the start, becomes that by the matrix that agrees with all
+    /// residuals of this solve so far, of which it is the n-th. False where there is no room for more.
+    ///
+    /// ```text
+    /// A₊ = A + g₊ sᵀ/|s|²        s the last correction, g₊ the residual that it left
+    /// ```
+    fn learn(&mut self, solver: &Solver<D>, n: usize, m: usize) -> bool {
+        if n >= LEARNED {
+            return false;
+        }
+        let (past, present) = self.learned.split_at_mut(n * m);
+        let along = |a: &[f64], b: &[f64]| solver.product(&self.lengths, a, b);
+        let past = past.chunks_exact(m);
+        for (s, next) in past.clone().zip(past.clone().skip(1)) {
+            let share = along(s, &self.dx[..m]) / along(s, s);
+            self.dx[..m].iter_mut().zip(next).for_each(|(x, next)| *x += share * next);
+        }
+        if let Some(s) = past.last() {
+            let scale = 1.0 / (1.0 - along(s, &self.dx[..m]) / along(s, s));
+            self.dx[..m].iter_mut().for_each(|x| *x *= scale);
+        }
+        present[..m].copy_from_slice(&self.dx[..m]);
+        true
+    }
+}

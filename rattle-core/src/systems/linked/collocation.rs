@@ -1,0 +1,334 @@
+//! Collocation of linked bodies: the stages of [`lobatto`](crate::methods::lobatto) solved together.
+//!
+//! An iteration evaluates g, its gradients and the forces once at every stage and forms the new sums. The linearised
+//! constraints are solved with the normals of the start in place of those of the stages, so that one factor, that of
+//! the last step's end, serves all stages:
+//!
+//! ```text
+//! δλⱼ = −Σᵢ (h² a)⁻¹ⱼᵢ (G₀M⁻¹G₀ᵀ)⁻¹ rᵢ
+//! ```
+//!
+//! That contracts by the part of a right angle that normals turn within the step: well while steps are accurate.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::error::StepFailure;
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::witness::Witness;
+use crate::number::vector::{add_scaled, largest, sum, two_sum};
+use crate::systems::linked::kept::{BodiesOf, Linked, along};
+use crate::systems::linked::room::Stages;
+use crate::systems::network::rows::Rows;
+
+/// Iterations after which a step is given up …
+const MAX_ITERATIONS: usize = 100;
+
+/// … and after which it is begun again with the acceleration at its start.
+const PATIENCE: usize = 20;
+
+impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// One step of the collocation method with this table.
+    pub(super) fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        memory: &mut [f64],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        if let Some(system) = self.refuses(Need::Stages) {
+            return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
+        }
+        let (n, m) = (self.count.number(), shape.equations);
+        let mut stages = match bodies.kept.stages.take() {
+            Some(stages) if stages.q.len() == S * n => stages,
+            _ => Box::new(Stages::new(S, n, m, shape.blocks)),
+        };
+        self.guess::<S>(bodies, &mut stages);
+        let past = memory.split_first().filter(|(filled, _)| **filled == 1.0);
+        let near = past.is_some_and(|(_, past)| {
+            stages.extrapolate(table, past, n, m);
+            self.iterate(table, h, bodies, &mut stages, PATIENCE).is_ok()
+        });
+        let mut solved = Ok(());
+        if !near {
+            self.guess::<S>(bodies, &mut stages);
+            solved = self.iterate(table, h, bodies, &mut stages, MAX_ITERATIONS);
+        }
+        if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
+            *filled = 1.0;
+            let (total, lambda) = past.split_at_mut(S * n * D);
+            total.copy_from_slice(stages.total.as_flattened());
+            lambda.copy_from_slice(&stages.lambda);
+        }
+        if solved.is_ok() {
+            self.arrive(table, h, bodies, &stages, witness);
+        }
+        bodies.kept.stages = Some(stages);
+        solved?;
+        for c in 0..shape.components.len() {
+            let (q, time) = (bodies.q.as_ref(), bodies.time);
+            let (sine, row) = bodies.kept.normals(shape, c, time, q);
+            self.check_residuals(c, h, S, bodies)?;
+            self.check_rank(c, bodies, sine, row)?;
+        }
+        self.evaluate_forces(bodies);
+        let last = h * table.weights[S - 1];
+        self.settle(last, 2.0 * last, bodies, witness)
+    }
+
+    /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations ask
+    /// for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
+    fn check_residuals(
+        &self,
+        c: usize,
+        h: f64,
+        stages: usize,
+        bodies: &BodiesOf<F, N, D>,
+    ) -> Result<(), Failure> {
+        let rows = &self.shape.components[c].rows;
+        let (off, left, row) = self.furthest(c, h, bodies);
+        if left <= 1024.0 * (rows.equations() as f64).sqrt() {
+            return Ok(());
+        }
+        let equation = self.shape.equation_at(c, row);
+        let body = equation.bodies[0];
+        let cause = if bodies.kept.solvers[c].rank(rows) < rows.equations() {
+            StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
+        } else {
+            StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
+        };
+        Err(Failure { body, cause })
+    }
+
+    /// Constant acceleration, that with g̈ = 0 at the start.
+    fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F::Force, D>) {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        self.rates(bodies, &mut stages.total[..n], &mut ());
+        let kept = &mut bodies.kept;
+        for (c, component) in shape.components.iter().enumerate() {
+            let row = component.first.0;
+            let rows = row..row + component.rows.equations();
+            kept.solvers[c].multipliers(&kept.room.x[rows.clone()], &mut stages.lambda[rows]);
+        }
+        for stage in 1..S {
+            stages.total.copy_within(..n, stage * n);
+            stages.lambda.copy_within(..m, stage * m);
+        }
+        stages.blocks[..shape.blocks].copy_from_slice(&kept.blocks);
+        stages.rates[..m].copy_from_slice(&kept.rates);
+        stages.force[..n].copy_from_slice(&kept.force);
+    }
+
+    /// Qᵢ − q of a body: drift and the sum over the stages.
+    fn increment<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<F, N, D>,
+        stages: &Stages<F::Force, D>,
+        stage: usize,
+        body: usize,
+    ) -> [f64; D] {
+        let n = self.count.number();
+        let mut impulse = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+        impulse = impulse.map(|p| h * table.nodes[stage] * p);
+        for j in 0..S - 1 {
+            let factor = h * h * table.positions[stage][j];
+            impulse = add_scaled(&impulse, factor, &stages.total[j * n + body]);
+        }
+        self.shape.roots[body].velocity(&impulse)
+    }
+
+    /// Iterates until the stages hold to rounding.
+    fn iterate<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        stages: &mut Stages<F::Force, D>,
+        patience: usize,
+    ) -> Result<(), Failure> {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
+        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
+        for iteration in 0..patience {
+            for stage in 1..S {
+                for body in 0..n {
+                    let increment = self.increment(table, h, bodies, stages, stage, body);
+                    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+                    stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
+                }
+                let q = &stages.q[stage * n..][..n];
+                let force = &mut stages.force[stage * n..][..n];
+                self.forces(q, force);
+                let total = &mut stages.change[stage * n..][..n];
+                total.iter_mut().zip(force).for_each(|(total, force)| *total = force.components());
+                for (c, component) in shape.components.iter().enumerate() {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let (row, block) = (stage * m + row, stage * shape.blocks + block);
+                    let blocks = &mut stages.blocks[block..block + rows.blocks()];
+                    let g = &mut stages.right[row..row + rows.equations()];
+                    let rates = &mut stages.rates[row..row + rows.equations()];
+                    shape.gradients(c, bodies.time + h * table.nodes[stage], q, g, blocks, rates);
+                    pull(rows, blocks, &stages.lambda[row..], total);
+                }
+                for (total, change) in stages.total[stage * n..][..n].iter_mut().zip(total) {
+                    (*total, *change) = (*change, add_scaled(change, -1.0, total));
+                }
+            }
+            stages.change[..n].fill([0.0; D]);
+
+            // rᵢ = g(Qᵢ) + G(Qᵢ) h² Σⱼ aᵢⱼ M⁻¹(change of stage j), and what the start's normals answer.
+            let mut worst = 0.0_f64;
+            for stage in 1..S {
+                self.shift(table, h, stages, stage);
+                for (c, component) in shape.components.iter().enumerate() {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let blocks = &stages.blocks[stage * shape.blocks + block..][..rows.blocks()];
+                    let right = &mut stages.right[stage * m + row..][..rows.equations()];
+                    for (i, right) in right.iter_mut().enumerate() {
+                        *right += along(rows, i, blocks, &stages.shift);
+                    }
+                    let x = &mut stages.x[..rows.equations()];
+                    let start = &bodies.kept.blocks[block..block + rows.blocks()];
+                    bodies.kept.solvers[c].respond(rows, start, &shape.roots, right, x);
+                    bodies.kept.solvers[c].multipliers(x, right);
+                }
+            }
+            for j in 0..S - 1 {
+                stages.multipliers.fill(0.0);
+                for i in 1..S {
+                    let factor = -table.inverse[j][i] / (h * h);
+                    for (sum, answer) in stages.multipliers.iter_mut().zip(&stages.right[i * m..]) {
+                        *sum += factor * answer;
+                    }
+                }
+                let lambda = &mut stages.lambda[j * m..][..m];
+                lambda.iter_mut().zip(&stages.multipliers).for_each(|(lambda, change)| *lambda += change);
+                for component in &shape.components {
+                    let (rows, (row, block)) = (&component.rows, component.first);
+                    let blocks = &stages.blocks[j * shape.blocks + block..][..rows.blocks()];
+                    pull(rows, blocks, &stages.multipliers[row..], &mut stages.total[j * n..][..n]);
+                    pull(rows, blocks, &stages.multipliers[row..], &mut stages.change[j * n..][..n]);
+                }
+            }
+            for stage in 1..S {
+                self.shift(table, h, stages, stage);
+                let q = &stages.q[stage * n..][..n];
+                // Roundings of linked bodies reach each other, those of others do not.
+                for component in &shape.components {
+                    let bodies = &component.rows.bodies;
+                    let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
+                    for &body in bodies {
+                        worst = slower(worst, largest(&stages.shift[body]), size);
+                    }
+                }
+                for &body in &shape.loose {
+                    worst = slower(worst, largest(&stages.shift[body]), largest(&q[body]));
+                }
+            }
+            let contraction = worst / last;
+            let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
+            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 256.0;
+            let stalled = iteration > 3 && contraction >= 0.9 && worst < 64.0 * long;
+            if worst <= 0.25 || small || stalled {
+                return Ok(());
+            }
+            if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
+                for stage in 1..S {
+                    let q = &stages.q[stage * n..][..n];
+                    let reached = q.iter().flatten().all(|q| q.is_finite());
+                    let culprit = (0..n).find_map(|body| Some((body, self.field.culprit(q, body)?)));
+                    if let (true, Some((body, (effect, force)))) = (reached, culprit) {
+                        let (force, position) = (force.to_vec(), q[body].to_vec());
+                        let cause = StepFailure::ForceNotFinite { effect, force, position };
+                        return Err(Failure { body, cause });
+                    }
+                }
+                let cause =
+                    StepFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst };
+                return Err(Failure { body: 0, cause });
+            }
+            (last, last_contraction) = (worst, contraction);
+        }
+        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last };
+        Err(Failure { body: 0, cause })
+    }
+
+    /// h² Σⱼ aᵢⱼ M⁻¹(change of stage j) of every body.
+    fn shift<const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        stages: &mut Stages<F::Force, D>,
+        stage: usize,
+    ) {
+        let n = self.count.number();
+        for (body, root) in self.shape.roots.iter().enumerate() {
+            let mut shift = [0.0; D];
+            for j in 0..S - 1 {
+                let factor = h * h * table.positions[stage][j];
+                shift = add_scaled(&shift, factor, &stages.change[j * n + body]);
+            }
+            stages.shift[body] = root.velocity(&shift);
+        }
+    }
+
+    /// Takes the bodies to the end of the step, their momenta without the last kick.
+    fn arrive<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        stages: &Stages<F::Force, D>,
+        witness: &mut W,
+    ) {
+        let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        for body in 0..n {
+            let increment = self.increment(table, h, bodies, stages, S - 1, body);
+            let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+            (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
+        }
+        for body in 0..n {
+            let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            let mut impulse = *p_low;
+            for j in 0..S - 1 {
+                impulse = add_scaled(&impulse, h * table.weights[j], &stages.total[j * n + body]);
+            }
+            (*p, *p_low) = two_sum(p, &impulse);
+        }
+        for component in &shape.components {
+            let (rows, row) = (&component.rows, component.first.0);
+            for i in 0..rows.equations() {
+                witness.position_multiplier(rows.equation(i), stages.lambda[row + i]);
+                for j in 0..S - 1 {
+                    let at = j * m + row + i;
+                    bodies.work -= h * table.weights[j] * stages.lambda[at] * stages.rates[at];
+                }
+            }
+        }
+        bodies.time += h;
+    }
+}
+
+/// The larger one of `worst` and `moved` in roundings of `size`; NaN if one is.
+fn slower(worst: f64, moved: f64, size: f64) -> f64 {
+    let ratio = if moved == 0.0 { 0.0 } else { moved / (f64::EPSILON * size) };
+    if ratio > worst || ratio.is_nan() { ratio } else { worst }
+}
+
+/// Adds Gᵀλ to the force on each body of a component.
+fn pull<const D: usize>(rows: &Rows, blocks: &[[f64; D]], lambda: &[f64], force: &mut [[f64; D]]) {
+    for row in 0..rows.equations() {
+        for (block, body) in rows.blocks_of(row) {
+            let body = rows.bodies[body];
+            force[body] = add_scaled(&force[body], lambda[row], &blocks[block]);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! Why a step of linked bodies failed: found out afterwards, out of the way of steps that succeed.
+
+use crate::effect::list::Field;
+use crate::error::{EquationAt, Passing, StepFailure};
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::number::vector::dot;
+use crate::systems::linked::flight::BRANCHING;
+use crate::systems::linked::flight::Flight;
+use crate::systems::linked::flight::HALVINGS;
+use crate::systems::linked::flight::LITTLE_SHARE;
+use crate::systems::linked::flight::LOST;
+use crate::systems::linked::flight::Landing;
+use crate::systems::linked::flight::MUCH_SHORTER;
+use crate::systems::linked::flight::SHORT;
+use crate::systems::linked::kept::BodiesOf;
+use crate::systems::linked::kept::Counts;
+use crate::systems::linked::kept::Linked;
+use crate::systems::linked::kept::Room;
+use crate::systems::network::mass::Root;
+use crate::systems::network::shape::Shape;
+use crate::systems::network::solver::Solver;
+
+impl<const D: usize> Flight<'_, D> {
+    /// Why the step failed, and what would pass.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn failure(
+        &self,
+        solver: &mut Solver<D>,
+        turn: f64,
+        room: &mut Room<D>,
+        landing: Landing,
+    ) -> Failure {
+        let (rows, m, blocks) = (self.rows(), self.rows().equations(), self.blocks);
+        let mut residuals = Vec::new();
+        room.y[..m].copy_from_slice(&room.guess[..m]);
+        let direct =
+            self.land(solver, 1.0, room, &mut Counts::default(), |room| residuals.push(room.longest(m)));
+        let row = room.worst(m);
+        let equation = self.shape.equation_at(self.component, row);
+        let body = equation.bodies[0];
+        let because = |cause| Failure { body, cause };
+        let share = acting_share(self.shape, self.component, row, blocks);
+        if rows.acting && share < LITTLE_SHARE {
+            return because(StepFailure::CannotAct { equation, share });
+        }
+        let square: f64 = rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
+        let first = residuals.first().copied().unwrap_or(f64::NAN);
+        if !(first.is_finite() && square.is_finite()) && residuals.len() < 2 {
+            return because(StepFailure::ConstraintNotFinite { position: self.q[body].to_vec() });
+        }
+        let path = self.path(room);
+        let mut passing = None;
+        let mut parts = (self.h, turn);
+        for _ in 0..HALVINGS {
+            parts = (0.5 * parts.0, 0.5 * parts.1);
+            for &body in &rows.bodies {
+                room.drift[body] = room.drift[body].map(|x| 0.5 * x);
+                room.push[body] = room.push[body].map(|x| 0.25 * x);
+            }
+            room.guess[..m].iter_mut().for_each(|x| *x *= 0.25);
+            let shorter = Flight { h: parts.0, ..*self };
+            if shorter.solve(solver, parts.1, room, &mut Counts::default()).converged {
+                passing = Some(parts.0);
+                break;
+            }
+        }
+        let much_shorter = passing.is_none_or(|h: f64| h.abs() <= MUCH_SHORTER * self.h.abs());
+        let independent = solver.rank(rows) == m;
+        let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
+        // A solution is near, but within a few such steps normals may fall together: it may lie on another branch.
+        let ahead = direct.converged && turn < SHORT && sine < 4.0 * turn;
+        let here = much_shorter && sine < BRANCHING;
+        if independent && !rows.acting && (ahead || here) {
+            let equation = self.shape.equation_at(self.component, weakest);
+            let body = equation.bodies[0];
+            return Failure { body, cause: StepFailure::RankLost { equation, sine } };
+        }
+        let residuals = residuals.into_iter().collect();
+        because(if landing.contradictory {
+            StepFailure::Contradictory { equation, residuals }
+        } else {
+            let gradient = square.sqrt();
+            StepFailure::NotSolved {
+                equation,
+                path,
+                residuals,
+                gradient,
+                turn,
+                h: self.h,
+                passing: Passing(passing),
+            }
+        })
+    }
+}
+
+impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Whether the normals at the new positions are as independent as they were at the start.
+    pub(crate) fn check_rank(
+        &self,
+        c: usize,
+        bodies: &BodiesOf<F, N, D>,
+        sine: f64,
+        row: usize,
+    ) -> Result<(), Failure> {
+        let component = &self.shape.components[c];
+        let lost = match &bodies.kept.solvers[c] {
+            Solver::Orthogonal(basis) => basis.rank < component.solver.rank(&component.rows),
+            Solver::Elimination(_) => sine < LOST || sine.is_nan(),
+        };
+        if !lost {
+            return Ok(());
+        }
+        let equation = self.shape.equation_at(c, row);
+        let q = bodies.q.as_ref();
+        let body = equation.bodies[0];
+        let first = component.first;
+        let blocks = &bodies.kept.blocks[first.1..first.1 + component.rows.blocks()];
+        let square: f64 =
+            component.rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
+        let cause = if !square.is_finite() {
+            StepFailure::ConstraintNotFinite { position: q[body].to_vec() }
+        } else if component.rows.acting {
+            StepFailure::CannotAct { equation, share: acting_share(&self.shape, c, row, blocks) }
+        } else {
+            StepFailure::RankLost { equation, sine }
+        };
+        Err(Failure { body, cause })
+    }
+
+    #[cold]
+    pub(crate) fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
+        let q = bodies.q.as_ref();
+        // Links hand a force that is none on to other bodies.
+        let culprits = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
+        let mut culprits = culprits.filter_map(|body| Some((body, self.field.culprit(q, body)?)));
+        if let Some((body, (effect, force))) = culprits.next() {
+            let (force, position) = (force.to_vec(), q[body].to_vec());
+            return Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } };
+        }
+        Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
+    }
+}
+
+impl<const D: usize> Shape<D> {
+    /// Names an equation.
+    pub(crate) fn equation_at(&self, component: usize, row: usize) -> Box<EquationAt> {
+        let rows = &self.components[component].rows;
+        let (group, member, equation) = rows.find(&self.groups, row);
+        Box::new(EquationAt {
+            link: self.groups[group].name(),
+            member,
+            equation,
+            of: self.groups[group].equations(),
+            bodies: rows.touched_by(row).map(|(_, body)| body).collect(),
+        })
+    }
+}
+
+/// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.
+fn acting_share<const D: usize>(shape: &Shape<D>, c: usize, row: usize, blocks: &[[f64; D]]) -> f64 {
+    let rows = &shape.components[c].rows;
+    let mut acting = blocks.to_vec();
+    shape.mask(c, &mut acting);
+    let square =
+        |blocks: &[[f64; D]]| rows.blocks_of(row).map(|(b, _)| dot(&blocks[b], &blocks[b])).sum::<f64>();
+    (square(&acting) / square(blocks)).sqrt()
+}

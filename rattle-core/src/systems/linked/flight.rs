@@ -1,0 +1,354 @@
+//! The position equation of one component, solved along the motion.
+//!
+//! Each component is solved by itself. With W = M⁻¹G(q)ᵀ, or an orthonormal basis of its columns, the position equation is
+//!
+//! ```text
+//! r(x) = g(q + free + W x) = 0
+//! ```
+//!
+//! and is solved by Newton's method with the derivative G(q′)W of the first guess, taken anew where that contracts less
+//! than fourfold. The first guess is the one with g̈ = 0, so that a step is a pure function of the state.
+//!
+//! **Stopping.** Residuals are measured as lengths, |gᵢ|/|∇gᵢ|, against the rounding ε·ℓ of the coordinates that
+//! equation i touches; neither the scale of g nor the rest of a long chain matters. From two residuals the
+//! contraction is known, and the solve ends without an evaluation once the next one would be below 1/16 of that rounding.
+//! It also ends where a fresh derivative, equal to the one before, does not make residuals smaller: then they are the
+//! rounding of g itself.
+//!
+//! **Which root.** As on surfaces: if the guess was off by a small part of the path (or the normals do not change), pivots
+//! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
+//! followed from h = 0 in parts of the step that are halved until that holds.
+
+use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::systems::linked::kept::Counts;
+use crate::systems::linked::kept::Room;
+use crate::systems::linked::kept::along;
+use crate::systems::network::rows::Rows;
+use crate::systems::network::shape::Shape;
+use crate::systems::network::solver::Solver;
+
+/// A first correction longer than this part of the path asks for following, as on surfaces; while it is followed, …
+pub(crate) const FAR_GUESS: f64 = 0.02;
+/// … than this part.
+const FAR_EXTRAPOLATION: f64 = 0.1;
+/// Normals that change by more than this part of their length within the step ask for following.
+pub(crate) const LARGE_TURN: f64 = 0.5;
+/// A smaller relative change of the normals is none.
+const STRAIGHT: f64 = 1e-7;
+/// Residuals that shrink by less ask for a new derivative.
+const CONTRACTION: f64 = 0.25;
+/// Corrections that Broyden's method keeps; one that needs more of them is given up.
+pub(crate) const LEARNED: usize = 6;
+/// Corrections after which a solve is given up.
+pub(crate) const MAX_CORRECTIONS: usize = 40;
+/// The smallest part of a step in which a root is followed, and how many parts are tried.
+const SMALLEST_PART: f64 = 1.0 / 4096.0;
+const MAX_PARTS: usize = 200;
+/// Halvings of a failed step that are tried, to say which would pass.
+pub(crate) const HALVINGS: i32 = 24;
+/// Steps in which normals change by less are short enough to be accurate: where one fails, the reason is another.
+pub(crate) const SHORT: f64 = 0.2;
+/// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
+pub(crate) const LOST: f64 = 1e-7;
+/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it: where
+/// a mechanism branches, places are known to √ε.
+pub(crate) const BRANCHING: f64 = 1e-6;
+pub(crate) const MUCH_SHORTER: f64 = 1e-3;
+/// A multiplier that acts along less than this part of ∇g is what stopped a step.
+pub(crate) const LITTLE_SHARE: f64 = 0.25;
+
+/// One component on its way: everything that the position equation needs.
+pub(crate) struct Flight<'a, const D: usize> {
+    pub(super) shape: &'a Shape<D>,
+    pub(super) component: usize,
+    pub(super) q: &'a [[f64; D]],
+    pub(super) q_low: &'a [[f64; D]],
+    /// The gradients there.
+    pub(super) blocks: &'a [[f64; D]],
+    pub(super) time: f64,
+    pub(super) h: f64,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy)]
+pub(crate) struct Landing {
+    pub(super) converged: bool,
+    /// Whether pivots stayed positive.
+    pub(super) upright: bool,
+    /// The largest displacement by the first correction.
+    pub(super) first: f64,
+    /// Whether dependent equations ask for different things.
+    pub(super) contradictory: bool,
+}
+
+impl<const D: usize> Flight<'_, D> {
+    pub(crate) fn rows(&self) -> &Rows {
+        &self.shape.components[self.component].rows
+    }
+
+    /// Writes the x with g̈ = 0 into `room.guess`. Returns the largest relative change of a normal in the step.
+    pub(crate) fn guess(&self, solver: &mut Solver<D>, room: &mut Room<D>) -> f64 {
+        let (rows, blocks) = (self.rows(), self.blocks);
+        let m = rows.equations();
+        let (bends, turns) = (&mut room.g[..m], &mut room.dx[..m]);
+        self.shape.bends(self.component, self.time, self.q, &room.velocity, bends, turns);
+        let mut largest_turn = 0.0_f64;
+        for (i, bend) in bends.iter_mut().enumerate() {
+            let square: f64 = rows.blocks_of(i).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
+            let turn = self.h.abs() * (turns[i] / square).sqrt();
+            if turn > largest_turn || turn.is_nan() {
+                largest_turn = turn;
+            }
+            *bend = -0.5 * self.h * self.h * *bend - along(rows, i, blocks, &room.push);
+        }
+        solver.respond(rows, blocks, &self.shape.roots, bends, &mut room.guess[..m]);
+        largest_turn
+    }
+
+    /// Solves for x into `room.y`, from `room.guess`, on the root that the motion leads to.
+    pub(crate) fn solve(
+        &self,
+        solver: &mut Solver<D>,
+        turn: f64,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Landing {
+        let m = self.rows().equations();
+        room.y[..m].copy_from_slice(&room.guess[..m]);
+        let landing = self.land(solver, 1.0, room, counts, |_| ());
+        let path = self.path_to(&landing, solver, room);
+        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
+            return landing;
+        }
+        counts.followed += 1;
+        self.follow(solver, path, room, counts)
+    }
+
+    /// Whether the root found for the part `s` of the step is taken for the one that the motion leads to: the guess was off
+    /// by no more than `far`, or the normals there are those of the start (as at rest, where `far` is 0).
+    pub(crate) fn trusts(
+        &self,
+        landing: &Landing,
+        far: f64,
+        solver: &Solver<D>,
+        s: f64,
+        room: &mut Room<D>,
+    ) -> bool {
+        landing.converged && landing.upright && (landing.first <= far || self.straight(solver, s, room))
+    }
+
+    #[cold]
+    fn straight(&self, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
+        let (m, blocks) = (self.rows().equations(), self.rows().blocks());
+        self.place(solver, s, room);
+        let (g, there) = (&mut room.g[..m], &mut room.blocks[..blocks]);
+        let time = self.time + s * self.h;
+        self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
+        self.change(room, self.blocks) <= STRAIGHT
+    }
+
+    /// The longest way of a body without the constraints, or with those that move.
+    pub(crate) fn path_to(&self, landing: &Landing, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
+        let path = self.path(room);
+        if !self.rows().moving {
+            return path;
+        }
+        // A constraint that begins to move takes bodies along that had no way of their own.
+        let m = self.rows().equations();
+        room.dx[..m].copy_from_slice(&room.guess[..m]);
+        path + self.length_of_correction(solver, room) + landing.first
+    }
+
+    /// The longest way of a body without the constraints.
+    pub(crate) fn path(&self, room: &Room<D>) -> f64 {
+        let ways =
+            self.rows().bodies.iter().map(|&body| largest(&room.drift[body]) + largest(&room.push[body]));
+        ways.fold(0.0, f64::max)
+    }
+
+    /// Puts the component's bodies to where they are after the part `s` of the step with normal part `y`.
+    pub(crate) fn place(&self, solver: &Solver<D>, s: f64, room: &mut Room<D>) {
+        let rows = self.rows();
+        for &body in &rows.bodies {
+            let (drift, push) = (&room.drift[body], &room.push[body]);
+            room.lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i]);
+        }
+        solver.displace(rows, &self.shape.roots, &room.y[..rows.equations()], &mut room.lift);
+        for &body in &rows.bodies {
+            room.trial[body] = sum(&self.q[body], &sum(&self.q_low[body], &room.lift[body]));
+        }
+    }
+
+    /// Solves the position equation for the part `s` of the step, from and into `room.y`. `note` is told every residual,
+    /// as a length.
+    pub(crate) fn land(
+        &self,
+        solver: &mut Solver<D>,
+        s: f64,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+        mut note: impl FnMut(&Room<D>),
+    ) -> Landing {
+        let (rows, time) = (self.rows(), self.time + s * self.h);
+        let (m, blocks) = (rows.equations(), rows.blocks());
+        self.place(solver, s, room);
+        self.shape.gradients(
+            self.component,
+            time,
+            &room.trial,
+            &mut room.g[..m],
+            &mut room.blocks[..blocks],
+            &mut room.rates[..m],
+        );
+        self.measure_rounding(None, room);
+        let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
+        counts.values += 1;
+        counts.gradients += 1;
+        let mut landing =
+            Landing { converged: false, upright: pivot > 0.0, first: 0.0, contradictory: false };
+        let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
+        for correction in 0..MAX_CORRECTIONS {
+            note(room);
+            if !residual.is_finite() {
+                return landing;
+            }
+            solver.correct(&room.g[..m], &mut room.dx[..m]);
+            room.y[..m].iter_mut().zip(&room.dx).for_each(|(y, dx)| *y += dx);
+            counts.corrections += 1;
+            if correction == 0 {
+                landing.first = self.length_of_correction(solver, room);
+            }
+            let contraction = residual / last;
+            let known = last.is_finite() && contraction <= CONTRACTION;
+            if residual <= 1.0 || (known && contraction * residual <= 1.0 / 16.0) {
+                landing.converged = true;
+                return landing;
+            }
+            self.place(solver, s, room);
+            self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
+            counts.values += 1;
+            (last, residual) = (residual, room.residual(m));
+            if residual > CONTRACTION * last {
+                room.before[..blocks].copy_from_slice(&room.blocks[..blocks]);
+                let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..blocks]);
+                self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
+                counts.gradients += 1;
+                if self.change(room, &room.before) <= STRAIGHT {
+                    // The rounding of g itself, or dependent equations that cannot all hold.
+                    solver.correct(&room.g[..m], &mut room.dx[..m]);
+                    let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
+                    landing.contradictory = vain && solver.rank(rows) < m && residual > 64.0;
+                    landing.converged = !landing.contradictory;
+                    return landing;
+                }
+                let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
+                landing.upright &= pivot > 0.0;
+                last = f64::INFINITY;
+            }
+        }
+        landing
+    }
+
+    /// The landing that is reached from h = 0 without leaving the root, in parts that are halved until each is trusted.
+    #[cold]
+    #[inline(never)]
+    fn follow(&self, solver: &mut Solver<D>, path: f64, room: &mut Room<D>, counts: &mut Counts) -> Landing {
+        let m = self.rows().equations();
+        room.excess[..m].fill(0.0);
+        room.slope[..m].fill(0.0);
+        let (mut s, mut part) = (0.0, 0.5);
+        let mut landing = Landing { converged: false, upright: false, first: 0.0, contradictory: false };
+        for _ in 0..MAX_PARTS {
+            let end = f64::min(s + part, 1.0);
+            let length = end - s;
+            for i in 0..m {
+                room.y[i] = room.guess[i] * end * end + room.excess[i] + room.slope[i] * length;
+            }
+            landing = self.land(solver, end, room, counts, |_| ());
+            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, solver, end, room) {
+                for i in 0..m {
+                    let excess = room.y[i] - room.guess[i] * end * end;
+                    room.slope[i] = (excess - room.excess[i]) / length;
+                    room.excess[i] = excess;
+                }
+                s = end;
+                part *= 2.0;
+                if s >= 1.0 {
+                    return landing;
+                }
+            } else {
+                part *= 0.5;
+                if part < SMALLEST_PART {
+                    break;
+                }
+            }
+        }
+        Landing { converged: false, ..landing }
+    }
+
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these
+    /// gradients, or those at the trial.
+    pub(crate) fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
+        let rows = self.rows();
+        let blocks = blocks.unwrap_or(&room.blocks);
+        for row in 0..rows.equations() {
+            let (mut square, mut size) = (0.0, 0.0);
+            for (block, body) in rows.touched_by(row) {
+                square += dot(&blocks[block], &blocks[block]);
+                size = f64::max(size, f64::max(largest(&self.q[body]), largest(&room.trial[body])));
+                size = f64::max(size, largest(&room.drift[body]));
+            }
+            room.lengths[row] = square.sqrt();
+            size = f64::max(size, room.g[row].abs() / room.lengths[row]);
+            room.scale[row] = 1.0 / (f64::EPSILON * size * room.lengths[row]);
+        }
+    }
+
+    /// The largest displacement that `room.dx` makes.
+    pub(crate) fn length_of_correction(&self, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
+        let rows = self.rows();
+        rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
+        solver.displace(rows, &self.shape.roots, &room.dx[..rows.equations()], &mut room.lift);
+        rows.bodies.iter().map(|&body| largest(&room.lift[body])).fold(0.0, f64::max)
+    }
+
+    /// The largest relative change of a gradient from `before`.
+    pub(crate) fn change(&self, room: &Room<D>, before: &[[f64; D]]) -> f64 {
+        let rows = self.rows();
+        let change = |row: usize| {
+            let apart = rows.blocks_of(row).map(|(block, _)| {
+                let difference = add_scaled(&room.blocks[block], -1.0, &before[block]);
+                dot(&difference, &difference)
+            });
+            apart.sum::<f64>().sqrt() / room.lengths[row]
+        };
+        (0..rows.equations()).map(change).fold(0.0, f64::max)
+    }
+}
+
+impl<const D: usize> Room<D> {
+    /// The largest residual in units of its rounding; NaN if one is.
+    pub(crate) fn residual(&self, equations: usize) -> f64 {
+        let mut worst = 0.0;
+        for (g, scale) in self.g[..equations].iter().zip(&self.scale) {
+            let ratio = if *g == 0.0 { 0.0 } else { g.abs() * scale };
+            if ratio > worst || ratio.is_nan() {
+                worst = ratio;
+            }
+        }
+        worst
+    }
+
+    /// The equation with the largest residual.
+    pub(crate) fn worst(&self, equations: usize) -> usize {
+        let ratio = |i: usize| self.g[i].abs() * self.scale[i];
+        (0..equations)
+            .fold(0, |worst, i| if ratio(i) > ratio(worst) || ratio(i).is_nan() { i } else { worst })
+    }
+
+    /// Its residual as a length.
+    pub(crate) fn longest(&self, equations: usize) -> f64 {
+        let worst = self.worst(equations);
+        self.g[worst].abs() / self.lengths[worst]
+    }
+}

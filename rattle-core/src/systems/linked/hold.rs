@@ -1,0 +1,42 @@
+//! A network holds its bodies.
+
+use crate::effect::list::Effects;
+use crate::error::Error;
+use crate::motion::bodies::Count;
+use crate::motion::hold::Hold;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::systems::linked::kept::Linked;
+use crate::systems::linked::start;
+use crate::systems::network::constraints::Network;
+use crate::systems::network::group::Group;
+use std::sync::Arc;
+
+impl<const D: usize> Hold<D> for Network<D> {
+    type System<E: Effects<D>, N: Count> = Linked<E::Field<f64>, N, D>;
+
+    fn system<E: Effects<D>, N: Count>(
+        &self,
+        effects: &E,
+        count: N,
+        start: &State<D>,
+        method: &impl Method,
+    ) -> Result<Self::System<E, N>, Error> {
+        let mut shape = self.shape(count.number())?;
+        start::check(&mut shape, self.algebra, start, method)?;
+        Ok(Linked::new(shape, effects.field(), count))
+    }
+
+    fn pinned(&self, body: usize) -> bool {
+        self.pins.iter().any(|&(pinned, _)| pinned == body)
+    }
+
+    fn particles(self, number: usize) -> Self {
+        let each = |group: Arc<dyn Group<D>>| group.for_each(number).map_or(group, Arc::from);
+        Self { groups: self.groups.into_iter().map(each).collect(), ..self }
+    }
+
+    fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
+        start::project(&mut self.shape(state.len())?, self.algebra, state)
+    }
+}

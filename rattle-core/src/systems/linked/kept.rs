@@ -1,0 +1,198 @@
+//! A network of bodies, and what is kept from one step to the next.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::motion::bodies::{Bodies, Count};
+use crate::number::vector::{dot, largest};
+use crate::systems::linked::room::SeriesRoom;
+use crate::systems::linked::room::Stages;
+use crate::systems::network::rows::Rows;
+use crate::systems::network::shape::Shape;
+use crate::systems::network::solver::{Report, Solver};
+use std::sync::Arc;
+
+/// A network of constraints on bodies in a field of force.
+#[derive(Debug, Clone)]
+pub struct Linked<F, N, const D: usize> {
+    pub(super) shape: Arc<Shape<D>>,
+    pub(super) field: F,
+    pub(super) count: N,
+}
+
+/// What is kept at the positions, and room to work in.
+#[derive(Debug, Clone)]
+pub struct Kept<F, const D: usize> {
+    pub(super) force: Vec<F>,
+    /// ∂g/∂q in blocks, and ∂g/∂t, at the positions.
+    pub(super) blocks: Vec<[f64; D]>,
+    pub(super) rates: Vec<f64>,
+    pub(super) solvers: Vec<Solver<D>>,
+    /// Corrections and evaluations of g, since the start.
+    pub(super) counts: Counts,
+    pub(super) room: Room<D>,
+    /// Room for a method with inner stages.
+    pub(super) stages: Option<Box<Stages<F, D>>>,
+    /// Room for power series.
+    pub(super) series: Option<Box<SeriesRoom<D>>>,
+}
+
+/// What the position equations have cost since the start of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Solves: one per component and step, or stage of a step.
+    pub solves: u64,
+    /// Newton corrections.
+    pub corrections: u64,
+    /// Evaluations of g, alone or with its gradient.
+    pub values: u64,
+    /// Evaluations of the gradient.
+    pub gradients: u64,
+    /// Solves in which the root was followed in parts of the step.
+    pub followed: u64,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Room<const D: usize> {
+    pub(super) velocity: Vec<[f64; D]>,
+    /// h v, and h·kick·M⁻¹f.
+    pub(super) drift: Vec<[f64; D]>,
+    pub(super) push: Vec<[f64; D]>,
+    /// W x, then the whole increment.
+    pub(super) lift: Vec<[f64; D]>,
+    /// Positions that g is tried at.
+    pub(super) trial: Vec<[f64; D]>,
+    pub(super) blocks: Vec<[f64; D]>,
+    /// The gradients before a new derivative.
+    pub(super) before: Vec<[f64; D]>,
+    pub(super) rates: Vec<f64>,
+    pub(super) g: Vec<f64>,
+    /// x of every component.
+    pub(super) x: Vec<f64>,
+    pub(super) guess: Vec<f64>,
+    /// x of the component under way.
+    pub(super) y: Vec<f64>,
+    pub(super) excess: Vec<f64>,
+    pub(super) slope: Vec<f64>,
+    pub(super) dx: Vec<f64>,
+    /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
+    pub(super) lengths: Vec<f64>,
+    pub(super) scale: Vec<f64>,
+    /// The corrections of a solve by Broyden's method, one after another.
+    pub(super) learned: Vec<f64>,
+}
+
+pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<<F as Field<f64, D>>::Force, D>, D>;
+
+impl<F, N, const D: usize> Linked<F, N, D> {
+    pub(crate) fn new(shape: Shape<D>, field: F, count: N) -> Self {
+        Self { shape: Arc::new(shape), field, count }
+    }
+
+    /// The components, and how the multipliers of each are found.
+    pub fn components(&self) -> impl ExactSizeIterator<Item = Report> + '_ {
+        self.shape.components.iter().map(|component| Report::of(&component.rows, &component.solver))
+    }
+
+    pub(crate) fn component(&self, c: usize) -> &Rows {
+        &self.shape.components[c].rows
+    }
+}
+
+impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Forces at these positions; none on what is pinned.
+    pub(crate) fn forces(&self, q: &[[f64; D]], forces: &mut [F::Force]) {
+        self.field.evaluate(q, forces);
+        for &(body, _) in &self.shape.pins {
+            forces[body] = F::Force::zero();
+        }
+    }
+
+    pub(crate) fn velocities(&self, bodies: &BodiesOf<F, N, D>) -> Vec<[f64; D]> {
+        bodies.p.as_ref().iter().zip(&self.shape.roots).map(|(p, root)| root.velocity(p)).collect()
+    }
+
+    /// Has `write` fill in the rows of each component, and puts them in the order in which equations were named.
+    pub(crate) fn for_rows(&self, out: &mut [f64], write: impl Fn(usize, &mut [f64])) {
+        for (c, component) in self.shape.components.iter().enumerate() {
+            let mut numbers = vec![0.0; component.rows.equations()];
+            write(c, &mut numbers);
+            for (row, number) in numbers.into_iter().enumerate() {
+                out[component.rows.equation(row)] = number;
+            }
+        }
+    }
+
+    /// The largest residual of a component, just evaluated with its gradients: as a length, in roundings of the coordinates
+    /// it depends on or of their way in the time h, and its row. NaN if one is.
+    pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> (f64, f64, usize) {
+        let component = &self.shape.components[c];
+        let (rows, (_, block)) = (&component.rows, component.first);
+        let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+        let room = &bodies.kept.room;
+        let mut furthest = (0.0, 0.0, 0);
+        for row in 0..rows.equations() {
+            let (mut square, mut size) = (0.0, 0.0_f64);
+            for (block, body) in rows.touched_by(row) {
+                square += dot(&blocks[block], &blocks[block]);
+                size = size.max(largest(&bodies.q.as_ref()[body]));
+                size = size.max(h.abs() * largest(&room.velocity[body]));
+            }
+            let distance = if room.g[row] == 0.0 { 0.0 } else { room.g[row].abs() / square.sqrt() };
+            let roundings = if distance == 0.0 { 0.0 } else { distance / (f64::EPSILON * size) };
+            if roundings > furthest.1 || roundings.is_nan() {
+                furthest = (distance, roundings, row);
+            }
+        }
+        furthest
+    }
+
+    pub(crate) fn counts(&self, bodies: &BodiesOf<F, N, D>) -> Counts {
+        bodies.kept.counts
+    }
+}
+
+impl<F, const D: usize> Kept<F, D> {
+    /// Evaluates gradients at q and takes the normals over. Returns the sine of the least independent one, and its row.
+    pub(crate) fn normals(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> (f64, usize) {
+        let component = &shape.components[c];
+        let (rows, (row, block)) = (&component.rows, component.first);
+        let blocks = &mut self.blocks[block..block + rows.blocks()];
+        let rates = &mut self.rates[row..row + rows.equations()];
+        shape.gradients(c, time, q, &mut self.room.g, blocks, rates);
+        if !rows.acting {
+            return self.solvers[c].normals(rows, blocks, &shape.roots);
+        }
+        let acting = &mut self.room.blocks[..rows.blocks()];
+        acting.copy_from_slice(blocks);
+        shape.mask(c, acting);
+        self.solvers[c].normals(rows, acting, &shape.roots)
+    }
+}
+
+/// ∇gᵢ·v.
+#[inline]
+pub(crate) fn along<const D: usize>(rows: &Rows, row: usize, blocks: &[[f64; D]], v: &[[f64; D]]) -> f64 {
+    let mut sum = 0.0;
+    for (block, body) in rows.blocks_of(row) {
+        sum += dot(&blocks[block], &v[rows.bodies[body]]);
+    }
+    sum
+}
+
+/// ∇gᵢ·v, and the same with all products positive.
+#[inline]
+pub(crate) fn along_and_size<const D: usize>(
+    rows: &Rows,
+    row: usize,
+    blocks: &[[f64; D]],
+    v: &[[f64; D]],
+) -> (f64, f64) {
+    let (mut sum, mut size) = (0.0, 0.0);
+    for (block, body) in rows.blocks_of(row) {
+        for (g, v) in blocks[block].iter().zip(&v[rows.bodies[body]]) {
+            sum += g * v;
+            size += (g * v).abs();
+        }
+    }
+    (sum, size)
+}

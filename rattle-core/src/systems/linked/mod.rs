@@ -1,0 +1,14 @@
+//! Bodies tied together by a [network](crate::systems::network): any number of constraints and any masses.
+
+mod chords;
+mod collocation;
+mod diagnosis;
+mod flight;
+mod hold;
+pub(crate) mod kept;
+mod room;
+mod series;
+mod start;
+mod system;
+
+pub use kept::{Counts, Kept, Linked};

@@ -1,0 +1,203 @@
+//! The motion of linked bodies as a power series in time.
+//!
+//! With aₖ the coefficient of tᵏ of a, n a row of G and r of ∂g/∂t, and λ from G v + r = 0, order by order:
+//!
+//! ```text
+//! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ + rₖ = 0,   qₖ₊₁ = vₖ/(k + 1)
+//! ```
+//!
+//! nₖ and rₖ are known from q₀ … qₖ. What is not known of the first sum is G₀ᵀλₖ₋₁, so that the second one gives λₖ₋₁ by the
+//! factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
+
+use crate::effect::list::Field;
+use crate::error::StepFailure;
+use crate::kernel::recurrences::Recurrences;
+use crate::kernel::series::{AnyOrder, Products, blocks};
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::motion::witness::Witness;
+use crate::number::vector::{scaled, sum};
+use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
+use crate::systems::linked::room::SeriesRoom;
+use crate::systems::network::shape::Shape;
+use std::array::from_fn;
+
+impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Blocks of products of all functions together; none where one has no series.
+    pub(super) fn series_blocks(&self) -> Option<usize> {
+        let shape = &*self.shape;
+        let runs = shape.components.iter().flat_map(|component| &component.rows.runs);
+        let links: Option<usize> =
+            runs.map(|run| Some(run.members.len() * shape.groups[run.group].series_blocks()?)).sum();
+        Some(links? + self.field.series_blocks(self.count.number())?)
+    }
+
+    /// The products of λ with n and of n with v for each block, then of λ with r for each row.
+    fn own_blocks(&self) -> usize {
+        blocks(2 * D * self.shape.blocks + self.shape.equations)
+    }
+
+    pub(super) fn room_for_series(&self, orders: usize) -> Option<Box<SeriesRoom<D>>> {
+        let (shape, n) = (&*self.shape, self.count.number());
+        Some(Box::new(SeriesRoom {
+            products: Products::new(self.series_blocks()? + self.own_blocks(), orders),
+            normals: vec![[0.0; D]; shape.blocks],
+            acting: vec![[0.0; D]; shape.blocks],
+            rates: vec![0.0; shape.equations],
+            force: vec![[0.0; D]; n],
+            pull: vec![[0.0; D]; n],
+            push: vec![[0.0; D]; n],
+            velocity: vec![[0.0; D]; n],
+            lambda: vec![0.0; shape.equations],
+            work: vec![0.0; orders],
+        }))
+    }
+
+    /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
+    pub(super) fn expand_motion<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        series: &mut [[f64; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let (shape, n) = (&*self.shape, self.count.number());
+        let Kept { series: Some(expansion), solvers, blocks, rates, room, .. } = &mut bodies.kept else {
+            return Err(Failure { body: 0, cause: StepFailure::NoSeries });
+        };
+        let SeriesRoom { products, normals, acting, rates: moves, force, pull, push, velocity, lambda, work } =
+            &mut **expansion;
+        series[..n].copy_from_slice(bodies.q.as_ref());
+        for (body, root) in shape.roots.iter().enumerate() {
+            velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+            series[n + body] = velocity[body];
+        }
+
+        let order = &mut products.first();
+        shape.series(bodies.time, &series[..n], normals, acting, moves, &mut AnyOrder::First(order));
+        lambda.fill(0.0);
+        note(shape, &mut order.take(self.own_blocks()), lambda, [normals, acting], moves, velocity);
+        force.fill([0.0; D]);
+        self.field.contribute_series(&series[..n], force, order);
+
+        let last = series.len() / n - 1;
+        for k in 1..last {
+            let (number, now) = (k as f64, k * n..(k + 1) * n);
+            let order = &mut products.next(k);
+            let time = if k == 1 { 1.0 } else { 0.0 };
+            shape.series(time, &series[now.clone()], normals, acting, moves, &mut AnyOrder::Next(order));
+            let mut own = order.take(self.own_blocks());
+            pull.copy_from_slice(force);
+            for component in &shape.components {
+                let (rows, (_, block)) = (&component.rows, component.first);
+                for row in 0..rows.equations() {
+                    for (at, body) in rows.touched_by(row) {
+                        let pulled = from_fn(|d| own.sum(lambda_normal::<D>(block + at) + d));
+                        pull[body] = sum(&pull[body], &pulled);
+                    }
+                }
+            }
+            for (body, root) in shape.roots.iter().enumerate() {
+                push[body] = root.velocity(&pull[body]);
+            }
+            work[k] = 0.0;
+            for (c, component) in shape.components.iter().enumerate() {
+                let (rows, solver, (first, block)) = (&component.rows, &mut solvers[c], component.first);
+                let m = rows.equations();
+                let normals = &normals[block..block + rows.blocks()];
+                let start = &blocks[block..block + rows.blocks()];
+                let (needed, x) = (&mut room.g[..m], &mut room.x[first..first + m]);
+                for (row, needed) in needed.iter_mut().enumerate() {
+                    let mut turn = moves[first + row];
+                    for (at, body) in rows.touched_by(row) {
+                        for d in 0..D {
+                            let known = own.sum(normal_velocity::<D>(block + at) + d);
+                            turn += known + normals[at][d] * series[n + body][d];
+                        }
+                    }
+                    *needed = -number * turn - along(rows, row, start, push);
+                }
+                solver.respond(rows, start, &shape.roots, needed, x);
+                solver.push(rows, &shape.roots, 1.0, x, pull);
+                let lambda = &mut lambda[first..first + m];
+                solver.multipliers(x, lambda);
+                for (row, &lambda) in lambda.iter().enumerate() {
+                    let known = own.sum(lambda_rate::<D>(shape, first + row));
+                    work[k] -= (known + lambda * rates[first + row]) / number;
+                    if k == 1 {
+                        witness.position_multiplier(rows.equation(row), lambda);
+                    }
+                }
+            }
+            for (body, root) in shape.roots.iter().enumerate() {
+                velocity[body] = scaled(1.0 / number, &root.velocity(&pull[body]));
+                series[(k + 1) * n + body] = scaled(1.0 / (number + 1.0), &velocity[body]);
+            }
+            note(shape, &mut own, lambda, [normals, acting], moves, velocity);
+            if k + 1 < last {
+                force.fill([0.0; D]);
+                self.field.contribute_series(&series[now], force, order);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where the products of a block, and of a row, begin.
+fn lambda_normal<const D: usize>(block: usize) -> usize {
+    2 * D * block
+}
+fn normal_velocity<const D: usize>(block: usize) -> usize {
+    2 * D * block + D
+}
+fn lambda_rate<const D: usize>(shape: &Shape<D>, row: usize) -> usize {
+    2 * D * shape.blocks + row
+}
+
+/// Notes the factors: λₖ₋₁, nₖ, rₖ and vₖ.
+fn note<const FIRST: bool, const D: usize>(
+    shape: &Shape<D>,
+    own: &mut Recurrences<'_, f64, FIRST>,
+    lambda: &[f64],
+    [normals, acting]: [&[[f64; D]]; 2],
+    moves: &[f64],
+    velocity: &[[f64; D]],
+) {
+    for component in &shape.components {
+        let (rows, (first, block)) = (&component.rows, component.first);
+        for row in 0..rows.equations() {
+            let lambda = lambda[first + row];
+            for (at, body) in rows.touched_by(row) {
+                for d in 0..D {
+                    own.note(lambda_normal::<D>(block + at) + d, lambda, acting[block + at][d]);
+                    let (n, v) = (normals[block + at][d], velocity[body][d]);
+                    own.note(normal_velocity::<D>(block + at) + d, n, v);
+                }
+            }
+            own.note(lambda_rate(shape, first + row), lambda, moves[first + row]);
+        }
+    }
+}
+
+impl<const D: usize> Shape<D> {
+    /// The next coefficients of all gradients, of what of them multipliers act along, and of ∂g/∂t; `time` is that of t.
+    fn series(
+        &self,
+        time: f64,
+        q: &[[f64; D]],
+        normals: &mut [[f64; D]],
+        acting: &mut [[f64; D]],
+        rates: &mut [f64],
+        order: &mut AnyOrder<'_, '_, f64>,
+    ) {
+        for (c, component) in self.components.iter().enumerate() {
+            let (rows, (row, block)) = (&component.rows, component.first);
+            for run in &rows.runs {
+                let (blocks, rates) = (&mut normals[block + run.block..], &mut rates[row + run.row..]);
+                self.groups[run.group].gradients_series(run.members.clone(), time, q, blocks, rates, order);
+            }
+            let blocks = block..block + rows.blocks();
+            acting[blocks.clone()].copy_from_slice(&normals[blocks.clone()]);
+            self.mask(c, &mut acting[blocks]);
+        }
+    }
+}

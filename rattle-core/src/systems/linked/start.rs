@@ -1,0 +1,332 @@
+//! The start of linked bodies: checked always, moved onto the constraints only when asked.
+
+use crate::error::{EquationAt, Error, History, StartFailure};
+use crate::motion::bodies::Body;
+use crate::motion::method::Method;
+use crate::motion::start::START_TOLERANCE;
+use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
+use crate::motion::state::State;
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::systems::linked::flight::LOST;
+use crate::systems::network::shape::Shape;
+use crate::systems::network::solver::{LinearAlgebra, Solver};
+
+/// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
+/// condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
+const NARROW: f64 = 1e-3;
+
+/// Components of up to so many equations get an orthonormal basis where theirs depend on each other.
+const BASIS_AT_MOST: usize = 1000;
+
+/// Everything evaluated at the start for one component.
+struct Start<const D: usize> {
+    q: Vec<[f64; D]>,
+    v: Vec<[f64; D]>,
+    g: Vec<f64>,
+    blocks: Vec<[f64; D]>,
+    rates: Vec<f64>,
+}
+
+impl<const D: usize> Start<D> {
+    fn of(shape: &Shape<D>, state: &State<D>) -> Self {
+        let (rows, blocks) = shape.widest;
+        let v = state.bodies.iter().zip(&shape.roots).map(|(body, root)| root.velocity(&body.p));
+        Self {
+            q: state.bodies.iter().map(|body| body.q).collect(),
+            v: v.collect(),
+            g: vec![0.0; rows],
+            blocks: vec![[0.0; D]; blocks],
+            rates: vec![0.0; rows],
+        }
+    }
+
+    fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
+        let rows = &shape.components[c].rows;
+        let (g, blocks) = (&mut self.g[..rows.equations()], &mut self.blocks[..rows.blocks()]);
+        self.rates.fill(0.0);
+        shape.gradients(c, time, &self.q, g, blocks, &mut self.rates);
+    }
+
+    /// |∇gᵢ| of the coordinates that can move.
+    fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
+        let blocks = shape.components[c].rows.blocks_of(row);
+        blocks.map(|(block, _)| dot(&self.blocks[block], &self.blocks[block])).sum::<f64>().sqrt()
+    }
+}
+
+/// Whether the motion may start: finite, on the constraints, momenta along them unless staggered, nothing singular. Components whose
+/// equations depend on each other get the linear algebra that bears it, if they may.
+pub(crate) fn check<const D: usize>(
+    shape: &mut Shape<D>,
+    algebra: LinearAlgebra,
+    state: &State<D>,
+    method: &impl Method,
+) -> Result<(), Error> {
+    check_bodies(shape, &state.bodies)?;
+    check_fixed(shape, state)?;
+    let mut start = Start::of(shape, state);
+    for c in 0..shape.components.len() {
+        start.evaluate(shape, c, state.time);
+        for row in 0..shape.components[c].rows.equations() {
+            check_row(shape, c, row, &mut start, state, method).map_err(|cause| at(shape, c, row, cause))?;
+        }
+        check_normals(shape, c, algebra, &start)?;
+    }
+    Ok(())
+}
+
+fn at<const D: usize>(shape: &Shape<D>, c: usize, row: usize, cause: StartFailure) -> Error {
+    Error::Start { body: shape.equation_at(c, row).bodies[0], cause }
+}
+
+fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Result<(), Error> {
+    for (body, state) in bodies.iter().enumerate() {
+        let fine = finite("position", &state.q).and_then(|()| finite("momentum", &state.p));
+        fine.map_err(|cause| Error::Start { body, cause })?;
+    }
+    let size = bodies.iter().map(|body| largest(&body.q)).fold(0.0, f64::max);
+    for &(body, at) in &shape.pins {
+        let Body { q, p, .. } = bodies[body];
+        let off = largest(&add_scaled(&q, -1.0, &at));
+        let finite = at.iter().all(|x| x.is_finite());
+        if !(finite && off <= START_TOLERANCE * size.max(largest(&at)) && p == [0.0; D]) {
+            let cause = StartFailure::Pinned { at: at.to_vec(), position: q.to_vec(), momentum: p.to_vec() };
+            return Err(Error::Start { body, cause });
+        }
+    }
+    Ok(())
+}
+
+fn check_row<const D: usize>(
+    shape: &Shape<D>,
+    c: usize,
+    row: usize,
+    start: &mut Start<D>,
+    state: &State<D>,
+    method: &impl Method,
+) -> Result<(), StartFailure> {
+    let rows = &shape.components[c].rows;
+    let (value, length) = (start.g[row], start.length(shape, c, row));
+    let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
+    for (block, body) in rows.touched_by(row) {
+        size = size.max(largest(&start.q[body]));
+        speed += dot(&start.v[body], &start.v[body]);
+        rate += dot(&start.blocks[block], &start.v[body]);
+    }
+    let speed = speed.sqrt();
+    if !(value.is_finite() && length.is_finite() && rate.is_finite()) {
+        let gradient = rows.touched_by(row).flat_map(|(block, _)| start.blocks[block]).collect();
+        let position = rows.touched_by(row).flat_map(|(_, body)| start.q[body]).collect();
+        return Err(StartFailure::ConstraintNotFinite { value, gradient, position });
+    }
+
+    // |∇²g n| along the normal: how far it is to a point without one. The velocities make room for n.
+    let saved: Vec<_> = rows.blocks_of(row).map(|(_, body)| start.v[rows.bodies[body]]).collect();
+    for (block, body) in rows.blocks_of(row) {
+        start.v[rows.bodies[body]] = scaled(1.0 / length, &start.blocks[block]);
+    }
+    let (group, member, equation) = rows.find(&shape.groups, row);
+    let equations = shape.groups[group].equations();
+    let (mut bends, mut turns) = (vec![0.0; equations], vec![0.0; equations]);
+    shape.groups[group].bends(member..member + 1, state.time, &start.q, &start.v, &mut bends, &mut turns);
+    for ((_, body), v) in rows.blocks_of(row).zip(saved) {
+        start.v[rows.bodies[body]] = v;
+    }
+    let singular = length / turns[equation].sqrt();
+    let rounding = f64::EPSILON * size;
+    let at = || shape.equation_at(c, row);
+    if length == 0.0 || singular < rounding / DIRECTION {
+        let distance = if length == 0.0 { 0.0 } else { singular };
+        return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
+    }
+    let distance = value.abs() / length;
+    let size = size.max(method.step_size().abs() * speed).min(singular);
+    let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
+    let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
+    if distance > tolerance {
+        return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
+    }
+    let scale = length * speed + start.rates[row].abs();
+    if state.must_be_tangent(method) && rate.abs() > START_TOLERANCE * scale {
+        let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
+        return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
+    }
+    Ok(())
+}
+
+fn check_normals<const D: usize>(
+    shape: &mut Shape<D>,
+    c: usize,
+    algebra: LinearAlgebra,
+    start: &Start<D>,
+) -> Result<(), Error> {
+    let mut acting = start.blocks[..shape.components[c].rows.blocks()].to_vec();
+    shape.mask(c, &mut acting);
+    let Shape { components, roots, .. } = &mut *shape;
+    let component = &mut components[c];
+    let rows = &component.rows;
+    let (sine, mut row) = component.solver.normals(rows, &acting, roots);
+    if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
+        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= BASIS_AT_MOST;
+        if may {
+            component.solver = Solver::orthogonal(rows);
+            (_, row) = component.solver.normals(rows, &acting, roots);
+        } else if sine <= LOST || sine.is_nan() {
+            let equation = shape.equation_at(c, row);
+            return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+        }
+    }
+    if component.rows.acting && component.solver.rank(&component.rows) < component.rows.equations() {
+        let equation = shape.equation_at(c, row);
+        return Err(at(shape, c, row, StartFailure::CannotAct { equation }));
+    }
+    Ok(())
+}
+
+/// The state moved onto the constraints by Newton's method along their gradients, momenta made to fit.
+pub(crate) fn project<const D: usize>(
+    shape: &mut Shape<D>,
+    algebra: LinearAlgebra,
+    state: &State<D>,
+) -> Result<State<D>, Error> {
+    let mut state = state.clone();
+    for &(body, at) in &shape.pins {
+        state.bodies[body] = Body { q: at, q_low: [0.0; D], p: [0.0; D], p_low: [0.0; D] };
+    }
+    check_bodies(shape, &state.bodies)?;
+    check_fixed(shape, &state)?;
+    let mut start = Start::of(shape, &state);
+    for c in 0..shape.components.len() {
+        place(shape, c, algebra, &mut start, state.time)?;
+        let Shape { components, roots, .. } = &mut *shape;
+        let component = &mut components[c];
+        let (rows, m) = (&component.rows, component.rows.equations());
+        let (mut needed, mut x) = (vec![0.0; m], vec![0.0; m]);
+        let mut p: Vec<_> = state.bodies.iter().map(|body| body.p).collect();
+        for _ in 0..2 {
+            // The second time takes what rounding left.
+            for (row, needed) in needed.iter_mut().enumerate() {
+                *needed = -start.rates[row];
+                for (block, body) in rows.blocks_of(row) {
+                    let body = rows.bodies[body];
+                    *needed -= dot(&start.blocks[block], &roots[body].velocity(&p[body]));
+                }
+            }
+            component.solver.solve(&needed, &mut x);
+            component.solver.push(rows, roots, 1.0, &x, &mut p);
+        }
+        // Rates that no momenta can give: links that move apart.
+        for row in 0..m {
+            let (mut rate, mut square, mut speed) = (start.rates[row], 0.0, 0.0_f64);
+            for (block, body) in rows.blocks_of(row) {
+                let v = roots[rows.bodies[body]].velocity(&p[rows.bodies[body]]);
+                rate += dot(&start.blocks[block], &v);
+                square += dot(&start.blocks[block], &start.blocks[block]);
+                speed = speed.max(largest(&v));
+            }
+            if rate.abs() > START_TOLERANCE * (square.sqrt() * speed + start.rates[row].abs()) {
+                let equation = shape.equation_at(c, row);
+                return Err(at(shape, c, row, StartFailure::RatesContradict { equation, rate }));
+            }
+        }
+        for &body in &rows.bodies {
+            let (q, p) = (start.q[body], p[body]);
+            state.bodies[body] = Body { q, q_low: [0.0; D], p, p_low: [0.0; D] };
+        }
+    }
+    Ok(state)
+}
+
+fn place<const D: usize>(
+    shape: &mut Shape<D>,
+    c: usize,
+    algebra: LinearAlgebra,
+    start: &mut Start<D>,
+    time: f64,
+) -> Result<(), Error> {
+    let m = shape.components[c].rows.equations();
+    let mut x = vec![0.0; m];
+    let mut distances: Vec<f64> = Vec::new();
+    let mut worst = 0;
+    for _ in 0..MAX_PROJECTION_STEPS {
+        start.evaluate(shape, c, time);
+        let mut distance = 0.0;
+        for row in 0..m {
+            let off = start.g[row].abs() / start.length(shape, c, row);
+            if off > distance || off.is_nan() {
+                (distance, worst) = (off, row);
+            }
+        }
+        let Shape { components, roots, .. } = &mut *shape;
+        let component = &mut components[c];
+        let rows = &component.rows;
+        let blocks = &start.blocks[..rows.blocks()];
+        let (sine, row) = component.solver.normals(rows, blocks, roots);
+        if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
+            if algebra == LinearAlgebra::Automatic && m <= BASIS_AT_MOST {
+                component.solver = Solver::orthogonal(rows);
+                component.solver.normals(rows, blocks, roots);
+            } else if sine <= LOST {
+                let equation = shape.equation_at(c, row);
+                return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+            }
+        }
+        let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
+        component.solver.solve(&off, &mut x);
+        let mut lift = vec![[0.0; D]; roots.len()];
+        component.solver.displace(rows, roots, &x, &mut lift);
+        let size = rows.bodies.iter().map(|&body| largest(&start.q[body])).fold(0.0, f64::max);
+        let correction = rows.bodies.iter().map(|&body| largest(&lift[body])).fold(0.0, f64::max);
+        if !(distance.is_finite() && correction.is_finite()) {
+            let position = rows.touched_by(worst).flat_map(|(_, body)| start.q[body]).collect();
+            let gradient = rows.touched_by(worst).flat_map(|(block, _)| start.blocks[block]).collect();
+            let cause = StartFailure::ConstraintNotFinite { value: start.g[worst], gradient, position };
+            return Err(at(shape, c, worst, cause));
+        }
+        let stalled = distances.last().is_some_and(|last| distance >= 0.5 * last);
+        if correction <= f64::EPSILON * size || (stalled && distance <= 1e-7 * size) {
+            if distance > START_TOLERANCE * size {
+                let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
+                return Err(at(shape, c, worst, cause));
+            }
+            return Ok(());
+        }
+        distances.push(distance);
+        for &body in &rows.bodies {
+            start.q[body] = sum(&start.q[body], &lift[body]);
+        }
+    }
+    let equation = shape.equation_at(c, worst);
+    let distances = distances.into_iter().collect::<History>();
+    Err(at(shape, c, worst, StartFailure::NoPlace { equation, distances }))
+}
+
+/// Whether links between pinned bodies alone hold.
+fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
+    let q: Vec<_> = state.bodies.iter().map(|body| body.q).collect();
+    for &(group, member) in &shape.fixed {
+        let links = &shape.groups[group];
+        let (touched, arity) = links.bodies();
+        let (of, bodies) = (links.equations(), touched[member * arity..][..arity].to_vec());
+        let (mut g, mut rates) = (vec![0.0; of], vec![0.0; of]);
+        let mut blocks = vec![[0.0; D]; of * arity];
+        links.gradients(member..member + 1, state.time, &q, &mut g, &mut blocks, &mut rates);
+        let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
+        for equation in 0..of {
+            let blocks = &blocks[equation * arity..][..arity];
+            let length = blocks.iter().map(|block| dot(block, block)).sum::<f64>().sqrt();
+            let distance = g[equation].abs() / length;
+            if links.moving() || distance.is_nan() || distance > START_TOLERANCE * size {
+                let body = bodies[0];
+                let link = links.name();
+                let equation = Box::new(EquationAt { link, member, equation, of, bodies });
+                let moving = links.moving();
+                return Err(Error::Start {
+                    body,
+                    cause: StartFailure::BetweenPins { equation, distance, moving },
+                });
+            }
+        }
+    }
+    Ok(())
+}

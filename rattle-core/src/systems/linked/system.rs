@@ -1,0 +1,436 @@
+//! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::error::StepFailure;
+use crate::kernel::series::NO_SERIES;
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::failure::Failure;
+use crate::motion::iteration::{Iteration, Kind};
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::witness::Witness;
+use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::systems::linked::flight::Flight;
+use crate::systems::linked::flight::LEARNED;
+use crate::systems::linked::kept::BodiesOf;
+use crate::systems::linked::kept::Counts;
+use crate::systems::linked::kept::Kept;
+use crate::systems::linked::kept::Linked;
+use crate::systems::linked::kept::Room;
+use crate::systems::linked::kept::along;
+use crate::systems::linked::kept::along_and_size;
+use crate::systems::linked::room::Stages;
+
+impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
+    type Count = N;
+    type Kept = Kept<F::Force, D>;
+
+    fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<F, N, D> {
+        let (shape, n) = (&self.shape, self.count.number());
+        let (rows, blocks) = shape.widest;
+        let room = Room {
+            velocity: vec![[0.0; D]; n],
+            drift: vec![[0.0; D]; n],
+            push: vec![[0.0; D]; n],
+            lift: vec![[0.0; D]; n],
+            trial: vec![[0.0; D]; n],
+            blocks: vec![[0.0; D]; blocks],
+            before: vec![[0.0; D]; blocks],
+            rates: vec![0.0; rows],
+            g: vec![0.0; rows],
+            x: vec![0.0; shape.equations],
+            guess: vec![0.0; rows],
+            y: vec![0.0; rows],
+            excess: vec![0.0; rows],
+            slope: vec![0.0; rows],
+            dx: vec![0.0; rows],
+            lengths: vec![0.0; rows],
+            scale: vec![0.0; rows],
+            learned: vec![0.0; LEARNED * rows],
+        };
+        let kept = Kept {
+            force: vec![F::Force::zero(); n],
+            blocks: vec![[0.0; D]; shape.blocks],
+            rates: vec![0.0; shape.equations],
+            solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
+            counts: Counts::default(),
+            room,
+            stages: None,
+            series: None,
+        };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
+        self.refresh(&mut bodies);
+        bodies
+    }
+
+    fn refresh(&self, bodies: &mut BodiesOf<F, N, D>) {
+        for c in 0..self.shape.components.len() {
+            let (q, time) = (bodies.q.as_ref(), bodies.time);
+            bodies.kept.normals(&self.shape, c, time, q);
+        }
+        self.evaluate_forces(bodies);
+    }
+
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        let acting = self.shape.components.iter().any(|component| component.rows.acting);
+        match need {
+            Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
+            Need::Differences => self.moves_with_time().then_some("a network whose links move"),
+            Need::Series => self.series_blocks().is_none().then_some(NO_SERIES),
+            Need::Verbs | Need::PositionEquation => None,
+        }
+    }
+
+    fn moves_with_time(&self) -> bool {
+        self.shape.components.iter().any(|component| component.rows.moving)
+    }
+
+    fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
+                bodies.kept.normals(&self.shape, c, time, bodies.q.as_ref());
+            }
+        }
+    }
+
+    fn drift_by<X: Iteration, W: Witness<f64>>(
+        &self,
+        kick: f64,
+        h: f64,
+        guess: &[f64],
+        bodies: &mut BodiesOf<F, N, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
+        let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
+        let Kept { force, blocks, rates, solvers, counts, room, .. } = &mut bodies.kept;
+        for (body, root) in shape.roots.iter().enumerate() {
+            let v = root.velocity(&p[body]);
+            let v_low = root.velocity(&p_low[body]);
+            let f = root.velocity(&force[body].add_to([0.0; D], h * kick));
+            room.velocity[body] = v;
+            room.drift[body] = std::array::from_fn(|i| h * v[i] + h * v_low[i]);
+            room.push[body] = f;
+            room.trial[body] = q[body];
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, solver) = (&component.rows, &mut solvers[c]);
+            let (first, m) = (component.first, rows.equations());
+            let blocks = &blocks[first.1..first.1 + rows.blocks()];
+            let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
+            counts.solves += 1;
+            let by_default = X::KIND == Kind::Newton && guess.is_empty();
+            if by_default || !flight.try_to_solve::<X>(guess, solver, room, counts) {
+                let turn = flight.guess(solver, room);
+                let solved = flight.solve(solver, turn, room, counts);
+                if !solved.converged {
+                    return Err(flight.failure(solver, turn, room, solved));
+                }
+            }
+            room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
+        }
+
+        for body in 0..q.len() {
+            room.lift[body] = sum(&room.drift[body], &room.push[body]);
+            room.trial[body] = force[body].add_to(p_low[body], kick);
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, solver) = (&component.rows, &mut solvers[c]);
+            let x = &room.x[component.first.0..component.first.0 + rows.equations()];
+            solver.displace(rows, &shape.roots, x, &mut room.lift);
+            solver.push(rows, &shape.roots, 1.0 / h, x, &mut room.trial);
+            if W::LISTENS || rows.moving {
+                solver.multipliers(x, &mut room.dx[..x.len()]);
+                let rates = &rates[component.first.0..];
+                for (row, displacement) in room.dx[..x.len()].iter().enumerate() {
+                    bodies.work -= displacement / h * rates[row];
+                    let multiplier = displacement / (h * (0.5 * h));
+                    witness.position_multiplier(rows.equation(row), multiplier);
+                }
+            }
+        }
+        for body in 0..q.len() {
+            (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &room.lift[body]));
+            (p[body], p_low[body]) = two_sum(&p[body], &room.trial[body]);
+        }
+        bodies.time += h;
+        for c in 0..shape.components.len() {
+            let (q, time) = (bodies.q.as_ref(), bodies.time);
+            let (sine, row) = bodies.kept.normals(shape, c, time, q);
+            self.check_rank(c, bodies, sine, row)?;
+        }
+        Ok(())
+    }
+
+    fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
+        self.forces(bodies.q.as_ref(), &mut bodies.kept.force);
+    }
+
+    fn settle<W: Witness<f64>>(
+        &self,
+        kick: f64,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
+        let Kept { force, blocks, rates, solvers, room, .. } = &mut bodies.kept;
+        let change = &mut room.trial;
+        for body in 0..p.len() {
+            change[body] = force[body].add_to(p_low[body], kick);
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, solver) = (&component.rows, &mut solvers[c]);
+            let ((row, block), m) = (component.first, rows.equations());
+            let (blocks, rates) = (&blocks[block..block + rows.blocks()], &rates[row..row + m]);
+            let (needed, x, total) = (&mut room.g[..m], &mut room.dx[..m], &mut room.x[row..row + m]);
+            total.fill(0.0);
+            for round in 0..2 {
+                for &body in &rows.bodies {
+                    room.velocity[body] = shape.roots[body].velocity(&sum(&p[body], &change[body]));
+                }
+                // The second time takes what rounding left, if it left more than comes from forming the rates.
+                let mut settled = round > 0;
+                for (i, needed) in needed.iter_mut().enumerate() {
+                    let (rate, size) = along_and_size(rows, i, blocks, &room.velocity);
+                    *needed = -rate - rates[i];
+                    settled &= needed.abs() <= 2.0 * f64::EPSILON * (size + rates[i].abs());
+                }
+                if settled {
+                    break;
+                }
+                solver.respond(rows, blocks, &shape.roots, needed, x);
+                solver.push(rows, &shape.roots, 1.0, x, change);
+                total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
+            }
+            if W::LISTENS || rows.moving {
+                solver.multipliers(total, x);
+                for (i, impulse) in x.iter().enumerate() {
+                    bodies.work -= impulse * rates[i];
+                    witness.momentum_multiplier(rows.equation(i), impulse / (0.5 * h));
+                }
+            }
+        }
+        for body in 0..p.len() {
+            (p[body], p_low[body]) = two_sum(&p[body], &change[body]);
+            if !dot(&p[body], &p[body]).is_finite() {
+                return Err(self.not_finite(bodies, body));
+            }
+        }
+        Ok(())
+    }
+
+    fn rates<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        rates: &mut [[f64; D]],
+        witness: &mut W,
+    ) -> f64 {
+        let shape = &*self.shape;
+        let Kept { force, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
+        for (body, root) in shape.roots.iter().enumerate() {
+            rates[body] = force[body].components();
+            room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+            room.push[body] = root.velocity(&rates[body]);
+        }
+        let mut power = 0.0;
+        for (c, component) in shape.components.iter().enumerate() {
+            let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
+            let m = rows.equations();
+            let (blocks, x) = (&blocks[block..block + rows.blocks()], &mut room.x[row..row + m]);
+            let (bends, turns) = (&mut room.g[..m], &mut room.dx);
+            shape.bends(c, bodies.time, bodies.q.as_ref(), &room.velocity, bends, turns);
+            for (i, bend) in bends.iter_mut().enumerate() {
+                *bend = -*bend - along(rows, i, blocks, &room.push);
+            }
+            solver.respond(rows, blocks, &shape.roots, bends, x);
+            solver.push(rows, &shape.roots, 1.0, x, rates);
+            if W::LISTENS || rows.moving {
+                solver.multipliers(x, &mut room.dx[..m]);
+                for (i, lambda) in room.dx[..m].iter().enumerate() {
+                    power -= lambda * moving[row + i];
+                    witness.position_multiplier(rows.equation(i), *lambda);
+                }
+            }
+        }
+        power
+    }
+
+    fn project(&self, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let shape = &*self.shape;
+        for (body, root) in shape.roots.iter().enumerate() {
+            bodies.kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+        }
+        for (c, component) in shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.room.velocity[body]));
+            let path = h.abs() * moves.fold(0.0, f64::max);
+            let long = 64.0 * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
+            let mut nearest = f64::INFINITY;
+            loop {
+                let (q, time) = (bodies.q.as_ref(), bodies.time);
+                let (sine, row) = bodies.kept.normals(shape, c, time, q);
+                // In roundings of the places alone: a velocity that has run away must not make up for the distance.
+                let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
+                let rounding = roundings <= long;
+                // Newton's method near its root leaves less; from afar it goes half of the way each time. False for NaN.
+                let nearer = distance < if rounding { 0.5 } else { 0.25 } * nearest;
+                if roundings <= 1.0 || rounding && !nearer {
+                    self.check_rank(c, bodies, sine, row)?;
+                    break;
+                }
+                if !nearer {
+                    let body = shape.equation_at(c, worst).bodies[0];
+                    return Err(if distance.is_finite() {
+                        Failure { body, cause: StepFailure::NotProjected { distance, path } }
+                    } else {
+                        let position = bodies.q.as_ref()[body].to_vec();
+                        Failure { body, cause: StepFailure::ConstraintNotFinite { position } }
+                    });
+                }
+                nearest = distance;
+                let (m, (_, block)) = (rows.equations(), component.first);
+                let Kept { blocks, solvers, room, .. } = &mut bodies.kept;
+                let blocks = &blocks[block..block + rows.blocks()];
+                room.g[..m].iter_mut().for_each(|g| *g = -*g);
+                solvers[c].respond(rows, blocks, &shape.roots, &mut room.g[..m], &mut room.x[..m]);
+                rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
+                solvers[c].displace(rows, &shape.roots, &room.x[..m], &mut room.lift);
+                let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
+                for &body in &rows.bodies {
+                    (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &room.lift[body]));
+                }
+            }
+        }
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
+    fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
+        let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
+        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        memory: &mut [f64],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.collocate(table, h, bodies, memory, witness)
+    }
+
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize) {
+        bodies.kept.series = self.room_for_series(orders);
+    }
+
+    fn expand<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N, D>,
+        series: &mut [[f64; D]],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series, witness)
+    }
+
+    fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
+        let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
+        work.fold(0.0, |sum, coefficient| coefficient + h * sum)
+    }
+
+    fn equations(&self) -> usize {
+        self.shape.equations
+    }
+
+    fn velocity(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> [f64; D] {
+        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
+    }
+
+    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.shape.roots[body].product(a, b)
+    }
+
+    fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.forces(bodies.q.as_ref(), &mut forces);
+        let mut pulls = vec![[0.0; D]; bodies.q.as_ref().len()];
+        self.constraint_forces(bodies, &mut pulls);
+        for (body, a) in accelerations.iter_mut().enumerate() {
+            *a = self.shape.roots[body].velocity(&forces[body].add_to(pulls[body], 1.0));
+        }
+    }
+
+    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
+        let mut multipliers = vec![0.0; self.shape.equations];
+        self.multipliers(bodies, &mut multipliers);
+        forces.fill([0.0; D]);
+        for (c, component) in self.shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let mut blocks =
+                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
+            self.shape.mask(c, &mut blocks);
+            for row in 0..rows.equations() {
+                for (block, body) in rows.touched_by(row) {
+                    let multiplier = multipliers[rows.equation(row)];
+                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
+                }
+            }
+        }
+    }
+
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
+        let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
+        let energy = parts.map(|((p, low), root)| {
+            let v = root.velocity(p);
+            0.5 * dot(p, &v) + dot(low, &v)
+        });
+        energy.sum()
+    }
+
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
+        self.field.energy(bodies.q.as_ref())
+    }
+
+    fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
+        self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
+    }
+
+    fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
+        let velocity = self.velocities(bodies);
+        self.for_rows(rates, |c, out| {
+            let (rows, (row, block)) = (self.component(c), self.shape.components[c].first);
+            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+            for (i, rate) in out.iter_mut().enumerate() {
+                *rate = along(rows, i, blocks, &velocity) + bodies.kept.rates[row + i];
+            }
+        });
+    }
+
+    fn multipliers(&self, bodies: &BodiesOf<F, N, D>, multipliers: &mut [f64]) {
+        let velocity = self.velocities(bodies);
+        let mut forces = vec![F::Force::zero(); velocity.len()];
+        self.forces(bodies.q.as_ref(), &mut forces);
+        let pulls: Vec<_> =
+            forces.iter().zip(&self.shape.roots).map(|(f, root)| root.velocity(&f.components())).collect();
+        self.for_rows(multipliers, |c, out| {
+            let (rows, (_, block)) = (self.component(c), self.shape.components[c].first);
+            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+            let (mut bends, mut turns) = (vec![0.0; out.len()], vec![0.0; out.len()]);
+            self.shape.bends(c, bodies.time, bodies.q.as_ref(), &velocity, &mut bends, &mut turns);
+            for (i, bend) in bends.iter_mut().enumerate() {
+                *bend = -*bend - along(rows, i, blocks, &pulls);
+            }
+            let mut solver = bodies.kept.solvers[c].clone();
+            let mut x = vec![0.0; out.len()];
+            solver.respond(rows, blocks, &self.shape.roots, &mut bends, &mut x);
+            solver.multipliers(&x, out);
+        });
+    }
+}

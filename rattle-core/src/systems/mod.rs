@@ -1,0 +1,7 @@
+//! What methods move. A system knows no method and no scene.
+
+pub mod linked;
+pub mod network;
+pub mod phase;
+pub mod rigid;
+pub mod surface;

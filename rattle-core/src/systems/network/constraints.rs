@@ -1,0 +1,144 @@
+//! Bodies tied together: any number of constraints between any bodies, with masses, pins and motion in time.
+//!
+//! A **kernel**, what `constraint!` writes, is a small local function. A **topology** says which bodies each copy of it
+//! ties together. From the two, components that share no body are found; each is solved by itself, with the linear algebra
+//! that suits it.
+//!
+//! ```text
+//! M q̈ = f(q) + G(q, t)ᵀ λ,    g(q, t) = 0,    one block of M for each body
+//! ```
+
+pub(crate) use crate::systems::network::mass::Mass;
+use crate::systems::network::shape::Component;
+use crate::systems::network::shape::Shape;
+pub(crate) use crate::systems::network::solver::LinearAlgebra;
+
+pub(crate) use crate::systems::network::group::Group;
+pub(crate) use crate::systems::network::mass::Root;
+pub(crate) use crate::systems::network::rows::components;
+pub(crate) use crate::systems::network::solver::Solver;
+
+use crate::error::{Error, NetworkMistake};
+use std::sync::Arc;
+
+/// Constraints between bodies, and their masses; made by [`Scene`](crate::scene::Scene)'s methods.
+#[derive(Debug, Clone)]
+pub struct Network<const D: usize> {
+    pub(crate) groups: Vec<Arc<dyn Group<D>>>,
+    pub(crate) masses: Masses<D>,
+    pub(crate) pins: Vec<(usize, [f64; D])>,
+    pub(crate) algebra: LinearAlgebra,
+}
+
+/// Whose masses.
+#[derive(Debug, Clone)]
+pub(crate) enum Masses<const D: usize> {
+    /// The same for every body.
+    Each(Mass<D>),
+    /// Those of the bodies in turn.
+    Listed(Vec<Mass<D>>),
+}
+
+impl<const D: usize> Default for Network<D> {
+    fn default() -> Self {
+        Self {
+            groups: Vec::new(),
+            masses: Masses::Each(Mass::Unit),
+            pins: Vec::new(),
+            algebra: LinearAlgebra::Automatic,
+        }
+    }
+}
+
+/// Up to so many equations an orthonormal basis is as fast as elimination.
+const FEW: usize = 6;
+
+impl<const D: usize> Network<D> {
+    pub(crate) fn with(mut self, links: impl Group<D> + 'static) -> Self {
+        self.groups.push(Arc::new(links));
+        self
+    }
+
+    /// For so many bodies.
+    pub(crate) fn shape(&self, bodies: usize) -> Result<Shape<D>, Error> {
+        let mistake = |what| Err(Error::Network(what));
+        let mut roots = Vec::with_capacity(bodies);
+        match &self.masses {
+            Masses::Listed(list) if list.len() != bodies => {
+                return mistake(NetworkMistake::MassCount { masses: list.len(), bodies });
+            }
+            masses => {
+                for body in 0..bodies {
+                    let mass = match masses {
+                        Masses::Each(mass) => mass,
+                        Masses::Listed(list) => &list[body],
+                    };
+                    let Some(root) = Root::new(mass) else {
+                        return mistake(NetworkMistake::Mass { body });
+                    };
+                    roots.push(root);
+                }
+            }
+        }
+        for &(body, _) in &self.pins {
+            if body >= bodies {
+                return mistake(NetworkMistake::NoSuchBody { what: "pin", member: 0, body, bodies });
+            }
+            roots[body] = Root::Pinned;
+        }
+        for group in &self.groups {
+            let (touched, arity) = group.bodies();
+            for (member, ends) in touched.chunks_exact(arity).enumerate() {
+                if let Some(&body) = ends.iter().find(|&&body| body >= bodies) {
+                    return mistake(NetworkMistake::NoSuchBody { what: group.name(), member, body, bodies });
+                }
+                if let Some(&body) =
+                    ends.iter().enumerate().find_map(|(i, b)| ends[..i].contains(b).then_some(b))
+                {
+                    return mistake(NetworkMistake::Repeated { what: group.name(), member, body });
+                }
+                if group.acting().is_some() && ends.iter().any(|&body| !roots[body].is_diagonal()) {
+                    return mistake(NetworkMistake::ActingNeedsDiagonalMass { what: group.name() });
+                }
+            }
+        }
+        let (mut rows_so_far, mut blocks_so_far, mut widest) = (0, 0, (0, 0));
+        let (components, fixed) = components(&self.groups, &roots);
+        let components: Vec<_> = components
+            .into_iter()
+            .map(|rows| {
+                let first = (rows_so_far, blocks_so_far);
+                let (equations, blocks) = (rows.equations(), rows.blocks());
+                rows_so_far += equations;
+                blocks_so_far += blocks;
+                widest = (widest.0.max(equations), widest.1.max(blocks));
+                let few = equations <= FEW;
+                let solver = match self.algebra {
+                    LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
+                    LinearAlgebra::Automatic if few => Solver::orthogonal(&rows),
+                    _ => Solver::elimination(&rows),
+                };
+                Component { rows, solver, first }
+            })
+            .collect();
+        let mut held = vec![false; bodies];
+        components.iter().flat_map(|component| &component.rows.bodies).for_each(|&body| held[body] = true);
+        self.pins.iter().for_each(|&(body, _)| held[body] = true);
+        let loose = (0..bodies).filter(|&body| !held[body]).collect();
+        Ok(Shape {
+            groups: self.groups.clone(),
+            roots,
+            pins: self.pins.clone(),
+            components,
+            loose,
+            fixed,
+            equations: self
+                .groups
+                .iter()
+                .map(|group| group.bodies().0.len() / group.bodies().1 * group.equations())
+                .sum(),
+            blocks: blocks_so_far,
+            widest,
+        })
+    }
+}

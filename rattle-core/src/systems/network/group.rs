@@ -1,0 +1,216 @@
+//! A kernel and its topology: one small function, and the bodies that each copy of it ties together.
+
+use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::kernel::over::short_name;
+use crate::kernel::series::AnyOrder;
+use std::array::from_fn;
+use std::fmt::Debug;
+use std::ops::Range;
+
+/// Copies of one constraint. Rows (equations) and blocks (the D numbers of a row that belong to one body) of a range of
+/// members lie one after the other.
+pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
+    /// The type that the macro made.
+    fn name(&self) -> &'static str;
+    /// Equations of a member.
+    fn equations(&self) -> usize;
+    /// The bodies of each member in turn, and how many a member ties together.
+    fn bodies(&self) -> (Vec<usize>, usize);
+    /// Coordinates that the multiplier acts on, for each body of a member; all, if nothing is said.
+    fn acting(&self) -> Option<&[[bool; D]]>;
+    /// Whether g depends on time.
+    fn moving(&self) -> bool;
+    /// The same with a member for every body in turn, if there is one member, on body 0 alone.
+    fn for_each(&self, bodies: usize) -> Option<Box<dyn Group<D>>>;
+
+    /// g.
+    fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]);
+    /// g, its blocks ∂g/∂q, and ∂g/∂t if it moves.
+    fn gradients(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        g: &mut [f64],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+    );
+    /// d²g/dt² along constant velocities, and |∇²g v|².
+    fn bends(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        v: &[[f64; D]],
+        bends: &mut [f64],
+        turns: &mut [f64],
+    );
+
+    /// Blocks of products that the power series of a member's gradients take; none where there is no series.
+    fn series_blocks(&self) -> Option<usize>;
+    /// The next coefficient of the blocks ∂g/∂q, and of ∂g/∂t if g moves, along a motion; `time` is that of t.
+    fn gradients_series(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+        order: &mut AnyOrder<'_, '_, f64>,
+    );
+}
+
+/// A kernel with K variables on A bodies each; K = A·D, or one more, the time.
+#[derive(Clone)]
+pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const D: usize> {
+    pub(crate) name: &'static str,
+    /// One for all members, or one for each.
+    pub(crate) kernels: Vec<G>,
+    pub(crate) members: Vec<[usize; A]>,
+    pub(crate) acting: Option<[[bool; D]; A]>,
+}
+
+impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} × {}", self.members.len(), self.name)
+    }
+}
+
+impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G, K, M, A, D> {
+    const MOVING: bool = K == A * D + 1;
+
+    /// Constraints, one for all members or one for each.
+    pub(crate) fn new<C: Constraint<K, M, Kernel<f64> = G>>(
+        constraints: Vec<C>,
+        members: Vec<[usize; A]>,
+    ) -> Self {
+        let name = short_name::<C>();
+        Self {
+            name,
+            kernels: constraints.iter().map(|constraint| constraint.kernel::<f64>()).collect(),
+            members,
+            acting: None,
+        }
+    }
+
+    #[inline(always)]
+    fn kernel(&self, member: usize) -> &G {
+        &self.kernels[if self.kernels.len() == 1 { 0 } else { member }]
+    }
+
+    /// The kernel's variables from those of the bodies, with `last` as time.
+    #[inline(always)]
+    fn gather(&self, member: usize, of_bodies: &[[f64; D]], last: f64) -> [f64; K] {
+        let bodies = &self.members[member];
+        from_fn(|k| if k < A * D { of_bodies[bodies[k / D]][k % D] } else { last })
+    }
+
+    /// Writes the rows of a member's Jacobian as blocks and ∂g/∂t.
+    #[inline(always)]
+    fn spread(rows: &[[f64; K]; M], blocks: &mut [[f64; D]], rates: &mut [f64]) {
+        for (i, row) in rows.iter().enumerate() {
+            for (a, block) in blocks[i * A..(i + 1) * A].iter_mut().enumerate() {
+                *block = from_fn(|d| row[a * D + d]);
+            }
+            if Self::MOVING {
+                rates[i] = row[K - 1];
+            }
+        }
+    }
+}
+
+impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Group<D> for Links<G, K, M, A, D>
+where
+    G: ConstraintKernel<f64, K, M>,
+{
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn equations(&self) -> usize {
+        M
+    }
+    fn bodies(&self) -> (Vec<usize>, usize) {
+        (self.members.iter().flatten().copied().collect(), A)
+    }
+    fn acting(&self) -> Option<&[[bool; D]]> {
+        self.acting.as_ref().map(<[_; A]>::as_slice)
+    }
+    fn moving(&self) -> bool {
+        Self::MOVING
+    }
+    fn for_each(&self, bodies: usize) -> Option<Box<dyn Group<D>>> {
+        let alone = self.members[..] == [[0; A]] && A == 1;
+        alone.then(|| {
+            Box::new(Self { members: (0..bodies).map(|i| [i; A]).collect(), ..self.clone() })
+                as Box<dyn Group<D>>
+        })
+    }
+
+    fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]) {
+        for (member, g) in members.zip(g.chunks_exact_mut(M)) {
+            g.copy_from_slice(&self.kernel(member).value(&self.gather(member, q, time)));
+        }
+    }
+
+    fn gradients(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        g: &mut [f64],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+    ) {
+        let outputs =
+            g.chunks_exact_mut(M).zip(blocks.chunks_exact_mut(M * A)).zip(rates.chunks_exact_mut(M));
+        for (member, ((g, blocks), rates)) in members.zip(outputs) {
+            let (values, rows) = self.kernel(member).value_and_jacobian(&self.gather(member, q, time));
+            g.copy_from_slice(&values);
+            Self::spread(&rows, blocks, rates);
+        }
+    }
+
+    fn bends(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        v: &[[f64; D]],
+        bends: &mut [f64],
+        turns: &mut [f64],
+    ) {
+        let outputs = bends.chunks_exact_mut(M).zip(turns.chunks_exact_mut(M));
+        for (member, (bends, turns)) in members.zip(outputs) {
+            let direction = self.gather(member, v, 1.0);
+            let rows = self.kernel(member).hessian_vector(&self.gather(member, q, time), &direction);
+            for (i, row) in rows.iter().enumerate() {
+                bends[i] = row.iter().zip(&direction).map(|(h, v)| h * v).sum();
+                turns[i] = row[..A * D].iter().map(|h| h * h).sum();
+            }
+        }
+    }
+
+    fn series_blocks(&self) -> Option<usize> {
+        G::SERIES
+    }
+
+    fn gradients_series(
+        &self,
+        members: Range<usize>,
+        time: f64,
+        q: &[[f64; D]],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+        order: &mut AnyOrder<'_, '_, f64>,
+    ) {
+        let outputs = blocks.chunks_exact_mut(M * A).zip(rates.chunks_exact_mut(M));
+        for (member, (blocks, rates)) in members.zip(outputs) {
+            let (kernel, variables) = (self.kernel(member), self.gather(member, q, time));
+            let rows = match order {
+                AnyOrder::First(order) => kernel.jacobian_series(&variables, order),
+                AnyOrder::Next(order) => kernel.jacobian_series(&variables, order),
+            };
+            Self::spread(&rows, blocks, rates);
+        }
+    }
+}

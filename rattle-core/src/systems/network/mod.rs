@@ -1,0 +1,16 @@
+//! Constraints between bodies and their linear algebra.
+
+pub(crate) mod constraints;
+mod elimination;
+pub(crate) mod group;
+pub(crate) mod mass;
+mod orthogonal;
+pub(crate) mod rows;
+pub(crate) mod shape;
+pub(crate) mod solver;
+pub(crate) mod tie;
+
+pub use constraints::Network;
+pub use mass::Mass;
+pub use solver::{LinearAlgebra, Report};
+pub use tie::Tie;

@@ -1,0 +1,294 @@
+//! The normals of a few equations as an orthonormal basis: for equations that nearly, or wholly, depend on each other.
+//!
+//! ```text
+//! L⁻¹Gᵀ S⁻¹ Π = Q R        M = L Lᵀ,  S the lengths of the columns,  Π puts the most independent first
+//! ```
+//!
+//! Column-pivoted Gram–Schmidt, each column made orthogonal twice (L. Giraud, J. Langou, M. Rozložník 2005: that is
+//! enough). The condition of G enters once, not squared as in G M⁻¹Gᵀ. A column that is left with less than
+//! [`DEPENDENT`] of its length adds nothing; multipliers are then those of least norm, with every equation scaled to
+//! a normal of length 1, so that how it is written does not matter.
+
+use crate::number::vector::{add_scaled, dot, scaled};
+use crate::systems::network::mass::Root;
+use crate::systems::network::rows::Rows;
+
+/// A normal whose part orthogonal to the others is shorter than this is one of their combinations: well above the
+/// rounding of a sum, well below any angle that carries digits.
+const DEPENDENT: f64 = 1e-12;
+
+#[derive(Debug, Clone)]
+pub(crate) struct Basis<const D: usize> {
+    equations: usize,
+    bodies: usize,
+    pub(crate) rank: usize,
+    /// Columns of Q, a block for each body.
+    q: Vec<[f64; D]>,
+    /// R by rows, as wide as there are equations.
+    r: Vec<f64>,
+    order: Vec<usize>,
+    lengths: Vec<f64>,
+    /// For dependent equations R = T V with T triangular and the rows of V orthonormal, both by rows.
+    v: Vec<f64>,
+    t: Vec<f64>,
+    /// (G at the trial) L⁻ᵀQ, reduced to `rank` equations and factored.
+    chord: Vec<f64>,
+    column: Vec<f64>,
+}
+
+impl<const D: usize> Basis<D> {
+    pub(crate) fn new(equations: usize, bodies: usize) -> Self {
+        let square = vec![0.0; equations * equations];
+        Self {
+            equations,
+            bodies,
+            rank: 0,
+            q: vec![[0.0; D]; equations * bodies],
+            r: square.clone(),
+            order: (0..equations).collect(),
+            lengths: vec![0.0; equations],
+            v: square.clone(),
+            t: square.clone(),
+            chord: square,
+            column: vec![0.0; equations],
+        }
+    }
+
+    /// Takes the normals over. Returns the sine of the angle of the least independent one to the others, and its row.
+    pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
+        let (m, n) = (self.equations, self.bodies);
+        self.q.fill([0.0; D]);
+        self.r.fill(0.0);
+        for i in 0..m {
+            self.order[i] = i;
+            let column = &mut self.q[i * n..(i + 1) * n];
+            for (block, body) in rows.blocks_of(i) {
+                column[body] = roots[rows.bodies[body]].halve(&blocks[block]);
+            }
+            let length = square(column).sqrt();
+            self.lengths[i] = length;
+            if length > 0.0 {
+                column.iter_mut().for_each(|part| *part = scaled(1.0 / length, part));
+            }
+        }
+        self.rank = 0;
+        let mut weakest = (f64::INFINITY, 0);
+        for k in 0..m {
+            let (pivot, left) = (k..m)
+                .map(|j| (j, square(&self.q[j * n..(j + 1) * n])))
+                .fold((k, -1.0), |best, next| if next.1 > best.1 { next } else { best });
+            self.swap(k, pivot);
+            for l in 0..k {
+                let again = self.along(l, k);
+                self.subtract(l, k, again);
+            }
+            let left = square(&self.q[k * n..(k + 1) * n]).sqrt().min(left.sqrt());
+            weakest = (left, self.order[k]);
+            if left <= DEPENDENT || left.is_nan() {
+                break;
+            }
+            self.rank = k + 1;
+            self.r[k * m + k] = left;
+            self.q[k * n..(k + 1) * n].iter_mut().for_each(|part| *part = scaled(1.0 / left, part));
+            for j in k + 1..m {
+                let part = self.along(k, j);
+                self.subtract(k, j, part);
+            }
+        }
+        if self.rank < m {
+            self.complete();
+        }
+        weakest
+    }
+
+    /// For dependent equations: an orthonormal basis of the rows of R.
+    fn complete(&mut self) {
+        let (m, r) = (self.equations, self.rank);
+        self.t.fill(0.0);
+        for k in (0..r).rev() {
+            self.v[k * m..(k + 1) * m].copy_from_slice(&self.r[k * m..(k + 1) * m]);
+            for _ in 0..2 {
+                for l in k + 1..r {
+                    let part: f64 = (0..m).map(|j| self.v[l * m + j] * self.v[k * m + j]).sum();
+                    self.t[k * m + l] += part;
+                    (0..m).for_each(|j| self.v[k * m + j] -= part * self.v[l * m + j]);
+                }
+            }
+            let length = (0..m).map(|j| self.v[k * m + j] * self.v[k * m + j]).sum::<f64>().sqrt();
+            self.t[k * m + k] = length;
+            (0..m).for_each(|j| self.v[k * m + j] /= length);
+        }
+    }
+
+    fn swap(&mut self, a: usize, b: usize) {
+        if a != b {
+            let (m, n) = (self.equations, self.bodies);
+            self.order.swap(a, b);
+            (0..n).for_each(|i| self.q.swap(a * n + i, b * n + i));
+            (0..a.min(b)).for_each(|row| self.r.swap(row * m + a, row * m + b));
+        }
+    }
+
+    fn along(&self, l: usize, k: usize) -> f64 {
+        let n = self.bodies;
+        self.q[l * n..(l + 1) * n].iter().zip(&self.q[k * n..(k + 1) * n]).map(|(a, b)| dot(a, b)).sum()
+    }
+
+    /// Takes `part` of column l from column k.
+    fn subtract(&mut self, l: usize, k: usize, part: f64) {
+        let (m, n) = (self.equations, self.bodies);
+        self.r[l * m + k] += part;
+        for i in 0..n {
+            self.q[k * n + i] = add_scaled(&self.q[k * n + i], -part, &self.q[l * n + i]);
+        }
+    }
+
+    /// x such that G moves at these rates when the bodies move by [`Self::displace`]\(x\).
+    pub(crate) fn solve(&self, rates: &[f64], x: &mut [f64]) {
+        let (m, r) = (self.equations, self.rank);
+        if r == m {
+            for k in 0..r {
+                let i = self.order[k];
+                let known: f64 = (0..k).map(|l| self.r[l * m + k] * x[l]).sum();
+                x[k] = (rates[i] / self.lengths[i] - known) / self.r[k * m + k];
+            }
+        } else {
+            // Rᵀx = Πᵀ rates, so Tᵀx = V Πᵀ rates
+            for k in 0..r {
+                let scaled_rate = |j: usize| {
+                    let i = self.order[j];
+                    if self.lengths[i] > 0.0 { rates[i] / self.lengths[i] } else { 0.0 }
+                };
+                let projected: f64 = (0..m).map(|j| self.v[k * m + j] * scaled_rate(j)).sum();
+                let known: f64 = (0..k).map(|l| self.t[l * m + k] * x[l]).sum();
+                x[k] = (projected - known) / self.t[k * m + k];
+            }
+        }
+    }
+
+    /// The multipliers Λ with L⁻¹GᵀΛ = Q x, of least norm.
+    pub(crate) fn multipliers(&mut self, x: &[f64], multipliers: &mut [f64]) {
+        let (m, r) = (self.equations, self.rank);
+        let triangle = if r == m { &self.r } else { &self.t };
+        let y = &mut self.column;
+        for k in (0..r).rev() {
+            let known: f64 = (k + 1..r).map(|l| triangle[k * m + l] * y[l]).sum();
+            y[k] = (x[k] - known) / triangle[k * m + k];
+        }
+        for k in 0..m {
+            let i = self.order[k];
+            let value = if r == m { y[k] } else { (0..r).map(|l| self.v[l * m + k] * y[l]).sum() };
+            multipliers[i] = if self.lengths[i] > 0.0 { value / self.lengths[i] } else { 0.0 };
+        }
+    }
+
+    /// x with Q x = L⁻¹GᵀΛ for these multipliers.
+    pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
+        let m = self.equations;
+        for k in 0..self.rank {
+            let scaled = |j: usize| self.lengths[self.order[j]] * multipliers[self.order[j]];
+            x[k] = (k..m).map(|j| self.r[k * m + j] * scaled(j)).sum();
+        }
+    }
+
+    /// Calls `add` with the part L⁻¹δ of each body's displacement δ, for coefficients x.
+    #[inline]
+    fn combine(&self, x: &[f64], mut add: impl FnMut(usize, [f64; D])) {
+        for body in 0..self.bodies {
+            let mut part = [0.0; D];
+            for (k, x) in x[..self.rank].iter().enumerate() {
+                part = add_scaled(&part, *x, &self.q[k * self.bodies + body]);
+            }
+            add(body, part);
+        }
+    }
+
+    /// Adds M⁻¹GᵀΛ to each body's place.
+    pub(crate) fn displace(&self, rows: &Rows, roots: &[Root<D>], x: &[f64], out: &mut [[f64; D]]) {
+        self.combine(x, |body, part| {
+            let place = rows.bodies[body];
+            out[place] = add_scaled(&out[place], 1.0, &roots[place].halve_transposed(&part));
+        });
+    }
+
+    /// Adds `scale` GᵀΛ to each body's momentum.
+    pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
+        self.combine(x, |body, part| {
+            let place = rows.bodies[body];
+            out[place] = add_scaled(&out[place], scale, &roots[place].restore(&part));
+        });
+    }
+
+    /// Takes the derivative of g along the basis at a trial position. The smallest pivot, relative to 1: not positive
+    /// where the normals there are turned over. Or the symmetric part of that derivative.
+    pub(crate) fn chord<const SYMMETRIC: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> f64 {
+        let (m, r, n) = (self.equations, self.rank, self.bodies);
+        let mut along = std::mem::take(&mut self.column);
+        for k in 0..r {
+            for (i, rate) in along.iter_mut().enumerate() {
+                *rate = 0.0;
+                for (block, body) in rows.blocks_of(i) {
+                    let place = rows.bodies[body];
+                    *rate += dot(&roots[place].halve(&blocks[block]), &self.q[k * n + body]);
+                }
+            }
+            let mut x = std::mem::take(&mut self.chord);
+            self.solve(&along, &mut x[k * m..k * m + r]); // column k of a matrix near 1
+            self.chord = x;
+        }
+        self.column = along;
+        if SYMMETRIC {
+            for k in 0..r {
+                for i in 0..k {
+                    let mean = 0.5 * (self.chord[k * m + i] + self.chord[i * m + k]);
+                    (self.chord[k * m + i], self.chord[i * m + k]) = (mean, mean);
+                }
+            }
+        }
+        // Elimination without exchanges: the matrix is the identity where the step starts.
+        let a = &mut self.chord; // by columns
+        let mut smallest = f64::INFINITY;
+        for k in 0..r {
+            let pivot = a[k * m + k];
+            if pivot < smallest || pivot.is_nan() {
+                smallest = pivot;
+            }
+            for i in k + 1..r {
+                let factor = a[k * m + i] / pivot;
+                a[k * m + i] = factor;
+                for j in k + 1..r {
+                    a[j * m + i] -= factor * a[j * m + k];
+                }
+            }
+        }
+        smallest
+    }
+
+    /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
+    pub(crate) fn correct(&self, g: &[f64], dx: &mut [f64]) {
+        let (m, r) = (self.equations, self.rank);
+        self.solve(g, dx);
+        let a = &self.chord;
+        dx[..r].iter_mut().for_each(|x| *x = -*x);
+        for i in 0..r {
+            for k in 0..i {
+                dx[i] -= a[k * m + i] * dx[k];
+            }
+        }
+        for i in (0..r).rev() {
+            for k in i + 1..r {
+                dx[i] -= a[k * m + i] * dx[k];
+            }
+            dx[i] /= a[i * m + i];
+        }
+    }
+}
+
+fn square<const D: usize>(column: &[[f64; D]]) -> f64 {
+    column.iter().map(|part| dot(part, part)).sum()
+}

@@ -1,0 +1,90 @@
+//! A network made ready for so many bodies: components, and their equations evaluated.
+
+use crate::systems::network::group::Group;
+use crate::systems::network::mass::Root;
+use crate::systems::network::rows::Rows;
+use crate::systems::network::solver::Solver;
+use std::sync::Arc;
+
+/// The components of a network for so many bodies.
+#[derive(Debug)]
+pub(crate) struct Shape<const D: usize> {
+    pub(crate) groups: Vec<Arc<dyn Group<D>>>,
+    pub(crate) roots: Vec<Root<D>>,
+    pub(crate) pins: Vec<(usize, [f64; D])>,
+    pub(crate) components: Vec<Component<D>>,
+    /// Members between pinned bodies alone, as group and member.
+    pub(crate) fixed: Vec<(usize, usize)>,
+    /// Bodies that are in none, and not pinned.
+    pub(crate) loose: Vec<usize>,
+    pub(crate) equations: usize,
+    pub(crate) blocks: usize,
+    /// Rows and blocks of the largest component.
+    pub(crate) widest: (usize, usize),
+}
+
+#[derive(Debug)]
+pub(crate) struct Component<const D: usize> {
+    pub(crate) rows: Rows,
+    pub(crate) solver: Solver<D>,
+    /// Where its rows and blocks begin among those of all components.
+    pub(crate) first: (usize, usize),
+}
+
+impl<const D: usize> Shape<D> {
+    /// g, ∂g/∂q without what is pinned, and ∂g/∂t of a component.
+    pub(crate) fn gradients(
+        &self,
+        component: usize,
+        time: f64,
+        q: &[[f64; D]],
+        g: &mut [f64],
+        blocks: &mut [[f64; D]],
+        rates: &mut [f64],
+    ) {
+        for run in &self.components[component].rows.runs {
+            let (rows, blocks) = (run.row, &mut blocks[run.block..]);
+            let group = &self.groups[run.group];
+            group.gradients(run.members.clone(), time, q, &mut g[rows..], blocks, &mut rates[rows..]);
+        }
+    }
+
+    /// g of a component.
+    pub(crate) fn values(&self, component: usize, time: f64, q: &[[f64; D]], g: &mut [f64]) {
+        for run in &self.components[component].rows.runs {
+            self.groups[run.group].values(run.members.clone(), time, q, &mut g[run.row..]);
+        }
+    }
+
+    /// g̈ along constant velocities, and |∇²g v|², of a component.
+    pub(crate) fn bends(
+        &self,
+        component: usize,
+        time: f64,
+        q: &[[f64; D]],
+        v: &[[f64; D]],
+        bends: &mut [f64],
+        turns: &mut [f64],
+    ) {
+        for run in &self.components[component].rows.runs {
+            let (bends, turns) = (&mut bends[run.row..], &mut turns[run.row..]);
+            self.groups[run.group].bends(run.members.clone(), time, q, v, bends, turns);
+        }
+    }
+
+    /// What the multipliers act along: the gradients, without the coordinates that they are kept from.
+    pub(crate) fn mask(&self, component: usize, blocks: &mut [[f64; D]]) {
+        for run in &self.components[component].rows.runs {
+            if let Some(acting) = self.groups[run.group].acting() {
+                let rows = run.members.len() * self.groups[run.group].equations();
+                for blocks in blocks[run.block..].chunks_exact_mut(acting.len()).take(rows) {
+                    for (block, acts) in blocks.iter_mut().zip(acting) {
+                        for (entry, acts) in block.iter_mut().zip(acts) {
+                            *entry = if *acts { *entry } else { 0.0 };
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Which linear algebra a component gets.
+
+use crate::systems::network::elimination::Elimination;
+use crate::systems::network::mass::Root;
+use crate::systems::network::orthogonal::Basis;
+use crate::systems::network::rows::Rows;
+use std::fmt;
+
+/// How the multipliers of a component of linked bodies are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LinearAlgebra {
+    /// An orthonormal basis for a few equations and where equations depend on each other, elimination otherwise.
+    #[default]
+    Automatic,
+    /// An orthonormal basis of the normals, by pivoted Gram–Schmidt: costs m² n operations for m equations between n
+    /// coordinates, and does not mind equations that nearly or wholly depend on each other.
+    Orthogonal,
+    /// Elimination on the pattern of the links: costs as many operations as there are links in chains and trees; equations
+    /// must be independent.
+    Elimination,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum Solver<const D: usize> {
+    Orthogonal(Box<Basis<D>>),
+    Elimination(Box<Elimination<D>>),
+}
+
+impl<const D: usize> Solver<D> {
+    pub(crate) fn orthogonal(rows: &Rows) -> Self {
+        Self::Orthogonal(Box::new(Basis::new(rows.equations(), rows.bodies.len())))
+    }
+
+    pub(crate) fn elimination(rows: &Rows) -> Self {
+        Self::Elimination(Box::new(Elimination::new(rows)))
+    }
+
+    /// Independent equations, as far as the last normals show.
+    pub(crate) fn rank(&self, rows: &Rows) -> usize {
+        match self {
+            Self::Orthogonal(basis) => basis.rank,
+            Self::Elimination(_) => rows.equations(),
+        }
+    }
+
+    pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
+        match self {
+            Self::Orthogonal(basis) => basis.normals(rows, blocks, roots),
+            Self::Elimination(elimination) => elimination.normals(rows, blocks, roots),
+        }
+    }
+
+    pub(crate) fn chord<const SYMMETRIC: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> f64 {
+        match self {
+            Self::Orthogonal(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
+            Self::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks),
+        }
+    }
+
+    pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
+        match self {
+            Self::Orthogonal(basis) => basis.correct(g, dx),
+            Self::Elimination(elimination) => elimination.correct(g, dx),
+        }
+    }
+
+    /// x such that the equations change at these rates, by the last normals.
+    pub(crate) fn solve(&mut self, rates: &[f64], x: &mut [f64]) {
+        match self {
+            Self::Orthogonal(basis) => basis.solve(rates, x),
+            Self::Elimination(elimination) => elimination.solve(rates, x),
+        }
+    }
+
+    /// The same where multipliers act on chosen coordinates only: the matrix is then not symmetric, as between two places.
+    /// `rates` are used up.
+    pub(crate) fn respond(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+        rates: &mut [f64],
+        x: &mut [f64],
+    ) {
+        if rows.acting {
+            self.chord::<false>(rows, blocks, roots);
+            rates.iter_mut().for_each(|rate| *rate = -*rate);
+            self.correct(rates, x);
+        } else {
+            self.solve(rates, x);
+        }
+    }
+
+    pub(crate) fn multipliers(&mut self, x: &[f64], multipliers: &mut [f64]) {
+        match self {
+            Self::Orthogonal(basis) => basis.multipliers(x, multipliers),
+            Self::Elimination(_) => multipliers.copy_from_slice(x),
+        }
+    }
+
+    /// The x that has these multipliers.
+    pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
+        match self {
+            Self::Orthogonal(basis) => basis.coefficients(multipliers, x),
+            Self::Elimination(_) => x.copy_from_slice(multipliers),
+        }
+    }
+
+    /// A scalar product of two x, the same however equations are scaled, given the lengths of their gradients.
+    pub(crate) fn product(&self, lengths: &[f64], a: &[f64], b: &[f64]) -> f64 {
+        match self {
+            Self::Orthogonal(basis) => a[..basis.rank].iter().zip(b).map(|(a, b)| a * b).sum(),
+            Self::Elimination(_) => {
+                a.iter().zip(b).zip(lengths).map(|((a, b), length)| (a * length) * (b * length)).sum()
+            }
+        }
+    }
+
+    pub(crate) fn displace(&self, rows: &Rows, roots: &[Root<D>], x: &[f64], out: &mut [[f64; D]]) {
+        match self {
+            Self::Orthogonal(basis) => basis.displace(rows, roots, x, out),
+            Self::Elimination(elimination) => elimination.displace(rows, x, out),
+        }
+    }
+
+    pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
+        match self {
+            Self::Orthogonal(basis) => basis.push(rows, roots, scale, x, out),
+            Self::Elimination(elimination) => elimination.push(rows, scale, x, out),
+        }
+    }
+}
+
+/// What one component of linked bodies is, and how its multipliers are found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Report {
+    /// Bodies that can move.
+    pub bodies: usize,
+    /// Equations.
+    pub equations: usize,
+    /// Independent ones among them.
+    pub rank: usize,
+    /// [`LinearAlgebra::Orthogonal`] or [`LinearAlgebra::Elimination`].
+    pub by: LinearAlgebra,
+    /// Entries of the factor below the diagonal that the links themselves do not have; 0 for chains and trees.
+    pub fill: usize,
+}
+
+impl Report {
+    pub(crate) fn of<const D: usize>(rows: &Rows, solver: &Solver<D>) -> Self {
+        let (by, fill) = match solver {
+            Solver::Orthogonal(_) => (LinearAlgebra::Orthogonal, 0),
+            Solver::Elimination(elimination) => (LinearAlgebra::Elimination, elimination.fill().1),
+        };
+        Self { bodies: rows.bodies.len(), equations: rows.equations(), rank: solver.rank(rows), by, fill }
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bodies = if self.bodies == 1 { "body" } else { "bodies" };
+        write!(f, "{} {bodies}, {} equations", self.bodies, self.equations)?;
+        if self.rank < self.equations {
+            write!(f, " of which {} independent", self.rank)?;
+        }
+        match self.by {
+            LinearAlgebra::Elimination => write!(f, ": elimination, {} entries filled in", self.fill),
+            _ => write!(f, ": orthonormal basis"),
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! What links, pins and masses can be added to.
+
+use crate::kernel::functions::Constraint;
+use crate::motion::hold::Hold;
+use crate::systems::network::constraints::Network;
+use crate::systems::network::group::Links;
+
+/// What links, pins and masses can be added to.
+pub trait Tie<const D: usize>: Hold<D> {
+    /// The same as a network of so many bodies.
+    fn network(self, bodies: usize) -> Network<D>;
+}
+
+impl<C: Constraint<D, 1>, const D: usize> Tie<D> for C {
+    fn network(self, bodies: usize) -> Network<D> {
+        Network::default().with(Links::<_, D, 1, 1, D>::new(vec![self], (0..bodies).map(|i| [i]).collect()))
+    }
+}
+
+impl<const D: usize> Tie<D> for Network<D> {
+    fn network(self, _: usize) -> Self {
+        self
+    }
+}

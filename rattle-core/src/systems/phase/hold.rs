@@ -1,0 +1,69 @@
+//! A constraint and an energy hold a body in phase space.
+
+use crate::effect::list::{Effects, Field};
+use crate::error::Error;
+use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
+use crate::motion::bodies::{Body, Count};
+use crate::motion::hold::Hold;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::systems::phase::kept::IN_PHASE_SPACE;
+use crate::systems::phase::kept::InPhaseSpace;
+use crate::systems::phase::kept::PhaseSpace;
+use crate::systems::phase::point::Point;
+
+impl<G, H, const M: usize> PhaseSpace<G, H, M> {
+    fn in_phase_space<N: Count, const D: usize>(
+        &self,
+        count: N,
+    ) -> InPhaseSpace<G::Kernel<f64>, H::Kernel<f64>, N, M>
+    where
+        G: PhaseConstraint<D, M>,
+        H: Hamiltonian<D>,
+    {
+        InPhaseSpace { constraint: self.constraint.kernel(), energy: self.hamiltonian.kernel(), count }
+    }
+}
+
+impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize> Hold<D>
+    for PhaseSpace<G, H, M>
+{
+    type System<E: Effects<D>, N: Count> = InPhaseSpace<G::Kernel<f64>, H::Kernel<f64>, N, M>;
+
+    fn system<E: Effects<D>, N: Count>(
+        &self,
+        _: &E,
+        count: N,
+        start: &State<D>,
+        method: &impl Method,
+    ) -> Result<Self::System<E, N>, Error> {
+        const {
+            assert!(
+                size_of::<<E::Field<f64> as Field<f64, D>>::Force>() == 0,
+                "in phase space the Hamiltonian is the whole energy: write potentials into it"
+            )
+        };
+        if method.rattle_steps().is_none() {
+            return Err(Error::NeedsRattle { method: method.name(), system: IN_PHASE_SPACE });
+        }
+        let system = self.in_phase_space(count);
+        for (body, state) in start.bodies.iter().enumerate() {
+            system.check(state).map_err(|cause| Error::Start { body, cause })?;
+        }
+        Ok(system)
+    }
+
+    fn particles(self, _: usize) -> Self {
+        self
+    }
+
+    fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
+        let (system, mut state) = (self.in_phase_space(crate::motion::bodies::One), state.clone());
+        for (number, body) in state.bodies.iter_mut().enumerate() {
+            let cause = |cause| Error::Start { body: number, cause };
+            let Point { q, p } = system.project(body).map_err(cause)?;
+            *body = Body { q, p, q_low: [0.0; D], p_low: [0.0; D] };
+        }
+        Ok(state)
+    }
+}

@@ -1,0 +1,64 @@
+//! Constraints on phase space, g(q, p) = 0, with any energy H(q, p): geometric RATTLE.
+//!
+//! ```text
+//! q̇ =  ∂H/∂p − (∂g/∂p)ᵀ λ
+//! ṗ = −∂H/∂q + (∂g/∂q)ᵀ λ        g(q, p) = 0
+//! ```
+//!
+//! with the sign of λ as everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0, with
+//! {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the gᵢ
+//! then make *fibres* within g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden constraint,
+//! which a start must satisfy too; it is determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A step is
+//!
+//! ```text
+//! z̃  = z slid along its fibre by h/2 λ
+//! z* = Φₕ(z̃)                               λ such that g(z*) = 0
+//! z′ = z* slid along its fibre by h/2 μ    μ such that {g, H}(z′) = 0
+//! ```
+//!
+//! with the Störmer–Verlet step Φₕ of H as if it were free. It is symplectic on the hidden constraint, symmetric and of
+//! second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::methods::rattle). What z* is does not depend on where on
+//! its fibre z was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its own.
+//!
+//! Where N loses its inverse the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes by
+//! half of itself is refused.
+//!
+//! H is told as kinetic energy, and no shadow energy is known (NaN).
+//!
+//! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found. Comput.
+//! Math. 14 (2014) 339.
+
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::systems::phase::point::Point;
+
+/// What messages call such a system.
+pub(super) const IN_PHASE_SPACE: &str = "a system in phase space";
+/// M equations g(q, p) = 0 and an energy H(q, p), of a scene made by
+/// [`Scene::in_phase_space`](crate::scene::Scene::in_phase_space).
+#[derive(Debug, Clone, Copy)]
+pub struct PhaseSpace<G, H, const M: usize> {
+    /// g.
+    pub constraint: G,
+    /// H.
+    pub hamiltonian: H,
+}
+
+/// Bodies in phase space, each under its own g and H.
+#[derive(Debug, Clone)]
+pub struct InPhaseSpace<K, H, N, const M: usize> {
+    pub(super) constraint: K,
+    pub(super) energy: H,
+    pub(super) count: N,
+}
+
+pub(super) type BodiesOf<N, const D: usize, const M: usize> =
+    Bodies<N, f64, <N as Count>::Of<[[f64; M]; M]>, D>;
+
+impl<const D: usize> Point<D> {
+    pub(super) fn high(body: &Body<f64, D>) -> Self {
+        Self { q: body.q, p: body.p }
+    }
+    pub(super) fn low(body: &Body<f64, D>) -> Self {
+        Self { q: body.q_low, p: body.p_low }
+    }
+}

@@ -1,0 +1,244 @@
+//! A point (q, p) of phase space, what constraint and energy are there, and the step of the energy alone.
+
+use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use std::array::from_fn;
+
+/// A point of phase space, or a difference of two.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point<const D: usize> {
+    pub(super) q: [f64; D],
+    pub(super) p: [f64; D],
+}
+
+impl<const D: usize> Point<D> {
+    pub(super) const ZERO: Self = Self { q: [0.0; D], p: [0.0; D] };
+
+    pub(super) fn plus(&self, other: &Self) -> Self {
+        Self { q: sum(&self.q, &other.q), p: sum(&self.p, &other.p) }
+    }
+    pub(super) fn minus(&self, other: &Self) -> Self {
+        self.plus(&other.times(-1.0))
+    }
+    pub(super) fn times(&self, factor: f64) -> Self {
+        self.weighted(factor, factor)
+    }
+    pub(super) fn weighted(&self, q: f64, p: f64) -> Self {
+        Self { q: scaled(q, &self.q), p: scaled(p, &self.p) }
+    }
+    /// The sizes of coordinates here and there, whichever is larger.
+    pub(super) fn reach(&self, other: &Self) -> Self {
+        let larger = |a: &[f64; D], b: &[f64; D]| from_fn(|i| a[i].abs().max(b[i].abs()));
+        Self { q: larger(&self.q, &other.q), p: larger(&self.p, &other.p) }
+    }
+    /// The factor that makes this as long as the reach, in positions or in momenta, whichever is larger.
+    fn reaches(&self, reach: &Self) -> f64 {
+        let part = |x: &[f64; D], reach: &[f64; D]| {
+            let length = largest(x);
+            if length > 0.0 { largest(reach) / length } else { 0.0 }
+        };
+        part(&self.q, &reach.q).max(part(&self.p, &reach.p))
+    }
+    /// The largest component.
+    pub(super) fn size(&self) -> f64 {
+        largest(&self.q).max(largest(&self.p))
+    }
+}
+
+/// g and its gradients at a point.
+pub(super) struct Level<const D: usize, const M: usize> {
+    pub(super) value: [f64; M],
+    /// (∂gᵢ/∂q, ∂gᵢ/∂p).
+    pub(super) gradients: [Point<D>; M],
+    /// Σ |∂gᵢ/∂zₖ| rₖ with r the reach: times ε the rounding of gᵢ that comes from that of the point.
+    pub(super) size: [f64; M],
+}
+
+impl<const D: usize, const M: usize> Level<D, M> {
+    /// At a point whose coordinates were, on the way there, as large as those of `reach`.
+    pub(super) fn of<K>(constraint: &K, at: &Point<D>, reach: &Point<D>) -> Self
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+    {
+        let (value, by_q, by_p) = constraint.value_and_jacobians(&at.q, &at.p);
+        let gradients = from_fn(|i| Point { q: by_q[i], p: by_p[i] });
+        let size = gradients.map(|g| products(&g.q, &reach.q) + products(&g.p, &reach.p));
+        Self { value, gradients, size }
+    }
+
+    /// The direction in which σᵢ slides.
+    pub(super) fn fibre(&self, i: usize) -> Point<D> {
+        Point { q: scaled(-1.0, &self.gradients[i].p), p: self.gradients[i].q }
+    }
+
+    /// {gᵢ, gⱼ}, and the size of its terms.
+    pub(super) fn bracket(&self, i: usize, j: usize) -> (f64, f64) {
+        bracket(&self.gradients[i], &self.gradients[j])
+    }
+}
+
+/// The hidden constraint hᵢ = {gᵢ, H}, with what says how it changes.
+pub(super) struct Hidden<const D: usize, const M: usize> {
+    pub(super) value: [f64; M],
+    /// Σ |Nᵢⱼ| sⱼ, where a slide by sⱼ is as long as the reach: times ε the rounding of hᵢ that comes from that of the
+    /// point.
+    pub(super) size: [f64; M],
+    /// Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre.
+    pub(super) slopes: [[f64; M]; M],
+    /// The largest of the terms that make up the slopes.
+    pub(super) slope_size: f64,
+    /// ḣᵢ along the motion without constraint.
+    pub(super) rates: [f64; M],
+}
+
+impl<const D: usize, const M: usize> Hidden<D, M> {
+    /// At a point whose coordinates were, on the way there, as large as those of `reach`.
+    pub(super) fn of<K, H>(constraint: &K, energy: &H, at: &Point<D>, reach: &Point<D>) -> Self
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let level = Level::of(constraint, at, reach);
+        let (by_q, by_p) = energy.gradients(&at.q, &at.p);
+        let energy_gradient = Point { q: by_q, p: by_p };
+        let along = |v: &Point<D>| -> [(f64, f64); M] {
+            let (g_q, g_p) = constraint.hessian_vector(&at.q, &at.p, &v.q, &v.p);
+            let (h_q, h_p) = energy.hessian_vector(&at.q, &at.p, &v.q, &v.p);
+            let h = Point { q: h_q, p: h_p };
+            from_fn(|i| {
+                let by_g = bracket(&Point { q: g_q[i], p: g_p[i] }, &energy_gradient);
+                let by_h = bracket(&level.gradients[i], &h);
+                (by_g.0 + by_h.0, by_g.1 + by_h.1)
+            })
+        };
+        let columns: [_; M] = from_fn(|j| along(&level.fibre(j)));
+        let slopes: [[f64; M]; M] = from_fn(|i| from_fn(|j| columns[j][i].0));
+        let reaches: [f64; M] = from_fn(|j| level.fibre(j).reaches(reach));
+        Self {
+            value: level.gradients.map(|g| bracket(&g, &energy_gradient).0),
+            size: slopes.map(|row| products(&row, &reaches)),
+            slopes,
+            slope_size: columns.iter().flatten().map(|(_, size)| *size).fold(0.0, f64::max),
+            rates: along(&Point { q: by_p, p: scaled(-1.0, &by_q) }).map(|(rate, _)| rate),
+        }
+    }
+
+    /// Whether N is singular but for rounding.
+    pub(super) fn is_undetermined(&self) -> bool {
+        (0..M).any(|j| {
+            let unit = from_fn(|i| if i == j { self.slope_size } else { 0.0 });
+            solve(self.slopes, unit).is_none_or(|column| largest(&column) > 1.0 / SINGULAR)
+        })
+    }
+
+    /// λ such that the motion stays where h = 0; none where the fibre is tangent to that.
+    pub(super) fn multipliers(&self) -> Option<[f64; M]> {
+        solve(self.slopes, self.rates.map(|rate| -rate))
+    }
+}
+
+/// N is singular where its smallest part is this far below the terms that it is made of.
+const SINGULAR: f64 = 1e-10;
+
+/// {a, b} from gradients, and the size of its terms.
+fn bracket<const D: usize>(a: &Point<D>, b: &Point<D>) -> (f64, f64) {
+    (dot(&a.q, &b.p) - dot(&a.p, &b.q), products(&a.q, &b.p) + products(&a.p, &b.q))
+}
+
+/// Σ |aₖ bₖ|.
+fn products<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    dot(&a.map(f64::abs), &b.map(f64::abs))
+}
+
+/// Iterations of an implicit equation, of which separable energies need one.
+const MAX_ITERATIONS: usize = 60;
+
+/// The Störmer–Verlet step of any energy, symplectic and symmetric:
+///
+/// ```text
+/// p½ = p − h/2 ∂H/∂q(q, p½)
+/// q′ = q + h/2 (∂H/∂p(q, p½) + ∂H/∂p(q′, p½))
+/// p′ = p½ − h/2 ∂H/∂q(q′, p½)
+/// ```
+pub(super) struct Verlet<const D: usize> {
+    start: [f64; D],
+    half: [f64; D],
+    end: [f64; D],
+    /// z′ − z.
+    pub(super) change: Point<D>,
+}
+
+impl<const D: usize> Verlet<D> {
+    /// The step from a point; none if its equations are not solved.
+    pub(super) fn of<H: HamiltonianKernel<f64, D>>(energy: &H, h: f64, from: &Point<D>) -> Option<Self> {
+        let Point { q, p } = from;
+        let half = 0.5 * h;
+        let kick = settle(|kick| scaled(-half, &energy.gradients(q, &sum(p, kick)).0))?;
+        let half_way = sum(p, &kick);
+        let out = scaled(half, &energy.gradients(q, &half_way).1);
+        let drift = settle(|drift| add_scaled(&out, half, &energy.gradients(&sum(q, drift), &half_way).1))?;
+        let end = sum(q, &drift);
+        let change = Point { q: drift, p: add_scaled(&kick, -half, &energy.gradients(&end, &half_way).0) };
+        Some(Self { start: *q, half: half_way, end, change })
+    }
+
+    /// Where it takes a small change of the point it starts from; none as for the step.
+    pub(super) fn tangent<H: HamiltonianKernel<f64, D>>(
+        &self,
+        energy: &H,
+        h: f64,
+        v: &Point<D>,
+    ) -> Option<Point<D>> {
+        let half = 0.5 * h;
+        let at_start = |dq: &_, dp: &_| energy.hessian_vector(&self.start, &self.half, dq, dp);
+        let at_end = |dq: &_, dp: &_| energy.hessian_vector(&self.end, &self.half, dq, dp);
+        let p = settle(|p| add_scaled(&v.p, -half, &at_start(&v.q, p).0))?;
+        let out = add_scaled(&v.q, half, &at_start(&v.q, &p).1);
+        let q = settle(|q| add_scaled(&out, half, &at_end(q, &p).1))?;
+        Some(Point { q, p: add_scaled(&p, -half, &at_end(&q, &p).0) })
+    }
+}
+
+/// x = f(x), iterated from f(0) until it stays; none where it does not.
+fn settle<const D: usize>(f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]> {
+    let (mut x, mut last) = (f(&[0.0; D]), f64::INFINITY);
+    for _ in 0..MAX_ITERATIONS {
+        let next = f(&x);
+        let (moved, size) = (largest(&add_scaled(&next, -1.0, &x)), largest(&next));
+        x = next;
+        if moved <= f64::EPSILON * size || (moved >= 0.5 * last && moved <= 1e-13 * size) {
+            return Some(x);
+        }
+        if !moved.is_finite() || moved >= 2.0 * last {
+            return None;
+        }
+        last = moved;
+    }
+    None
+}
+
+/// The solution of a few linear equations, by elimination with row exchanges; none if they are dependent.
+pub(super) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; M]> {
+    for k in 0..M {
+        let pivot = (k..M).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
+        a.swap(k, pivot);
+        b.swap(k, pivot);
+        if a[k][k] == 0.0 || !a[k][k].is_finite() {
+            return None;
+        }
+        for i in k + 1..M {
+            let factor = a[i][k] / a[k][k];
+            for j in k..M {
+                a[i][j] -= factor * a[k][j];
+            }
+            b[i] -= factor * b[k];
+        }
+    }
+    for k in (0..M).rev() {
+        for j in k + 1..M {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    b.iter().all(|x| x.is_finite()).then_some(b)
+}

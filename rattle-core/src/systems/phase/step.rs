@@ -1,0 +1,275 @@
+//! The halves of a step in phase space: along fibres to g = 0 and to {g, H} = 0.
+
+use crate::error::{History, PhaseMistake, StartFailure, StepFailure};
+use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::start::START_TOLERANCE;
+use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
+use crate::number::vector::{dot, sum, two_sum};
+use crate::systems::phase::fibre::slide;
+use crate::systems::phase::kept::InPhaseSpace;
+use crate::systems::phase::point::{Hidden, Level, Point, Verlet, solve};
+use std::array::from_fn;
+
+/// Corrections of a slide after which it is given up; four suffice where there is one.
+const MAX_CORRECTIONS: usize = 20;
+/// A residual below this many roundings may be the rounding of g itself, once it no longer shrinks.
+const NOISE: f64 = 1e3;
+/// N may change by this part of itself within a step.
+pub(crate) const TURN: f64 = 0.5;
+
+/// Somewhere along a fibre: how the point changes until there, and the numbers that shall vanish.
+pub(super) struct Look<X, const D: usize, const M: usize> {
+    change: Point<D>,
+    value: [f64; M],
+    /// The sizes of their terms.
+    size: [f64; M],
+    /// What their slopes are made of.
+    rest: X,
+}
+
+impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
+    /// The σ for which what is looked at vanishes, to its rounding, and what is seen there.
+    pub(super) fn solve<X, const D: usize>(
+        h: f64,
+        mut sigma: [f64; M],
+        look: impl Fn(&[f64; M]) -> Result<Look<X, D, M>, StepFailure>,
+        slopes: impl Fn(&Look<X, D, M>) -> Option<[[f64; M]; M]>,
+    ) -> Result<([f64; M], Look<X, D, M>), StepFailure> {
+        let mut residuals = [0.0; MAX_CORRECTIONS];
+        let mut last = f64::INFINITY;
+        for k in 0..MAX_CORRECTIONS {
+            let seen = look(&sigma)?;
+            let (equation, roundings) = worst(&seen.value, &seen.size);
+            residuals[k] = roundings;
+            if roundings <= 1.0 || (roundings >= last && roundings <= NOISE) {
+                return Ok((sigma, seen));
+            }
+            let correction = slopes(&seen).and_then(|slopes| solve(slopes, seen.value));
+            let Some(correction) = correction.filter(|_| k + 1 < MAX_CORRECTIONS) else {
+                let residuals = residuals[..=k].iter().copied().collect();
+                return Err(StepFailure::NoSlide { equation, residuals, h });
+            };
+            sigma = from_fn(|i| sigma[i] - correction[i]);
+            last = roundings;
+        }
+        unreachable!("the last correction is never made")
+    }
+}
+
+/// The largest |xᵢ|/(ε sizeᵢ), and which; NaN counts as largest.
+pub(super) fn worst<const M: usize>(x: &[f64; M], sizes: &[f64; M]) -> (usize, f64) {
+    let mut worst = (0, 0.0);
+    for i in 0..M {
+        let roundings = if x[i] == 0.0 { 0.0 } else { x[i].abs() / (f64::EPSILON * sizes[i]) };
+        if roundings.is_nan() || roundings > worst.1 {
+            worst = (i, roundings);
+        }
+    }
+    worst
+}
+
+impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
+    pub(super) fn hidden<const D: usize>(&self, at: &Point<D>) -> Hidden<D, M>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        Hidden::of(&self.constraint, &self.energy, at, at)
+    }
+
+    /// From the body's point by h/2 λ along its fibre and by Φₕ to g = 0; with the slide.
+    pub(super) fn land<const D: usize>(
+        &self,
+        h: f64,
+        body: &Body<f64, D>,
+        guess: [f64; M],
+    ) -> Result<([f64; M], Point<D>), StepFailure>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let (start, low) = (Point::high(body), Point::low(body));
+        let (sigma, seen) = Self::solve(
+            h,
+            guess,
+            |sigma| {
+                let slid = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
+                let kicked = start.plus(&low.plus(&slid));
+                let step = Verlet::of(&self.energy, h, &kicked);
+                let unsolved = || StepFailure::ImplicitStep { h, position: start.q.to_vec() };
+                let step = step.ok_or_else(unsolved)?;
+                let change = slid.plus(&step.change);
+                let level =
+                    Level::of(&self.constraint, &start.plus(&low.plus(&change)), &start.reach(&change));
+                if !level.value.iter().all(|g| g.is_finite()) {
+                    return Err(not_finite(&start));
+                }
+                Ok(Look { change, value: level.value, size: level.size, rest: (kicked, step, level) })
+            },
+            |Look { rest: (kicked, step, level), .. }| {
+                let mut slopes = [[0.0; M]; M];
+                let there = Level::of(&self.constraint, kicked, kicked);
+                for j in 0..M {
+                    let v = step.tangent(&self.energy, h, &there.fibre(j))?;
+                    for i in 0..M {
+                        let gradient = &level.gradients[i];
+                        slopes[i][j] = dot(&gradient.q, &v.q) + dot(&gradient.p, &v.p);
+                    }
+                }
+                Some(slopes)
+            },
+        )?;
+        Ok((sigma, seen.change))
+    }
+
+    /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there.
+    #[allow(clippy::type_complexity, reason = "three numbers of one slide")]
+    pub(super) fn slide_to_hidden<const D: usize>(
+        &self,
+        h: f64,
+        body: &Body<f64, D>,
+    ) -> Result<([f64; M], Point<D>, [[f64; M]; M]), StepFailure>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let (start, low) = (Point::high(body), Point::low(body));
+        let look = |sigma: &[f64; M]| {
+            let change = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
+            let at = start.plus(&low.plus(&change));
+            let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
+            Ok(Look { change, value: hidden.value, size: hidden.size, rest: hidden.slopes })
+        };
+        let (sigma, seen) = Self::solve(h, [0.0; M], look, |seen| Some(seen.rest))?;
+        Ok((sigma, seen.change, seen.rest))
+    }
+
+    pub(super) fn check<const D: usize>(&self, body: &Body<f64, D>) -> Result<(), StartFailure>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        finite("position", &body.q)?;
+        finite("momentum", &body.p)?;
+        let at = Point::high(body);
+        let (level, hidden) = (Level::of(&self.constraint, &at, &at), self.hidden(&at));
+        let mistake = |mistake| Err(StartFailure::Phase(mistake));
+        let tolerance = START_TOLERANCE / f64::EPSILON;
+        let (equation, off) = worst(&level.value, &level.size);
+        if off.is_nan() || off > tolerance {
+            let (value, share) = (level.value[equation], off * f64::EPSILON);
+            return mistake(PhaseMistake::Off { equation, value, share, tolerance: START_TOLERANCE });
+        }
+        for second in 1..M {
+            for first in 0..second {
+                let (bracket, size) = level.bracket(first, second);
+                if bracket.is_nan() || bracket.abs() > START_TOLERANCE * size {
+                    let share = bracket.abs() / size;
+                    return mistake(PhaseMistake::NotCoisotropic { first, second, bracket, share });
+                }
+            }
+        }
+        if hidden.is_undetermined() {
+            return mistake(PhaseMistake::Undetermined { slopes: hidden.slopes.concat() });
+        }
+        let (equation, off) = worst(&hidden.value, &hidden.size);
+        if off.is_nan() || off > tolerance {
+            let (rate, share) = (hidden.value[equation], off * f64::EPSILON);
+            return mistake(PhaseMistake::Hidden { equation, rate, share, tolerance: START_TOLERANCE });
+        }
+        Ok(())
+    }
+
+    /// The nearest point of g = 0, to first order, slid to the hidden constraint.
+    pub(super) fn project<const D: usize>(&self, body: &Body<f64, D>) -> Result<Point<D>, StartFailure>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        finite("position", &body.q)?;
+        finite("momentum", &body.p)?;
+        let mut at = Point::high(body);
+        let (mut distances, mut last) = (Vec::new(), f64::INFINITY);
+        for _ in 0..MAX_PROJECTION_STEPS {
+            let Level { value, gradients, size } = Level::of(&self.constraint, &at, &at);
+            let (_, roundings) = worst(&value, &size);
+            if roundings <= 1.0 || (roundings >= 0.5 * last && roundings <= NOISE) {
+                let body = Body { q: at.q, q_low: [0.0; D], p: at.p, p_low: [0.0; D] };
+                let slid = self.slide_to_hidden(0.0, &body);
+                return match slid {
+                    Ok((_, change, _)) => Ok(at.plus(&change)),
+                    Err(StepFailure::NoSlide { equation, residuals, .. }) => {
+                        Err(StartFailure::Phase(PhaseMistake::NoSlide { equation, residuals }))
+                    }
+                    Err(_) => Err(StartFailure::NoProjection { distances: distances.into_iter().collect() }),
+                };
+            }
+            let product = |a: &Point<D>, b: &Point<D>| dot(&a.q, &b.q) + dot(&a.p, &b.p);
+            let products = from_fn(|i| from_fn(|j| product(&gradients[i], &gradients[j])));
+            let Some(weights) = solve(products, value) else { break };
+            let step = (0..M).fold(Point::ZERO, |sum, i| sum.plus(&gradients[i].times(-weights[i])));
+            distances.push(product(&step, &step).sqrt());
+            at = at.plus(&step);
+            last = roundings;
+        }
+        Err(StartFailure::NoProjection { distances: distances.into_iter().collect() })
+    }
+}
+
+/// A slide that leads out of the domain of g, or many times around.
+#[cold]
+pub(super) fn too_far(h: f64) -> StepFailure {
+    StepFailure::NoSlide { equation: 0, residuals: History::default(), h }
+}
+
+#[cold]
+pub(super) fn not_finite<const D: usize>(start: &Point<D>) -> StepFailure {
+    StepFailure::ConstraintNotFinite { position: start.q.to_vec() }
+}
+
+impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
+    /// Σ λᵢ (−∂gᵢ/∂p, ∂gᵢ/∂q).
+    pub(super) fn pull<const D: usize>(&self, at: &Point<D>) -> Point<D>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let level = Level::of(&self.constraint, at, at);
+        let multipliers = self.hidden(at).multipliers().unwrap_or([f64::NAN; M]);
+        (0..M).fold(Point::ZERO, |sum, i| sum.plus(&level.fibre(i).times(multipliers[i])))
+    }
+
+    /// (q̇, ṗ).
+    pub(super) fn flow<const D: usize>(&self, at: &Point<D>) -> Point<D>
+    where
+        K: PhaseConstraintKernel<f64, D, M>,
+        H: HamiltonianKernel<f64, D>,
+    {
+        let (by_q, by_p) = self.energy.gradients(&at.q, &at.p);
+        Point { q: by_p, p: by_q.map(|x| -x) }.plus(&self.pull(at))
+    }
+}
+
+pub(super) fn move_by<N: Count, X, const D: usize>(
+    bodies: &mut Bodies<N, f64, X, D>,
+    number: usize,
+    change: &Point<D>,
+) {
+    let (q, q_low) = (&mut bodies.q.as_mut()[number], &mut bodies.q_low.as_mut()[number]);
+    (*q, *q_low) = two_sum(q, &sum(q_low, &change.q));
+    let (p, p_low) = (&mut bodies.p.as_mut()[number], &mut bodies.p_low.as_mut()[number]);
+    (*p, *p_low) = two_sum(p, &sum(p_low, &change.p));
+}
+
+/// The largest entry of N⁻¹N′ − 1.
+pub(super) fn turn<const M: usize>(before: &[[f64; M]; M], after: &[[f64; M]; M]) -> f64 {
+    let mut largest = 0.0_f64;
+    for j in 0..M {
+        let Some(column) = solve(*before, from_fn(|i| after[i][j])) else { return f64::INFINITY };
+        for (i, x) in column.into_iter().enumerate() {
+            largest = largest.max((x - f64::from(u8::from(i == j))).abs());
+        }
+    }
+    largest
+}

@@ -1,0 +1,178 @@
+//! The verbs of a [`System`] in phase space.
+
+use crate::error::StepFailure;
+use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::failure::Failure;
+use crate::motion::iteration::Iteration;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::witness::Witness;
+use crate::number::vector::dot;
+use crate::systems::phase::kept::BodiesOf;
+use crate::systems::phase::kept::IN_PHASE_SPACE;
+use crate::systems::phase::kept::InPhaseSpace;
+use crate::systems::phase::point::Point;
+use crate::systems::phase::step::TURN;
+use crate::systems::phase::step::move_by;
+use crate::systems::phase::step::turn;
+
+impl<K, H, N, const D: usize, const M: usize> System<f64, D> for InPhaseSpace<K, H, N, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+    N: Count,
+{
+    type Count = N;
+    /// N at the points.
+    type Kept = N::Of<[[f64; M]; M]>;
+
+    fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<N, D, M> {
+        let mut bodies = Bodies::new(self.count, self.count.each([[0.0; M]; M]), place, time);
+        self.refresh(&mut bodies);
+        bodies
+    }
+
+    fn refresh(&self, bodies: &mut BodiesOf<N, D, M>) {
+        for number in 0..self.count.number() {
+            let at = Point::high(&bodies.body(number));
+            bodies.kept.as_mut()[number] = self.hidden(&at).slopes;
+        }
+    }
+
+    fn drift_by<X: Iteration, W: Witness<f64>>(
+        &self,
+        _: f64,
+        h: f64,
+        _: &[f64],
+        bodies: &mut BodiesOf<N, D, M>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let body = bodies.body(number);
+            let fail = |cause| Failure { body: number, cause };
+            let guess = self.hidden(&Point::high(&body)).multipliers();
+            let guess = guess.ok_or_else(|| fail(StepFailure::Undetermined { change: f64::INFINITY, h }))?;
+            let landed = self.land(h, &body, guess.map(|lambda| 0.5 * h * lambda));
+            let (sigma, change) = landed.map_err(fail)?;
+            for (i, sigma) in sigma.into_iter().enumerate() {
+                witness.position_multiplier(number * M + i, sigma / (0.5 * h));
+            }
+            move_by(bodies, number, &change);
+        }
+        bodies.time += h;
+        Ok(())
+    }
+
+    fn evaluate_forces(&self, _: &mut BodiesOf<N, D, M>) {}
+
+    fn settle<W: Witness<f64>>(
+        &self,
+        _: f64,
+        h: f64,
+        bodies: &mut BodiesOf<N, D, M>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let fail = |cause| Failure { body: number, cause };
+            let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
+            let turned = turn(&bodies.kept.as_ref()[number], &slopes);
+            if turned > TURN {
+                return Err(fail(StepFailure::Undetermined { change: turned, h }));
+            }
+            for (i, sigma) in sigma.into_iter().enumerate() {
+                witness.momentum_multiplier(number * M + i, sigma / (0.5 * h));
+            }
+            move_by(bodies, number, &change);
+            bodies.kept.as_mut()[number] = slopes;
+        }
+        Ok(())
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        _: &Table<S>,
+        _: f64,
+        _: &mut BodiesOf<N, D, M>,
+        _: &mut [f64],
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: IN_PHASE_SPACE } })
+    }
+
+    /// Not known here: forces and momenta are not apart. Methods that ask are refused before a run.
+    fn rates<W: Witness<f64>>(&self, _: &mut BodiesOf<N, D, M>, rates: &mut [[f64; D]], _: &mut W) -> f64 {
+        rates.fill([f64::NAN; D]);
+        f64::NAN
+    }
+
+    fn project(&self, _: f64, _: &mut BodiesOf<N, D, M>) -> Result<(), Failure> {
+        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: IN_PHASE_SPACE } })
+    }
+
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        (need != Need::Verbs).then_some(IN_PHASE_SPACE)
+    }
+
+    fn equations(&self) -> usize {
+        self.count.number() * M
+    }
+
+    /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
+    fn velocity(&self, bodies: &BodiesOf<N, D, M>, body: usize) -> [f64; D] {
+        self.flow(&Point::high(&bodies.body(body))).q
+    }
+
+    /// No metric is known here: NaN, and so is a shadow energy.
+    fn mass_product(&self, _: usize, _: &[f64; D], _: &[f64; D]) -> f64 {
+        f64::NAN
+    }
+
+    /// NaN: q̈ has third derivatives in it.
+    fn accelerations(&self, _: &BodiesOf<N, D, M>, accelerations: &mut [[f64; D]]) {
+        accelerations.fill([f64::NAN; D]);
+    }
+
+    /// The part (∂g/∂q)ᵀλ that acts on momenta.
+    fn constraint_forces(&self, bodies: &BodiesOf<N, D, M>, forces: &mut [[f64; D]]) {
+        for (number, force) in forces.iter_mut().enumerate() {
+            let at = Point::high(&bodies.body(number));
+            *force = self.pull(&at).p;
+        }
+    }
+
+    /// H: what of it is kinetic is not told.
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
+        let energy = |body: Body<f64, D>| {
+            let (by_q, by_p) = self.energy.gradients(&body.q, &body.p);
+            self.energy.value(&body.q, &body.p) + (dot(&by_q, &body.q_low) + dot(&by_p, &body.p_low))
+        };
+        (0..self.count.number()).map(|number| energy(bodies.body(number))).sum()
+    }
+
+    fn potential_energy<X>(&self, _: &Bodies<N, f64, X, D>) -> f64 {
+        0.0
+    }
+
+    fn residuals(&self, bodies: &BodiesOf<N, D, M>, g: &mut [f64]) {
+        for (g, number) in g.chunks_exact_mut(M).zip(0..) {
+            let body = bodies.body(number);
+            g.copy_from_slice(&self.constraint.value(&body.q, &body.p));
+        }
+    }
+
+    /// The hidden constraint {g, H}.
+    fn drift_rates(&self, bodies: &BodiesOf<N, D, M>, rates: &mut [f64]) {
+        for (rates, number) in rates.chunks_exact_mut(M).zip(0..) {
+            rates.copy_from_slice(&self.hidden(&Point::high(&bodies.body(number))).value);
+        }
+    }
+
+    fn multipliers(&self, bodies: &BodiesOf<N, D, M>, multipliers: &mut [f64]) {
+        for (multipliers, number) in multipliers.chunks_exact_mut(M).zip(0..) {
+            let found = self.hidden(&Point::high(&bodies.body(number))).multipliers();
+            multipliers.copy_from_slice(&found.unwrap_or([f64::NAN; M]));
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Free attitude of rigid bodies: RATTLE on QᵀQ = 1, reduced to three unknowns.
+//!
+//! A body with centre of mass at rest turns with attitude Q (body → space). In the nine entries of Q its kinetic energy is
+//! that of a point with masses d₁, d₂, d₃ in the columns, I₁ = d₂ + d₃ and so on, and RATTLE under the six equations
+//! QᵀQ = 1 is the map of J. Moser and A. Veselov (Comm. Math. Phys. 139, 1991). In the angular momentum m of the body frame:
+//!
+//! ```text
+//! m½ = m + c τ(Q)              τ̂ = QᵀF − FᵀQ,  F = −∂U/∂Q       c = h/2
+//! e₀ J e + e × J e = h/2 m½    e₀ = √(1 − |e|²),  J = diag(I₁, I₂, I₃)
+//! m½′ = m½ − 4/h e × J e       Q′ = Q R(e₀, e),  the rotation of this unit quaternion
+//! m′ = m½′ + c τ(Q′)
+//! ```
+//!
+//! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to rounding.
+
+use crate::motion::state::State;
+
+use nalgebra::{Matrix3, Vector3};
+
+/// Newton steps after which the rotation of a step is given up; five suffice where there is one.
+const MAX_ROTATION_STEPS: usize = 30;
+/// What messages call such a system.
+pub(crate) const REDUCED: &str = "a rigid body reduced to three unknowns";
+/// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
+pub(crate) const CROOKED: f64 = 1e-14;
+/// Halvings of a failed step that are tried, to say which would pass.
+pub(crate) const HALVINGS: i32 = 40;
+
+/// Rigid bodies with these moments of inertia, turning about their centres of mass: one, or with
+/// [`particles`](crate::scene::Scene::particles) several alike, with effects on each or [over](crate::kernel::over::Over) several.
+/// Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
+///
+/// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's frame,
+/// in the first of nine places.
+///
+/// ```
+/// use rattle::{Rattle, Rigid, Scene};
+/// use nalgebra::{Matrix3, Vector3};
+///
+/// let body = Rigid::new([0.6, 0.8, 1.0]);
+/// let start = Rigid::start(&Matrix3::identity(), &Vector3::new(1.8, 0.4, -0.9));
+/// let mut simulation = Scene::rigid(body).simulate(start, Rattle::new(0.05))?;
+/// simulation.run(1000)?;
+/// assert!(simulation.energy_error().abs() < 1e-13);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rigid {
+    pub(crate) inertia: Vector3<f64>,
+}
+
+impl Rigid {
+    /// A body with principal moments of inertia I₁, I₂, I₃ about its first, second and third axis.
+    #[must_use]
+    pub fn new(moments: [f64; 3]) -> Self {
+        Self { inertia: moments.into() }
+    }
+
+    /// d₁, d₂, d₃ with I₁ = d₂ + d₃, I₂ = d₃ + d₁, I₃ = d₁ + d₂: the masses of the columns of Q.
+    #[must_use]
+    pub fn column_masses(&self) -> [f64; 3] {
+        let half_sum = 0.5 * self.inertia.sum();
+        self.inertia.map(|moment| half_sum - moment).into()
+    }
+
+    /// The nine entries of an attitude, row by row.
+    #[must_use]
+    pub fn coordinates(attitude: &Matrix3<f64>) -> [f64; 9] {
+        std::array::from_fn(|k| attitude[(k / 3, k % 3)])
+    }
+
+    /// The attitude with these nine entries.
+    #[must_use]
+    pub fn attitude(coordinates: &[f64; 9]) -> Matrix3<f64> {
+        Matrix3::from_row_slice(coordinates)
+    }
+
+    /// A start with this attitude and angular momentum in the body's frame.
+    #[must_use]
+    pub fn start(attitude: &Matrix3<f64>, angular_momentum: &Vector3<f64>) -> State<9> {
+        State::at(Self::coordinates(attitude)).moving(spread(angular_momentum))
+    }
+
+    /// The momenta P = Q Ω̂ D under QᵀQ = 1 with masses D, of a body with this attitude and angular momentum m = J Ω.
+    #[must_use]
+    pub fn momenta(&self, attitude: &Matrix3<f64>, angular_momentum: &Vector3<f64>) -> [f64; 9] {
+        let rate = angular_momentum.component_div(&self.inertia).cross_matrix();
+        Self::coordinates(&(attitude * rate * Matrix3::from_diagonal(&self.column_masses().into())))
+    }
+
+    /// The angular momentum m = (QᵀP − PᵀQ)ˇ in the body's frame, from attitude and momenta under QᵀQ = 1.
+    #[must_use]
+    pub fn angular_momentum(attitude: &Matrix3<f64>, momenta: &[f64; 9]) -> Vector3<f64> {
+        turning_part(attitude, &Self::attitude(momenta))
+    }
+
+    /// The rotation of a step, as the vector e of its quaternion, with e₀. None if the body turns too far in it.
+    pub(crate) fn rotation(&self, h: f64, m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let inertia = Matrix3::from_diagonal(&self.inertia);
+        let target = m * (0.5 * h);
+        let mut e = target.component_div(&self.inertia);
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_ROTATION_STEPS {
+            let e0 = (1.0 - e.norm_squared()).sqrt(); // NaN where there is no such rotation
+            let je = inertia * e;
+            let residual = je * e0 + e.cross(&je) - target;
+            let derivative =
+                inertia * e0 - je * e.transpose() / e0 + e.cross_matrix() * inertia - je.cross_matrix();
+            let correction = derivative.lu().solve(&residual)?;
+            e -= correction;
+            let size = correction.amax();
+            if !size.is_finite() {
+                return None;
+            }
+            if size <= f64::EPSILON * e.amax() || (size >= 0.5 * last && size <= 1e-12 * e.amax()) {
+                let e0 = 1.0 - e.norm_squared();
+                return (e0 > 0.0).then(|| (e0.sqrt(), e));
+            }
+            last = size;
+        }
+        None
+    }
+}
+
+/// An angular momentum in the first of nine places.
+pub(super) fn spread(m: &Vector3<f64>) -> [f64; 9] {
+    std::array::from_fn(|k| if k < 3 { m[k] } else { 0.0 })
+}
+
+/// The vector of the antisymmetric matrix QᵀX − XᵀQ.
+pub(super) fn turning_part(attitude: &Matrix3<f64>, x: &Matrix3<f64>) -> Vector3<f64> {
+    let a = attitude.transpose() * x;
+    Vector3::new(a[(2, 1)] - a[(1, 2)], a[(0, 2)] - a[(2, 0)], a[(1, 0)] - a[(0, 1)])
+}

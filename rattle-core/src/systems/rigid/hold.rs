@@ -1,0 +1,83 @@
+//! A rigid body holds its attitude.
+
+use crate::effect::list::Effects;
+use crate::error::{Error, NetworkMistake, StartFailure};
+use crate::motion::bodies::{Body, Count};
+use crate::motion::hold::Hold;
+use crate::motion::method::Method;
+use crate::motion::start::START_TOLERANCE;
+use crate::motion::start::finite;
+use crate::motion::state::State;
+use crate::systems::rigid::body::Rigid;
+use crate::systems::rigid::body::spread;
+use crate::systems::rigid::body::turning_part;
+use crate::systems::rigid::kept::Turning;
+use nalgebra::{Matrix3, Vector3};
+
+impl Hold<9> for Rigid {
+    type System<E: Effects<9>, N: Count> = Turning<E::Field<f64>, N>;
+
+    fn system<E: Effects<9>, N: Count>(
+        &self,
+        effects: &E,
+        count: N,
+        start: &State<9>,
+        _: &impl Method,
+    ) -> Result<Self::System<E, N>, Error> {
+        let fine = |moment: &f64| *moment > 0.0 && moment.is_finite();
+        let triangle = self.column_masses().iter().all(|d| *d >= -4.0 * f64::EPSILON * self.inertia.amax());
+        if !(self.inertia.iter().all(fine) && triangle) {
+            return Err(Error::Network(NetworkMistake::Inertia { moments: self.inertia.into() }));
+        }
+        for (body, state) in start.bodies.iter().enumerate() {
+            check(state).map_err(|cause| Error::Start { body, cause })?;
+        }
+        Ok(Turning { body: *self, field: effects.field(), count })
+    }
+
+    fn pull(&self, q: &[f64; 9], force: &[f64; 9]) -> [f64; 9] {
+        spread(&turning_part(&Self::attitude(q), &Self::attitude(force)))
+    }
+
+    fn particles(self, _: usize) -> Self {
+        self
+    }
+
+    fn project(&self, state: &State<9>) -> Result<State<9>, Error> {
+        let mut state = State { remembered: None, ..state.clone() };
+        for (number, body) in state.bodies.iter_mut().enumerate() {
+            let nowhere = |cause| Error::Start { body: number, cause };
+            finite("position", &body.q).and_then(|()| finite("momentum", &body.p)).map_err(nowhere)?;
+            let svd = Self::attitude(&body.q).svd(true, true);
+            let (Some(u), Some(v)) = (svd.u, svd.v_t) else {
+                return Err(nowhere(StartFailure::NoAttitude { determinant: f64::NAN, deviation: f64::NAN }));
+            };
+            let attitude = u * v;
+            let determinant = attitude.determinant();
+            if determinant < 0.0 || svd.singular_values.min() <= 1e-3 * svd.singular_values.max() {
+                let deviation = (svd.singular_values - Vector3::repeat(1.0)).amax();
+                let determinant = Self::attitude(&body.q).determinant();
+                return Err(nowhere(StartFailure::NoAttitude { determinant, deviation }));
+            }
+            body.q = Self::coordinates(&attitude);
+            body.p[3..].fill(0.0);
+            (body.q_low, body.p_low) = ([0.0; 9], [0.0; 9]);
+        }
+        Ok(state)
+    }
+}
+
+fn check(state: &Body<f64, 9>) -> Result<(), StartFailure> {
+    finite("position", &state.q)?;
+    finite("momentum", &state.p)?;
+    let attitude = Rigid::attitude(&state.q);
+    let deviation = (attitude.transpose() * attitude - Matrix3::identity()).amax();
+    let determinant = attitude.determinant();
+    if deviation > START_TOLERANCE || determinant < 0.0 {
+        return Err(StartFailure::NoAttitude { determinant, deviation });
+    }
+    if state.p[3..] != [0.0; 6] {
+        return Err(StartFailure::NoAngularMomentum);
+    }
+    Ok(())
+}

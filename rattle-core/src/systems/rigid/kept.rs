@@ -1,0 +1,64 @@
+//! Rigid bodies in a field of force, and what is kept from one step to the next.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::number::vector::{sum, two_sum};
+use crate::systems::rigid::body::Rigid;
+use crate::systems::rigid::body::spread;
+use crate::systems::rigid::body::turning_part;
+use crate::systems::rigid::room::SeriesRoom;
+use nalgebra::{Matrix3, Vector3};
+
+/// One body: attitude and angular momentum as compensated sums.
+pub(super) struct Place {
+    pub(super) attitude: Matrix3<f64>,
+    pub(super) m: Vector3<f64>,
+    pub(super) torque: Vector3<f64>,
+    pub(super) body: Body<f64, 9>,
+}
+
+impl Place {
+    pub(super) fn of<N: Count, X: Force<f64, 9>>(bodies: &Bodies<N, f64, Kept<X>, 9>, number: usize) -> Self {
+        let body = bodies.body(number);
+        let attitude = Rigid::attitude(&body.q);
+        let torque = turning_part(&attitude, &Rigid::attitude(&bodies.kept.force[number].components()));
+        Self { attitude, m: Vector3::from_row_slice(&body.p[..3]), torque, body }
+    }
+
+    pub(super) fn move_by(&mut self, turn: &Matrix3<f64>, change: &Vector3<f64>) {
+        let Body { q, q_low, p, p_low } = &mut self.body;
+        (*q, *q_low) = two_sum(q, &sum(q_low, &Rigid::coordinates(turn)));
+        (*p, *p_low) = two_sum(p, &sum(p_low, &spread(change)));
+        self.attitude = Rigid::attitude(q);
+    }
+
+    /// Q(3 − QᵀQ)/2 (Å. Björck, C. Bowie 1971), from 1 − QᵀQ.
+    pub(super) fn straighten(&mut self, deviation: &Matrix3<f64>) {
+        self.move_by(&(self.attitude * deviation * 0.5), &Vector3::zeros());
+    }
+
+    pub(super) fn put<N: Count, X>(self, bodies: &mut Bodies<N, f64, X, 9>, number: usize) {
+        (bodies.q.as_mut()[number], bodies.q_low.as_mut()[number]) = (self.body.q, self.body.q_low);
+        (bodies.p.as_mut()[number], bodies.p_low.as_mut()[number]) = (self.body.p, self.body.p_low);
+    }
+}
+
+/// Rigid bodies in a field of force.
+#[derive(Debug, Clone)]
+pub struct Turning<F, N> {
+    pub(super) body: Rigid,
+    pub(super) field: F,
+    pub(super) count: N,
+}
+
+/// What is kept from one step to the next.
+#[derive(Debug, Clone)]
+pub struct Kept<X> {
+    /// Forces last evaluated.
+    pub(super) force: Vec<X>,
+    /// Room for power series.
+    pub(super) series: Option<Box<SeriesRoom>>,
+}
+
+pub(crate) type BodiesOf<F, N> = Bodies<N, f64, Kept<<F as Field<f64, 9>>::Force>, 9>;

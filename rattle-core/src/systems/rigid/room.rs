@@ -1,0 +1,21 @@
+//! Room that methods ask for: power series.
+
+use crate::kernel::series::Products;
+use crate::number::vector::{scaled, sum};
+
+/// SeriesRoom for the products of all functions and bodies, for forces, and for the series of m.
+#[derive(Debug, Clone)]
+pub(super) struct SeriesRoom {
+    pub(super) products: Products<f64>,
+    pub(super) force: Vec<[f64; 9]>,
+    pub(super) m: Vec<[f64; 3]>,
+}
+
+impl SeriesRoom {
+    /// Σ mₖ hᵏ from k = 1 on.
+    pub(super) fn impulse(&self, body: usize, h: f64) -> [f64; 3] {
+        let bodies = self.force.len();
+        let later = self.m.iter().skip(body).step_by(bodies).skip(1);
+        later.rev().fold([0.0; 3], |rest, m| scaled(h, &sum(m, &rest)))
+    }
+}

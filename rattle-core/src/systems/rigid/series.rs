@@ -1,0 +1,80 @@
+//! The turning of rigid bodies as a power series in time.
+//!
+//! ```text
+//! (k + 1) Qₖ₊₁ = (Q Ω̂)ₖ,   (k + 1) mₖ₊₁ = (m × Ω + τ)ₖ      Ω = J⁻¹m,   τ = −Σ rows of Q × rows of F
+//! ```
+
+use crate::effect::list::Field;
+use crate::error::StepFailure;
+use crate::kernel::series::{Order, Products, blocks};
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::number::vector::{add_scaled, scaled};
+use crate::systems::rigid::kept::{BodiesOf, Turning};
+use crate::systems::rigid::room::SeriesRoom;
+use std::array::from_fn;
+
+/// Seven cross products of six products each.
+const BLOCKS: usize = blocks(7 * 6);
+
+impl<F: Field<f64, 9>, N: Count> Turning<F, N> {
+    pub(super) fn room_for_series(&self, orders: usize) -> Option<Box<SeriesRoom>> {
+        let n = self.count.number();
+        let products = Products::new(n * BLOCKS + self.field.series_blocks(n)?, orders);
+        Some(Box::new(SeriesRoom { products, force: vec![[0.0; 9]; n], m: vec![[0.0; 3]; n * orders] }))
+    }
+
+    /// Writes Q₀, Q₁, … of all bodies in turn, as many as `series` has room for.
+    pub(super) fn expand_motion(
+        &self,
+        bodies: &mut BodiesOf<F, N>,
+        series: &mut [[f64; 9]],
+    ) -> Result<(), Failure> {
+        let n = self.count.number();
+        let Some(SeriesRoom { products, force, m }) = bodies.kept.series.as_deref_mut() else {
+            return Err(Failure { body: 0, cause: StepFailure::NoSeries });
+        };
+        series[..n].copy_from_slice(bodies.q.as_ref());
+        for (m, p) in m.iter_mut().zip(bodies.p.as_ref()) {
+            *m = from_fn(|i| p[i]);
+        }
+        self.next_coefficients(0, &mut products.first(), series, m, force);
+        for k in 1..series.len() / n - 1 {
+            self.next_coefficients(k, &mut products.next(k), series, m, force);
+        }
+        Ok(())
+    }
+
+    fn next_coefficients<const FIRST: bool>(
+        &self,
+        k: usize,
+        order: &mut Order<'_, f64, FIRST>,
+        series: &mut [[f64; 9]],
+        m: &mut [[f64; 3]],
+        force: &mut [[f64; 9]],
+    ) {
+        let (n, share) = (self.count.number(), 1.0 / (k + 1) as f64);
+        force.fill([0.0; 9]);
+        self.field.contribute_series(&series[k * n..][..n], force, order);
+        for body in 0..n {
+            let own = &mut order.take(BLOCKS);
+            let mut cross = |first: usize, a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
+                from_fn(|i| {
+                    let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+                    let at = first + 2 * i;
+                    own.product(at, a[j], b[l]) - own.product(at + 1, a[l], b[j])
+                })
+            };
+            let row = |matrix: &[f64; 9], i: usize| -> [f64; 3] { from_fn(|j| matrix[3 * i + j]) };
+            let (q, moment) = (series[k * n + body], m[k * n + body]);
+            let rate = from_fn(|i| moment[i] / self.body.inertia[i]);
+            let turned: [[f64; 3]; 3] = from_fn(|i| cross(6 * i, row(&q, i), rate));
+            let mut change = cross(18, moment, rate);
+            for i in 0..3 {
+                change = add_scaled(&change, -1.0, &cross(24 + 6 * i, row(&q, i), row(&force[body], i)));
+            }
+            series[(k + 1) * n + body] = from_fn(|entry| share * turned[entry / 3][entry % 3]);
+            m[(k + 1) * n + body] = scaled(share, &change);
+        }
+    }
+}

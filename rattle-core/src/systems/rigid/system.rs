@@ -1,0 +1,229 @@
+//! The verbs of a [`System`] for rigid bodies.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::error::{Passing, StepFailure};
+use crate::kernel::series::NO_SERIES;
+use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::failure::Failure;
+use crate::motion::iteration::Iteration;
+use crate::motion::need::Need;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::witness::Witness;
+use crate::systems::rigid::body::CROOKED;
+use crate::systems::rigid::body::HALVINGS;
+use crate::systems::rigid::body::REDUCED;
+use crate::systems::rigid::body::Rigid;
+use crate::systems::rigid::body::spread;
+use crate::systems::rigid::body::turning_part;
+use crate::systems::rigid::kept::BodiesOf;
+use crate::systems::rigid::kept::Kept;
+use crate::systems::rigid::kept::Place;
+use crate::systems::rigid::kept::Turning;
+use nalgebra::{Matrix3, Vector3};
+
+impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
+    type Count = N;
+    type Kept = Kept<F::Force>;
+
+    fn bodies(&self, place: impl Fn(usize) -> Body<f64, 9>, time: f64) -> BodiesOf<F, N> {
+        let kept = Kept { force: vec![F::Force::zero(); self.count.number()], series: None };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
+        self.refresh(&mut bodies);
+        bodies
+    }
+
+    fn refresh(&self, bodies: &mut BodiesOf<F, N>) {
+        self.evaluate_forces(bodies);
+    }
+
+    fn drift_by<X: Iteration, W: Witness<f64>>(
+        &self,
+        kick: f64,
+        h: f64,
+        _: &[f64],
+        bodies: &mut BodiesOf<F, N>,
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let mut place = Place::of(bodies, number);
+            let kicked = place.torque * kick;
+            let m = place.m + kicked;
+            let Some((e0, e)) = self.body.rotation(h, &m) else {
+                return Err(Failure { body: number, cause: self.too_fast(h, &m) });
+            };
+            let cross = e.cross_matrix();
+            let turn = place.attitude * (cross * e0 + cross * cross) * 2.0; // Q(R − 1)
+            let change = kicked - e.cross(&e.component_mul(&self.body.inertia)) * (4.0 / h);
+            place.move_by(&turn, &change);
+            let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
+            if deviation.amax() > CROOKED {
+                place.straighten(&deviation);
+            }
+            place.put(bodies, number);
+        }
+        bodies.time += h;
+        Ok(())
+    }
+
+    fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N>) {
+        self.field.evaluate(bodies.q.as_ref(), &mut bodies.kept.force);
+    }
+
+    fn settle<W: Witness<f64>>(
+        &self,
+        kick: f64,
+        _: f64,
+        bodies: &mut BodiesOf<F, N>,
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let mut place = Place::of(bodies, number);
+            let kicked = place.torque * kick;
+            place.move_by(&Matrix3::zeros(), &kicked);
+            place.put(bodies, number);
+            let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
+            if !p.iter().all(|p| p.is_finite()) {
+                let position = q[number].to_vec();
+                let cause = match self.field.culprit(q, number) {
+                    Some((effect, force)) => {
+                        StepFailure::ForceNotFinite { effect, force: force.to_vec(), position }
+                    }
+                    None => StepFailure::MomentumNotFinite { position },
+                };
+                return Err(Failure { body: number, cause });
+            }
+        }
+        Ok(())
+    }
+
+    fn rates<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, rates: &mut [[f64; 9]], _: &mut W) -> f64 {
+        for (number, rate) in rates.iter_mut().enumerate() {
+            let Place { m, torque, .. } = Place::of(bodies, number);
+            *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
+        }
+        0.0
+    }
+
+    fn project(&self, h: f64, bodies: &mut BodiesOf<F, N>) -> Result<(), Failure> {
+        for number in 0..self.count.number() {
+            let mut place = Place::of(bodies, number);
+            let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
+            let mut nearest = f64::INFINITY;
+            loop {
+                let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
+                let distance = deviation.amax();
+                if distance <= CROOKED {
+                    break;
+                }
+                let nearer = distance < nearest; // false for NaN
+                if !nearer {
+                    let cause = StepFailure::NotProjected { distance, path };
+                    return Err(Failure { body: number, cause });
+                }
+                nearest = distance;
+                place.straighten(&deviation);
+            }
+            place.put(bodies, number);
+        }
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
+    fn collocate<W: Witness<f64>, const S: usize>(
+        &self,
+        _: &Table<S>,
+        _: f64,
+        _: &mut BodiesOf<F, N>,
+        _: &mut [f64],
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
+    }
+
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
+        bodies.kept.series = self.room_for_series(orders);
+    }
+
+    fn expand<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N>,
+        series: &mut [[f64; 9]],
+        _: &mut W,
+    ) -> Result<(), Failure> {
+        self.expand_motion(bodies, series)
+    }
+
+    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, _: &[f64; 9], h: f64) -> [f64; 9] {
+        let impulse = bodies.kept.series.as_ref().map_or([0.0; 3], |room| room.impulse(body, h));
+        spread(&impulse.into())
+    }
+
+    fn refuses(&self, need: Need) -> Option<&'static str> {
+        match need {
+            Need::Verbs => None,
+            Need::Series => self.field.series_blocks(self.count.number()).is_none().then_some(NO_SERIES),
+            _ => Some(REDUCED),
+        }
+    }
+
+    fn equations(&self) -> usize {
+        0
+    }
+
+    fn velocity(&self, bodies: &BodiesOf<F, N>, body: usize) -> [f64; 9] {
+        let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
+        let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
+        Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
+    }
+
+    fn mass_product(&self, _: usize, a: &[f64; 9], b: &[f64; 9]) -> f64 {
+        let masses = self.body.column_masses();
+        (0..9).map(|k| masses[k % 3] * a[k] * b[k]).sum()
+    }
+
+    /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
+    fn accelerations(&self, bodies: &BodiesOf<F, N>, accelerations: &mut [[f64; 9]]) {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        self.field.evaluate(bodies.q.as_ref(), &mut forces);
+        for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
+            let place = Place::of(bodies, number);
+            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
+            let rate = place.m.component_div(&self.body.inertia);
+            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
+            let cross = rate.cross_matrix();
+            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
+        }
+    }
+
+    fn constraint_forces(&self, _: &BodiesOf<F, N>, forces: &mut [[f64; 9]]) {
+        forces.fill([0.0; 9]);
+    }
+
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
+        let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
+            let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
+            (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
+        });
+        energy.sum()
+    }
+
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
+        self.field.energy(bodies.q.as_ref())
+    }
+
+    fn residuals(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
+    fn drift_rates(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
+    fn multipliers(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
+}
+
+impl<F, N> Turning<F, N> {
+    #[cold]
+    fn too_fast(&self, h: f64, m: &Vector3<f64>) -> StepFailure {
+        let turn = h.abs() * m.component_div(&self.body.inertia).norm();
+        let mut shorter = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k));
+        let passing = shorter.find(|&h| self.body.rotation(h, m).is_some());
+        StepFailure::TurnsTooFar { turn, h, passing: Passing(passing) }
+    }
+}

@@ -1,0 +1,466 @@
+//! Collocation on surfaces: the stages of [`lobatto`](crate::methods::lobatto) solved together, body by body.
+//!
+//! An iteration evaluates g, ∇g and the force once at every stage, forms the new sums, and solves the linearised
+//! constraints for the changes of λ:
+//!
+//! ```text
+//! Σⱼ h² aᵢⱼ (∇g(Qᵢ)·∇g(Qⱼ)) δλⱼ = −rᵢ,     rᵢ = g(Qᵢ) + ∇g(Qᵢ)·h² Σⱼ aᵢⱼ (Fⱼ − Fⱼ before),   F = f + ∇g λ
+//! ```
+//!
+//! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one. Else
+//! constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to node.
+//! **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the positions.
+//! **Stopping.** Displacements of an iteration shrink by a factor that the last two tell, taken as 1e-4 at least; the solve
+//! ends once the next would be below 1/256 of the rounding of the positions (with 1/16 energy drifts by 1e-16 a step, with
+//! 1/256 by 1e-17 at most). **Which root.** Normals of successive stages must not be turned over.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::motion::witness::Witness;
+use crate::number::lanes::Fused;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::systems::surface::diagnosis::FailureAt;
+use crate::systems::surface::kept::{BodiesOf, OnSurface};
+use crate::systems::surface::normal::Normal;
+use crate::systems::surface::room::Stages;
+use crate::systems::surface::step::pull;
+use std::array::from_fn;
+
+/// Iterations after which a step is given up; six to ten suffice where there is a solution.
+const MAX_ITERATIONS: usize = 60;
+
+/// A guess from the step before is given up if it is off by more than this part of the path: it may lead to another root.
+const FAR_GUESS: f64 = 1e-2;
+
+/// Displacements of this many roundings move normals enough for another matrix.
+const NORMALS_MOVE: f64 = 1e9;
+
+/// Displacements of an iteration shrink by less than they seem to where they shrink by more than this.
+const LUCKY: f64 = 1e-4;
+
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// One step of the collocation method with this table.
+    #[inline(always)]
+    pub(super) fn collocate<T, W, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Field<T, D>,
+        W: Witness<T>,
+    {
+        let n = self.count.number();
+        let mut stages = match bodies.kept.stages.take() {
+            Some(stages) if stages.q.len() == S * n => stages,
+            _ => Box::new(Stages::new(S, n)),
+        };
+        let solved = self.solve_from_guesses(table, h, bodies, memory, &mut stages);
+        if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
+            *filled = T::from_f64(1.0);
+            let (total, lambda) = past.split_at_mut(S * n * D);
+            total.copy_from_slice(stages.total.as_flattened());
+            lambda.copy_from_slice(&stages.lambda);
+        }
+        if solved.is_ok() {
+            self.arrive(table, h, bodies, &stages, witness);
+        }
+        bodies.kept.stages = Some(stages);
+        solved?;
+        self.evaluate_forces(bodies);
+        let last = h * table.weights[S - 1];
+        self.settle(last, 2.0 * last, bodies, witness)
+    }
+
+    /// Steps of RATTLE from node to node.
+    #[cold]
+    #[inline(never)]
+    fn guess_by_steps<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F::Force, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Field<T, D>,
+    {
+        let mut ahead = bodies.clone();
+        for stage in 0..S {
+            if stage > 0 {
+                let part = h * (table.nodes[stage] - table.nodes[stage - 1]);
+                self.drift(0.5 * part, part, &mut ahead, &mut ())?;
+                self.evaluate_forces(&mut ahead);
+                self.settle(0.5 * part, part, &mut ahead, &mut ())?;
+            }
+            for body in 0..self.count.number() {
+                let at = body * S + stage;
+                (stages.lambda[at], stages.total[at]) = pull(&self.constraint, &ahead, body);
+            }
+        }
+        Ok(())
+    }
+
+    /// The first stage, at the start.
+    #[inline(always)]
+    fn begin<T, const D: usize, const S: usize>(
+        &self,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F::Force, D>,
+    ) where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+    {
+        for body in 0..self.count.number() {
+            (stages.lambda[body * S], stages.total[body * S]) = pull(&self.constraint, bodies, body);
+            stages.normal[body * S] = bodies.kept.normal.as_ref()[body].gradient;
+        }
+    }
+
+    /// Solves with one guess after the other.
+    fn solve_from_guesses<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        memory: &[T],
+        stages: &mut Stages<T, F::Force, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Field<T, D>,
+    {
+        self.begin::<T, D, S>(bodies, stages);
+        if let Some((filled, past)) = memory.split_first()
+            && filled.lanes().all(|filled| filled == 1.0)
+        {
+            stages.extrapolate(table, past);
+            if self.solve(table, h, bodies, stages, FAR_GUESS).is_ok() {
+                return Ok(());
+            }
+            self.begin::<T, D, S>(bodies, stages);
+        }
+        stages.fill::<S>();
+        let solved = self.solve(table, h, bodies, stages, f64::INFINITY);
+        if solved.is_ok() || self.guess_by_steps(table, h, bodies, stages).is_err() {
+            return solved;
+        }
+        self.solve(table, h, bodies, stages, f64::INFINITY)
+    }
+
+    /// Iterates until the stages hold to rounding, unless the first guess is off by more than this part of the path.
+    fn solve<T, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &BodiesOf<N, T, F, D>,
+        stages: &mut Stages<T, F::Force, D>,
+        far_guess: f64,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+    {
+        let n = self.count.number();
+        let zero = T::from_f64(0.0);
+        let positions: [[T; S]; S] = table.positions.map(|row| row.map(|a| T::from_f64(h * h * a)));
+        let drift: [T; S] = table.nodes.map(|c| T::from_f64(h * c));
+        for body in 0..n {
+            let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+            let total: &[[T; D]; S] = part(&stages.total, body);
+            for stage in 1..S {
+                stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], &v, total);
+            }
+        }
+        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
+        for iteration in 0..MAX_ITERATIONS {
+            for body in 0..n {
+                let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+                for stage in 1..S {
+                    stages.q[stage * n + body] = sum(q, &sum(q_low, &stages.increment[body * S + stage]));
+                }
+            }
+            let renew = iteration == 0 || last > NORMALS_MOVE || last_contraction > 0.1;
+            for stage in 1..S {
+                self.field.evaluate(&stages.q[stage * n..][..n], &mut stages.force[stage * n..][..n]);
+            }
+            let (mut worst, mut slowest) = (0.0_f64, 0);
+            for body in 0..n {
+                let (moved, far) = improve(
+                    &self.constraint,
+                    &positions,
+                    (&stages.q[body..], &stages.force[body..], n),
+                    part_mut(&mut stages.normal, body),
+                    part_mut(&mut stages.total, body),
+                    part_mut(&mut stages.lambda, body),
+                    part_mut(&mut stages.increment, body),
+                    &mut stages.inverse[body * S * S..][..S * S],
+                    renew,
+                );
+                if iteration == 0 && far_guess < 1.0 && !moved.le(T::from_f64(far_guess) * far).all() {
+                    return Err(FailureAt::of(body, false).unsolved(h, S, 1, f64::NAN));
+                }
+                let size = largest(&bodies.q.as_ref()[body]).max(far);
+                let ratio = moved / (size * T::from_f64(f64::EPSILON));
+                for lane in T::select(moved.le(zero), zero, ratio).lanes() {
+                    if lane > worst || lane.is_nan() {
+                        (worst, slowest) = (lane, body);
+                    }
+                }
+            }
+            if !worst.is_finite() {
+                return Err(self.not_finite(h, stages, slowest, S, iteration));
+            }
+            let contraction = worst / last;
+            let rate = contraction.max(last_contraction).max(LUCKY); // a lucky iteration is not the rate
+            let small = iteration > 0 && rate < 0.5 && rate * worst <= 1.0 / 256.0;
+            let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0;
+            if worst <= 1.0 || small || stalled {
+                return self.upright::<T, D, S>(h, stages);
+            }
+            if iteration + 1 == MAX_ITERATIONS {
+                return Err(FailureAt::of(slowest, false).unsolved(h, S, MAX_ITERATIONS, worst));
+            }
+            (last, last_contraction) = (worst, contraction);
+        }
+        Ok(()) // not reached: the last iteration returns
+    }
+
+    /// Refuses stages whose normals are turned over against those before.
+    #[inline(always)]
+    fn upright<T, const D: usize, const S: usize>(
+        &self,
+        h: f64,
+        stages: &Stages<T, F::Force, D>,
+    ) -> Result<(), Failure>
+    where
+        T: Real,
+        F: Field<T, D>,
+    {
+        for body in 0..self.count.number() {
+            let normal: &[[T; D]; S] = part(&stages.normal, body);
+            let products = (1..S).map(|i| dot(&normal[i], &normal[i - 1]));
+            let upright = products.fold(T::from_f64(f64::INFINITY), T::min);
+            if !T::from_f64(0.0).lt(upright).all() {
+                return Err(FailureAt::of(body, false).turned_over(h, S));
+            }
+        }
+        Ok(())
+    }
+
+    /// A force or the constraint is not a number at a stage, or the stages ran away.
+    #[cold]
+    #[inline(never)]
+    fn not_finite<T, const D: usize>(
+        &self,
+        h: f64,
+        stages: &Stages<T, F::Force, D>,
+        body: usize,
+        count: usize,
+        iterations: usize,
+    ) -> Failure
+    where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        F: Field<T, D>,
+    {
+        let n = self.count.number();
+        for stage in 1..count {
+            let q = &stages.q[stage * n..][..n];
+            let reached = q[body].iter().all(|q| q.lanes().all(f64::is_finite));
+            if reached && self.field.culprit(q, body).is_some() {
+                let normal = self.count.each(Normal::new(stages.normal[body * count]));
+                return FailureAt::of(body, false).not_finite(&self.field, q, normal.as_ref());
+            }
+        }
+        FailureAt::of(body, false).unsolved(h, count, iterations, f64::NAN)
+    }
+
+    /// Takes the bodies to the end of the step, their momenta without the last kick.
+    #[inline(always)]
+    fn arrive<T, W, const D: usize, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        stages: &Stages<T, F::Force, D>,
+        witness: &mut W,
+    ) where
+        T: Real,
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Fused<f64>, D, 1>,
+        F: Field<T, D>,
+        W: Witness<T>,
+    {
+        let n = self.count.number();
+        let row = table.positions[S - 1].map(|a| T::from_f64(h * h * a));
+        for body in 0..n {
+            let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+            let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+            let increment = increment(&row, T::from_f64(h), &v, part(&stages.total, body));
+            (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
+            let [gradient] = self.constraint.jacobian(q);
+            bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
+            witness.position_multiplier(body, stages.lambda[body * S]);
+        }
+        self.fuse_normals(bodies);
+        for body in 0..n {
+            let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            let total: &[[T; D]; S] = part(&stages.total, body);
+            let mut impulse = [T::from_f64(0.0); D];
+            for j in 0..S - 1 {
+                impulse = add_scaled(&impulse, T::from_f64(h * table.weights[j]), &total[j]);
+            }
+            (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
+        }
+    }
+}
+
+/// One iteration for one body: the largest change of a coordinate, and the largest distance from the start.
+///
+/// `positions` are h² aᵢⱼ; of places and forces the body's own and every `stride`-th after it, stage by stage.
+#[allow(
+    clippy::too_many_arguments,
+    reason = "slices that are arguments do not overlap, which is a fifth of the time"
+)]
+#[inline(always)]
+fn improve<T, K, F, const D: usize, const S: usize>(
+    constraint: &K,
+    positions: &[[T; S]; S],
+    (q, force, stride): (&[[T; D]], &[F], usize),
+    normal: &mut [[T; D]; S],
+    total: &mut [[T; D]; S],
+    lambda: &mut [T; S],
+    increment: &mut [[T; D]; S],
+    inverse: &mut [T],
+    renew: bool,
+) -> (T, T)
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Force<T, D>,
+{
+    let zero = T::from_f64(0.0);
+    let mut change = [[zero; D]; S];
+    let mut right = [zero; S];
+    for stage in 1..S {
+        let ([g], [gradient]) = constraint.value_and_jacobian(&q[stage * stride]);
+        normal[stage] = gradient;
+        right[stage] = -g;
+        let sum = force[stage * stride].add_to(gradient.map(|n| lambda[stage] * n), T::from_f64(1.0));
+        change[stage] = add_scaled(&sum, T::from_f64(-1.0), &total[stage]);
+        total[stage] = sum;
+    }
+    let mut shift = [[zero; D]; S];
+    for i in 1..S {
+        for j in 1..S - 1 {
+            shift[i] = add_scaled(&shift[i], positions[i][j], &change[j]);
+        }
+        right[i] = right[i] - dot(&normal[i], &shift[i]);
+    }
+    if renew {
+        for i in 1..S {
+            for j in 0..S - 1 {
+                inverse[i * S + j] = positions[i][j] * dot(&normal[i], &normal[j]);
+            }
+        }
+        invert::<T, S>(inverse);
+    }
+    let mut correction = [zero; S];
+    for j in 0..S - 1 {
+        for i in 0..S - 1 {
+            correction[j] = correction[j] + inverse[(j + 1) * S + i] * right[i + 1];
+        }
+    }
+    for j in 0..S - 1 {
+        lambda[j] = lambda[j] + correction[j];
+        let push = normal[j].map(|n| correction[j] * n);
+        total[j] = sum(&total[j], &push);
+        for i in 1..S {
+            shift[i] = add_scaled(&shift[i], positions[i][j], &push);
+        }
+    }
+    for i in 1..S {
+        increment[i] = sum(&increment[i], &shift[i]);
+    }
+    let moved = shift[1..].iter().map(largest).fold(zero, select_larger);
+    let far = increment[1..].iter().map(largest).fold(zero, select_larger);
+    (moved, far)
+}
+
+/// The larger one, NaN if one is.
+#[inline(always)]
+fn select_larger<T: Real>(a: T, b: T) -> T {
+    T::select(b.le(a), a, b)
+}
+
+/// The stages of one body.
+#[inline(always)]
+fn part<X, const S: usize>(all: &[X], body: usize) -> &[X; S] {
+    let stages = &all[body * S..][..S];
+    stages.first_chunk().expect("a slice of S is an array of S")
+}
+
+/// The stages of one body, to be changed.
+#[inline(always)]
+fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
+    let stages = &mut all[body * S..][..S];
+    stages.first_chunk_mut().expect("a slice of S is an array of S")
+}
+
+/// Qᵢ − q of one body: drift and the sum over the stages.
+#[inline(always)]
+fn increment<T: Real, const D: usize, const S: usize>(
+    row: &[T; S],
+    drift: T,
+    velocity: &[T; D],
+    total: &[[T; D]; S],
+) -> [T; D] {
+    let mut push = [T::from_f64(0.0); D];
+    for j in 0..S - 1 {
+        push = add_scaled(&push, row[j], &total[j]);
+    }
+    from_fn(|d| drift * velocity[d] + push[d])
+}
+
+/// Inverts the matrix of rows 1 … S − 1 and columns 0 … S − 2 in place, by Gauss and Jordan without exchanges: leading
+/// minors of the tables are positive, and normals of successive stages do not turn over. Row i + 1, column j is then that
+/// of unknown i and equation j + 1. (With rows from 0 on the compiler makes it slower by a quarter of a step.)
+#[inline(always)]
+fn invert<T: Real, const S: usize>(a: &mut [T]) {
+    for k in 0..S - 1 {
+        let pivot = T::from_f64(1.0) / a[(k + 1) * S + k];
+        a[(k + 1) * S + k] = T::from_f64(1.0);
+        for j in 0..S - 1 {
+            a[(k + 1) * S + j] = pivot * a[(k + 1) * S + j];
+        }
+        for i in 0..S - 1 {
+            if i != k {
+                let factor = a[(i + 1) * S + k];
+                a[(i + 1) * S + k] = T::from_f64(0.0);
+                for j in 0..S - 1 {
+                    a[(i + 1) * S + j] = a[(i + 1) * S + j] - factor * a[(k + 1) * S + j];
+                }
+            }
+        }
+    }
+}

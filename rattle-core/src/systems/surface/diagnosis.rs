@@ -1,0 +1,166 @@
+//! Why a step on a surface failed: found out afterwards, out of the way of steps that succeed.
+
+use crate::effect::list::Field;
+use crate::error::StepFailure;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::failure::Failure;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::dot;
+use crate::systems::surface::normal::Normal;
+use crate::systems::surface::position::Departure;
+
+/// Where a step failed; its methods find out why.
+pub(crate) struct FailureAt {
+    body: usize,
+    lane: usize,
+}
+
+impl FailureAt {
+    /// A failure of `body` in the first lane where the condition does not hold.
+    #[cold]
+    pub(crate) fn of<M: Mask>(body: usize, holds: M) -> Self {
+        Self { body, lane: holds.lanes().position(|held| !held).unwrap_or(0) }
+    }
+
+    fn number<T: Real>(&self, x: T) -> f64 {
+        x.lanes().nth(self.lane).unwrap_or(f64::NAN)
+    }
+
+    fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
+        x.iter().map(|&x| self.number(x)).collect()
+    }
+
+    /// The stages of a collocation method did not converge.
+    #[cold]
+    pub(crate) fn unsolved(&self, h: f64, stages: usize, iterations: usize, left: f64) -> Failure {
+        self.because(StepFailure::StagesNotSolved { h, stages, iterations, left })
+    }
+
+    /// Successive stages are on different sides of the surface.
+    #[cold]
+    pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
+        self.because(StepFailure::StagesTurnOver { h, stages })
+    }
+
+    /// The end of the step is too far from the constraint.
+    #[cold]
+    pub(crate) fn not_projected<T: Real, const D: usize>(
+        &self,
+        distance: T,
+        path: &[T; D],
+        q: &[T; D],
+    ) -> Failure {
+        let (distance, path) = (self.number(distance), self.number(dot(path, path)).sqrt());
+        self.because(if distance.is_finite() {
+            StepFailure::NotProjected { distance, path }
+        } else {
+            StepFailure::ConstraintNotFinite { position: self.numbers(q) }
+        })
+    }
+
+    fn because(&self, cause: StepFailure) -> Failure {
+        Failure { body: self.body, cause }
+    }
+
+    /// |∇g|, |v| and κ at the start of the step.
+    fn curvature<T: Real, const D: usize>(
+        &self,
+        normal: &Normal<T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> (f64, f64, f64) {
+        let gradient = self.number(dot(&normal.gradient, &normal.gradient)).sqrt();
+        let speed = self.number(dot(p, p)).sqrt();
+        let curvature = if speed == 0.0 { 0.0 } else { self.number(bend).abs() / (gradient * speed * speed) };
+        (gradient, speed, curvature)
+    }
+
+    fn no_normal<T: Real, const D: usize>(&self, q: &[T; D], gradient: &[T; D]) -> Option<Failure> {
+        let (position, gradient) = (self.numbers(q), self.numbers(gradient));
+        let square: f64 = gradient.iter().map(|n| n * n).sum();
+        let none = !(square > 0.0 && square.is_finite());
+        none.then(|| self.because(StepFailure::NoNormal { position, gradient }))
+    }
+
+    /// h·κ·|v| is not below 1.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn too_long<T: Real, const D: usize>(
+        &self,
+        h: f64,
+        departure: &Departure<'_, T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> Failure {
+        let (_, speed, curvature) = self.curvature(departure.normal, p, bend);
+        let reach = h.abs() * curvature * speed;
+        self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
+            self.because(if reach.is_finite() {
+                StepFailure::StepTooLong { h, reach, curvature, speed, longest: h.abs() / reach }
+            } else {
+                StepFailure::ConstraintNotFinite { position: self.numbers(departure.q) }
+            })
+        })
+    }
+
+    /// The position equation has no solution that can be used: solves it once more, taking notes.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn lost<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
+        &self,
+        h: f64,
+        constraint: &K,
+        departure: &Departure<'_, T, D>,
+        p: &[T; D],
+        bend: T,
+    ) -> Failure {
+        let mut corrections = Vec::new();
+        let landing = departure.land(constraint, |length| corrections.push(self.number(length)));
+        corrections.retain(|&length| length != 0.0); // second corrections that were not made
+        let (gradient, speed, curvature) = self.curvature(departure.normal, p, bend);
+        let reach = h.abs() * curvature * speed;
+        if corrections.iter().any(|length| !length.is_finite()) {
+            let position = self.numbers(departure.q);
+            return self.because(StepFailure::ConstraintNotFinite { position });
+        }
+        let path = self.number(dot(&departure.free, &departure.free)).sqrt();
+        if !landing.converged.lanes().nth(self.lane).unwrap_or(false) {
+            return self.because(StepFailure::NoConvergence {
+                path,
+                corrections: corrections.into_iter().collect(),
+                floor: self.number(landing.floor),
+                gradient,
+                reach,
+            });
+        }
+        let arrival = departure.point(landing.multiplier);
+        if let Some(failure) = self.no_normal(&arrival, &landing.gradient) {
+            return failure;
+        }
+        let after = self.number(dot(&landing.gradient, &landing.gradient)).sqrt();
+        let cosine = self.number(dot(&landing.gradient, &departure.normal.gradient)) / (gradient * after);
+        let correction = self.number(landing.multiplier).abs() * gradient;
+        self.because(StepFailure::RootLost { cosine, correction, path, reach })
+    }
+
+    /// The momentum is not finite: a force or a normal is not.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn not_finite<T: Real, F: Field<T, D>, const D: usize>(
+        &self,
+        field: &F,
+        positions: &[[T; D]],
+        normals: &[Normal<T, D>],
+    ) -> Failure {
+        let position = self.numbers(&positions[self.body]);
+        if let Some((effect, force)) = field.culprit(positions, self.body) {
+            return self.because(StepFailure::ForceNotFinite {
+                effect,
+                force: self.numbers(&force),
+                position,
+            });
+        }
+        self.no_normal(&positions[self.body], &normals[self.body].gradient)
+            .unwrap_or_else(|| self.because(StepFailure::MomentumNotFinite { position }))
+    }
+}

@@ -1,0 +1,48 @@
+//! A constraint of one equation holds each body on a surface of its own.
+
+use crate::effect::list::Effects;
+use crate::error::Error;
+use crate::kernel::functions::Constraint;
+use crate::motion::bodies::Count;
+use crate::motion::hold::{Hold, Surfaces};
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::number::lanes::Fused;
+use crate::number::vector::dot;
+use crate::systems::surface::kept::OnSurface;
+use crate::systems::surface::start;
+
+impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
+    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N, C::Kernel<Fused<f64>>>;
+
+    fn system<E: Effects<D>, N: Count>(
+        &self,
+        effects: &E,
+        count: N,
+        start: &State<D>,
+        method: &impl Method,
+    ) -> Result<Self::System<E, N>, Error> {
+        let constraint = self.kernel::<f64>();
+        for (body, state) in start.bodies.iter().enumerate() {
+            let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
+            start::check(&constraint, state, path, start.must_be_tangent(method))
+                .map_err(|cause| Error::Start { body, cause })?;
+        }
+        Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
+    }
+
+    fn particles(self, _: usize) -> Self {
+        self
+    }
+
+    fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
+        start::project(&self.kernel::<f64>(), state)
+    }
+
+    fn surfaces<V: Surfaces<D>>(of: &[&Self], to: V) -> Option<V::Found>
+    where
+        Self: 'static,
+    {
+        Some(to.found(of))
+    }
+}

@@ -1,0 +1,71 @@
+//! Bodies each on a surface of its own, and what is kept from one step to the next.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::{Bodies, Count};
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::systems::surface::normal::Normal;
+use crate::systems::surface::room::SeriesRoom;
+use crate::systems::surface::room::Stages;
+
+/// Each body on its own copy of a surface, in a field of force.
+#[derive(Debug, Clone)]
+pub struct OnSurface<K, F, N, L> {
+    /// g, one equation per body.
+    pub constraint: K,
+    /// The same function for several bodies at a time; or [`OneByOne`].
+    pub in_lanes: L,
+    /// U, from all effects.
+    pub field: F,
+    /// How many bodies there are.
+    pub count: N,
+}
+
+impl<K, F, N, L> OnSurface<K, F, N, L> {
+    /// So many bodies on this surface in this field, `in_lanes` or [`OneByOne`].
+    pub fn new(constraint: K, in_lanes: L, field: F, count: N) -> Self {
+        Self { constraint, in_lanes, field, count }
+    }
+}
+
+/// Stands for a kernel in lanes where bodies go one by one.
+#[derive(Debug, Clone, Copy)]
+pub struct OneByOne;
+
+const NAN: Fused<f64> = Fused(f64::NAN);
+
+impl<const D: usize> ConstraintKernel<Fused<f64>, D, 1> for OneByOne {
+    fn value(&self, _: &[Fused<f64>; D]) -> [Fused<f64>; 1] {
+        [NAN]
+    }
+    fn value_and_jacobian(&self, _: &[Fused<f64>; D]) -> ([Fused<f64>; 1], [[Fused<f64>; D]; 1]) {
+        ([NAN], [[NAN; D]])
+    }
+    fn hessian_vector(&self, _: &[Fused<f64>; D], _: &[Fused<f64>; D]) -> [[Fused<f64>; D]; 1] {
+        [[NAN; D]]
+    }
+    fn jet(
+        &self,
+        _: &[Fused<f64>; D],
+        _: &[Fused<f64>; D],
+    ) -> ([Fused<f64>; 1], [Fused<f64>; 1], [Fused<f64>; 1]) {
+        ([NAN], [NAN], [NAN])
+    }
+}
+
+/// What is kept from one step to the next.
+#[derive(Debug, Clone)]
+pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
+    /// Normals at the positions.
+    pub normal: N::Of<Normal<T, D>>,
+    /// Forces −∇U last evaluated; of size zero where no effect acts.
+    pub force: N::Of<F>,
+    /// Room for a method with inner stages.
+    pub(super) stages: Option<Box<Stages<T, F, D>>>,
+    /// Room for power series.
+    pub(super) series: Option<Box<SeriesRoom<T, D>>>,
+}
+
+pub(crate) type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;

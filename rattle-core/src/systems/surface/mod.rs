@@ -1,0 +1,20 @@
+//! Bodies each on a surface of its own, g(q) = 0: one equation per body, solved in closed form up to one number.
+//!
+//! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
+
+pub(crate) mod collocation;
+pub(crate) mod diagnosis;
+mod hold;
+pub(crate) mod kept;
+pub(crate) mod normal;
+pub(crate) mod position;
+mod room;
+mod series;
+mod start;
+pub(crate) mod step;
+mod system;
+mod tile;
+pub(crate) mod tiles;
+
+pub use kept::{Kept, OnSurface, OneByOne};
+pub use normal::Normal;

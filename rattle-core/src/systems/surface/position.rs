@@ -1,0 +1,343 @@
+//! The position equation g(q′) = 0, solved for the position multiplier to the rounding floor.
+//!
+//! ```text
+//! q′(Λ) = q + (free + ∇g(q) Λ)      Λ = (h²/2) λ, the constraint's displacement per unit of ∇g
+//! ```
+//!
+//! Along that line g is a function of one number, and Ostrowski's iteration (1960) applies: a Newton
+//! step and a second one with the slope corrected from the two values, fourth order from two
+//! evaluations of g and one of ∇g:
+//!
+//! ```text
+//! Λ₁ = Λ₀ − g₀/s₀            s₀ = ∇g(q′(Λ₀))·∇g(q)
+//! Λ₂ = Λ₁ − g₁/(s₀ (1 − 2 g₁/g₀))
+//! ```
+//!
+//! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not know how g is
+//! scaled. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With
+//! γ = δ₂/δ₁ the next correction is about γ²δ₂, third derivatives of g left out: once that is below 1/256 of the floor
+//! the solve ends without another evaluation of g (with 1/16, one step in 5 000 of a gas was off by 25 ε). Otherwise it goes on until a correction is at the floor, or no longer shrinks although
+//! the slope no longer changes: then it is the rounding of g itself.
+//!
+//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: with
+//! γ = δₖ/δₖ₋₁ the next correction is γδₖ, by the secant method (δₖ/δₖ₋₂)δₖ. They are on their own only while each correction is
+//! at most half the one before: else, and where the root found is not trusted, Newton's method makes the step.
+//!
+//! **Which root.** The line may meet the surface more than once; the motion continues on the root that starts
+//! from Λ = 0 at h = 0. The root found is taken for that one if the normal is not turned over, the guess was off by
+//! a small part of the path, and the path is short against the length on which the slope changes; or if the slope
+//! does not change at all. Otherwise, and where h·κ·|v| > ½, the root is followed from h = 0 in parts of the step that
+//! satisfy the same condition, and found that way or not at all.
+
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::iteration::{Iteration, Kind};
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::systems::surface::normal::Normal;
+use std::array::from_fn;
+
+/// The root is followed if the first correction is longer than this part of the path …
+pub(crate) const FAR_GUESS: f64 = 0.02;
+
+/// … while it is followed, than this part (its guesses are extrapolations) …
+const FAR_EXTRAPOLATION: f64 = 0.1;
+
+/// … or if the path is longer than this part of the length on which the slope changes. `tests/hard_cases.rs` takes
+/// random steps with h·κ·|v| up to 3 on several surfaces, and none goes astray.
+const LONG_PATH: f64 = 0.5;
+
+/// A relative change of the slope below this is none: well above rounding, and 10⁷ corrections make a bend.
+const STRAIGHT: f64 = 1e-7;
+
+/// The same where rounding is coarser.
+const fn straight<T: Real>() -> f64 {
+    if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
+}
+
+/// The smallest part of a step in which a root is followed.
+const SMALLEST_PART: f64 = 1.0 / 4096.0;
+
+/// Parts, taken or halved, after which a root is given up.
+const MAX_PARTS: usize = 200;
+
+/// Corrections with a slope that is not the newest are given up where they do not shrink by half, at the latest here.
+const MAX_CHORDS: usize = 60;
+
+/// Normals that change by more than this part of their length within a step ask for Newton's method, …
+const LARGE_TURN: f64 = 0.5;
+
+/// … and what is left of a correction is below this part of the floor when a solve ends without another evaluation.
+const SPARE: f64 = 1.0 / 256.0;
+
+/// Cycles of two corrections after which a solve is given up; four suffice where one exists.
+const MAX_CYCLES: usize = 12;
+
+/// One body at the start of a step, and where it would go without the constraint.
+#[derive(Clone, Copy)]
+pub(crate) struct Departure<'a, T, const D: usize> {
+    pub(crate) q: &'a [T; D],
+    pub(crate) q_low: &'a [T; D],
+    pub(crate) normal: &'a Normal<T, D>,
+    /// q′ − q without the constraint.
+    pub(crate) free: [T; D],
+    /// First guess of Λ.
+    pub(crate) guess: T,
+}
+
+/// Where the body lands on the constraint.
+pub(crate) struct Landing<T: Real, const D: usize> {
+    /// q′ − q.
+    pub(crate) increment: [T; D],
+    /// Λ.
+    pub(crate) multiplier: T,
+    /// ∇g(q′).
+    pub(crate) gradient: [T; D],
+    /// Length δ₁ of the first correction: how far off the guess was.
+    pub(crate) first_correction: T,
+    /// ∇g·∇g(q) where it was made.
+    pub(crate) first_slope: T,
+    /// Corrections at or below this length count as converged.
+    pub(crate) floor: T,
+    /// Whether the equation was solved to the floor.
+    pub(crate) converged: T::Mask,
+}
+
+impl<T: Real, const D: usize> Departure<'_, T, D> {
+    #[inline(always)]
+    fn increment(&self, multiplier: T) -> [T; D] {
+        add_scaled(&self.free, multiplier, &self.normal.gradient)
+    }
+
+    #[inline(always)]
+    pub(crate) fn point(&self, multiplier: T) -> [T; D] {
+        sum(self.q, &sum(self.q_low, &self.increment(multiplier)))
+    }
+
+    /// Whether the root found is taken for the one that the motion continues on, after a path of this length, if a
+    /// guess that was off by `far` of it is too far.
+    #[inline(always)]
+    pub(crate) fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+        let slope = dot(&self.normal.gradient, &landing.gradient);
+        let off_square = landing.first_correction * landing.first_correction;
+        landing.converged.and(is_the_root(off_square, landing.first_slope, slope, path_square, far))
+    }
+
+    /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is not known.
+    #[inline(always)]
+    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+        let n = &self.normal.gradient;
+        let (square, turned) = (dot(n, n), add_scaled(&landing.gradient, T::from_f64(-1.0), n));
+        let off_square = landing.first_correction * landing.first_correction;
+        let near_guess = off_square.le(T::from_f64(far * far) * path_square);
+        let short_path = dot(&turned, &turned).le(T::from_f64(LARGE_TURN * LARGE_TURN) * square);
+        let upright = T::from_f64(0.0).lt(dot(&landing.gradient, n));
+        landing.converged.and(upright).and(near_guess).and(short_path)
+    }
+
+    /// The landing by this iteration, and whether its root is taken for the one that the motion continues on, after a path
+    /// of this length.
+    #[inline(always)]
+    pub(crate) fn try_to_land<X: Iteration, K: ConstraintKernel<T, D, 1>>(
+        &self,
+        constraint: &K,
+        path_square: T,
+    ) -> (Landing<T, D>, T::Mask) {
+        let landing = match X::KIND {
+            Kind::Newton => self.land(constraint, |_| ()),
+            _ => self.chords::<X, K>(constraint),
+        };
+        let trusted = match X::KIND {
+            Kind::Newton | Kind::Symmetric => self.trusts(&landing, path_square, FAR_GUESS),
+            Kind::Simplified | Kind::Broyden => self.trusts_without_slope(&landing, path_square, FAR_GUESS),
+        };
+        (landing, trusted)
+    }
+
+    /// The landing that is reached from h = 0 without leaving the root: the position equation with `drift` s and
+    /// `push` s² for s = 0 … 1, in parts that are halved until each root found is trusted. Not converged where no
+    /// part is small enough: the root ends, or turns too sharply to tell.
+    ///
+    /// Every lane takes its own parts, so lanes do not influence each other.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn follow<K: ConstraintKernel<T, D, 1>>(
+        &self,
+        constraint: &K,
+        drift: &[T; D],
+        push: &[T; D],
+    ) -> Landing<T, D> {
+        let (zero, one, half) = (T::from_f64(0.0), T::from_f64(1.0), T::from_f64(0.5));
+        let drift_and_push = dot(drift, drift) + dot(push, push);
+        // Λ(s) = guess s² + excess, the excess extrapolated linearly.
+        let (mut s, mut part) = (zero, half);
+        let (mut excess, mut rate) = (zero, zero);
+        let mut arrived: Option<Landing<T, D>> = None;
+        for _ in 0..MAX_PARTS {
+            let end = (s + part).min(one);
+            let length = end - s;
+            let parabola = self.guess * end * end;
+            let free = add_scaled(&scaled(end, drift), end * end, push);
+            let on_the_way = Self { free, guess: parabola + excess + rate * length, ..*self };
+            let landing = on_the_way.land(constraint, |_| ());
+            let going = s.lt(one).and(T::from_f64(SMALLEST_PART).le(part));
+            let taken =
+                going.and(on_the_way.trusts(&landing, length * length * drift_and_push, FAR_EXTRAPOLATION));
+
+            let new_excess = landing.multiplier - parabola;
+            rate = T::select(taken, (new_excess - excess) / length, rate);
+            excess = T::select(taken, new_excess, excess);
+            s = T::select(taken, end, s);
+            part = T::select(taken, part + part, T::select(going, half * part, part));
+            arrived = Some(match arrived {
+                Some(before) => landing.or(taken, before),
+                None => landing,
+            });
+            if s.lt(one).and(T::from_f64(SMALLEST_PART).le(part)).not().all() {
+                break;
+            }
+        }
+        let mut landing = arrived.unwrap_or_else(|| self.land(constraint, |_| ()));
+        landing.converged = one.le(s);
+        landing
+    }
+
+    /// Solves for Λ; `correction` is told every correction's length.
+    #[inline(always)]
+    pub(crate) fn land<K: ConstraintKernel<T, D, 1>>(
+        &self,
+        constraint: &K,
+        mut correction: impl FnMut(T),
+    ) -> Landing<T, D> {
+        let n = &self.normal.gradient;
+        let length = dot(n, n).sqrt();
+        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
+
+        let mut multiplier = self.guess;
+        let (mut last, mut last_slope) = (T::from_f64(f64::INFINITY), zero);
+        let mut converged = zero.lt(zero);
+        let mut gradient = *n;
+        let mut first_cycle = None;
+        for cycle in 1..=MAX_CYCLES {
+            let ([g], [at_point]) = constraint.value_and_jacobian(&self.point(multiplier));
+            gradient = at_point;
+            let slope = dot(&gradient, n);
+            let newton = -g / slope;
+            let first = newton.abs() * length;
+            correction(first);
+            first_cycle.get_or_insert((first, slope));
+            let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
+            let stalled = (half * last).le(first).and(straight);
+            last_slope = slope;
+            converged = converged.or(first.le(floor)).or(stalled);
+            if converged.all() {
+                break;
+            }
+            multiplier = multiplier + T::select(converged, zero, newton);
+
+            let [g_next] = constraint.value(&self.point(multiplier));
+            let ratio = g_next / g;
+            let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
+            let ostrowski = -g_next / (slope * (T::from_f64(1.0) - T::from_f64(2.0) * ratio));
+            let ostrowski = T::select(near.and(converged.not()), ostrowski, zero);
+            multiplier = multiplier + ostrowski;
+            let second = ostrowski.abs() * length;
+            correction(second);
+            let shrinking = second / first;
+            let next = second * shrinking * shrinking;
+            converged = converged.or(near.and((T::from_f64(256.0) * next).le(floor)));
+            if converged.all() {
+                [gradient] = constraint.jacobian(&self.point(multiplier));
+                break;
+            }
+            last = T::select(near, second, first);
+            let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
+            if converged.or(hopeless).all() || cycle == MAX_CYCLES {
+                [gradient] = constraint.jacobian(&self.point(multiplier)); // for the lanes that did converge
+                break;
+            }
+        }
+        let (first_correction, first_slope) = first_cycle.unwrap_or((zero, zero));
+        let increment = self.increment(multiplier);
+        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
+    }
+
+    /// Solves for Λ with the slope at the guess or that of the start, as it is or corrected by each two values. Not
+    /// converged where corrections do not shrink by half.
+    #[inline(always)]
+    fn chords<X: Iteration, K: ConstraintKernel<T, D, 1>>(&self, constraint: &K) -> Landing<T, D> {
+        let n = &self.normal.gradient;
+        let square = dot(n, n);
+        let length = square.sqrt();
+        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
+
+        let mut multiplier = self.guess;
+        let (mut g, first_slope) = if X::KIND == Kind::Symmetric {
+            let ([g], [gradient]) = constraint.value_and_jacobian(&self.point(multiplier));
+            (g, dot(&gradient, n))
+        } else {
+            let [g] = constraint.value(&self.point(multiplier));
+            (g, square)
+        };
+        let mut slope = first_slope;
+        let (mut first_correction, mut before, mut last) = (zero, zero, zero);
+        let (mut converged, mut going) = (zero.lt(zero), zero.le(zero));
+        for step in 0..MAX_CHORDS {
+            let chord = -g / slope;
+            let size = chord.abs() * length;
+            let shrinks = if step == 0 { size.lt(T::from_f64(f64::INFINITY)) } else { size.le(half * last) };
+            let arrived = size.le(floor);
+            going = going.and(shrinks.or(arrived));
+            let chord = T::select(going, chord, zero);
+            multiplier = multiplier + chord;
+            first_correction = if step == 0 { size } else { first_correction };
+            let earlier = if X::KIND == Kind::Broyden { before } else { last };
+            let next = size * size / earlier; // none without an earlier one: 1/0, or 0/0
+            let arrived = arrived.or(next.le(T::from_f64(SPARE) * floor));
+            converged = converged.or(going.and(arrived));
+            going = going.and(arrived.not());
+            if going.not().all() {
+                break;
+            }
+            (before, last) = (last, size);
+            let g_before = g;
+            [g] = constraint.value(&self.point(multiplier));
+            if X::KIND == Kind::Broyden {
+                slope = T::select(going, (g - g_before) / chord, slope);
+            }
+        }
+        let [gradient] = constraint.jacobian(&self.point(multiplier));
+        let increment = self.increment(multiplier);
+        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
+    }
+}
+
+/// Whether the root found, with this slope, is taken for the one that the motion continues on: after a path of this length, and a
+/// guess that was this far off, where the slope was `first`, and that is too far if it is more than the part `far` of the path.
+#[inline(always)]
+pub(crate) fn is_the_root<T: Real>(off_square: T, first: T, slope: T, path_square: T, far: f64) -> T::Mask {
+    let change = (slope - first) / slope; // of no unit: g may be scaled by any number
+    let change_square = change * change;
+    let near_guess = off_square.le(T::from_f64(far * far) * path_square);
+    let short_path = (change_square * path_square).le(T::from_f64(LONG_PATH * LONG_PATH) * off_square);
+    let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
+    let upright = T::from_f64(0.0).lt(slope);
+    upright.and(straight.or(near_guess.and(short_path)))
+}
+
+impl<T: Real, const D: usize> Landing<T, D> {
+    /// This landing where the mask is true, `other` elsewhere.
+    pub(crate) fn or(self, mask: T::Mask, other: Self) -> Self {
+        let choose = |a: T, b: T| T::select(mask, a, b);
+        Self {
+            increment: from_fn(|i| choose(self.increment[i], other.increment[i])),
+            multiplier: choose(self.multiplier, other.multiplier),
+            gradient: from_fn(|i| choose(self.gradient[i], other.gradient[i])),
+            first_correction: choose(self.first_correction, other.first_correction),
+            first_slope: choose(self.first_slope, other.first_slope),
+            floor: self.floor,
+            converged: mask.or(other.converged), // who is chosen has converged
+        }
+    }
+}

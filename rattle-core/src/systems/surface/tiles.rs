@@ -1,0 +1,416 @@
+//! Many bodies on a surface, several at a time: the two halves of a step as plain loops over a tile of bodies, which a compiler
+//! vectorises, entered through one function per instruction set.
+//!
+//! The position equation is solved as [`solver`](crate::systems::surface::position) says, by one cycle of Ostrowski's iteration from g₀, ∇g₀ and
+//! g₁, and a Newton step from where that leads, with g₂ and ∇g₂:
+//!
+//! ```text
+//! Λ₁ = Λ₀ − g₀/s₀      Λ₂ = Λ₁ − g₁/(s₀ (1 − 2g₁/g₀))      Λ₃ = Λ₂ − g₂/s₂      sᵢ = ∇gᵢ·∇g(q)
+//! ```
+//!
+//! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step was not a
+//! small one takes more of them by itself. Bodies that do not come to rest, or at a root
+//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one.
+//!
+//! What a body does depends on nothing but itself, whatever tile it is in.
+
+use crate::effect::force::Force;
+use crate::effect::list::Field;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Count;
+use crate::motion::failure::Failure;
+use crate::motion::witness::Witness;
+use crate::number::instructions::{InstructionSet, Work};
+use crate::number::lanes::Fused;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::systems::surface::diagnosis::FailureAt;
+use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
+use crate::systems::surface::normal::Normal;
+use crate::systems::surface::position::{FAR_GUESS, is_the_root};
+use crate::systems::surface::step::{drift, is_finite};
+use crate::systems::surface::tile::{Number, Tile, Vectors, at, fused, gathered, plain, put, scatter};
+use std::any::TypeId;
+use std::array::from_fn;
+use std::ops::Range;
+
+/// Coordinates of a body beyond which blocks of bodies in lanes would no longer fit the nearest cache, or the stack.
+pub(crate) const MOST_COORDINATES: usize = 16;
+
+/// From so many bodies on it pays.
+const MANY: usize = 8;
+
+/// Most bodies of a tile.
+const TILE: usize = 64;
+
+/// Newton steps of a body by itself before it is left to be moved alone.
+const CORRECTIONS: usize = 3;
+
+/// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
+const AT_REST: f64 = 256.0;
+
+/// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
+#[inline(always)]
+pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<InstructionSet> {
+    let can = N::MANY && D <= MOST_COORDINATES && TypeId::of::<L>() != TypeId::of::<OneByOne>();
+    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() {
+        Some(InstructionSet::widest()).filter(|set| set.fuses())
+    } else {
+        None
+    }
+}
+
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// The first half of a step of all bodies.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
+    pub(super) fn drift_in_tiles<T: Real, W: Witness<T>, const D: usize>(
+        &self,
+        set: InstructionSet,
+        kick: f64,
+        h: f64,
+        guess: &[T],
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>
+    where
+        K: ConstraintKernel<T, D, 1>,
+        L: ConstraintKernel<Number, D, 1>,
+        F: Field<T, D>,
+    {
+        for tile in tiles(self.count.number()) {
+            let mut multipliers = [T::from_f64(0.0); TILE];
+            let mut left = set.run(Drift {
+                constraint: &self.in_lanes,
+                kick,
+                h,
+                guess: guess.get(tile.clone()).unwrap_or(&[]),
+                bodies: Tile::of(bodies, tile.clone()),
+                multipliers: &mut multipliers,
+            });
+            if W::LISTENS {
+                for l in (0..tile.len()).filter(|l| left >> l & 1 == 0) {
+                    witness.position_multiplier(tile.start + l, multipliers[l]);
+                }
+            }
+            while left != 0 {
+                let body = tile.start + left.trailing_zeros() as usize;
+                drift(kick, h, &self.constraint, bodies, body, None, witness)?;
+                bodies.kept.normal.as_mut()[body] = fused_normal(&self.in_lanes, &bodies.q.as_ref()[body]);
+                left &= left - 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// The second half of a step of all bodies.
+    #[inline(always)]
+    pub(super) fn settle_in_tiles<T: Real, W: Witness<T>, const D: usize>(
+        &self,
+        set: InstructionSet,
+        kick: f64,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>
+    where
+        F: Field<T, D>,
+    {
+        for tile in tiles(self.count.number()) {
+            let mut multipliers = [T::from_f64(0.0); TILE];
+            let of_tile = Tile::of(bodies, tile.clone());
+            if !set.run(Settle { kick, h, bodies: of_tile, multipliers: &mut multipliers }) {
+                let (q, p, kept) = (bodies.q.as_ref(), &bodies.p.as_ref()[tile.clone()], &bodies.kept);
+                let infinite = p.iter().position(|p| !is_finite(p).all()).unwrap_or(0);
+                let failure = FailureAt::of(tile.start + infinite, false);
+                return Err(failure.not_finite(&self.field, q, kept.normal.as_ref()));
+            }
+            if W::LISTENS {
+                for l in 0..tile.len() {
+                    witness.momentum_multiplier(tile.start + l, multipliers[l]);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Evaluates all normals if bodies go in tiles, and says whether they do: what is kept must be a function of the positions, to
+    /// the bit, also after steps that move them one by one.
+    #[inline(always)]
+    pub(super) fn fuse_normals<T: Real, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>) -> bool
+    where
+        L: ConstraintKernel<Number, D, 1>,
+        F: Field<T, D>,
+    {
+        let in_tiles = entry::<T, L, N, D>(self.count).is_some();
+        if in_tiles {
+            for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
+                *normal = fused_normal(&self.in_lanes, q);
+            }
+        }
+        in_tiles
+    }
+}
+
+/// The normal with products that are not rounded.
+fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
+    constraint: &K,
+    q: &[T; D],
+) -> Normal<T, D> {
+    let [gradient] = constraint.jacobian(&q.map(fused));
+    let Normal { gradient, inverse_square } = Normal::new(gradient);
+    Normal { gradient: gradient.map(plain), inverse_square: plain(inverse_square) }
+}
+
+fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
+    (0..number).step_by(TILE).map(move |first| first..number.min(first + TILE))
+}
+
+#[inline(always)]
+fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Number; D] {
+    from_fn(|d| Real::select(first, a[d], b[d]))
+}
+
+/// Where a body would land.
+#[inline(always)]
+fn point<const L: usize, const D: usize>(
+    q: &Vectors<L, D>,
+    free: &Vectors<L, D>,
+    normal: &Vectors<L, D>,
+    multiplier: &[Number; L],
+    l: usize,
+) -> [Number; D] {
+    sum(&at(q, l), &add_scaled(&at(free, l), multiplier[l], &at(normal, l)))
+}
+
+/// Λ after a correction, unless that is at the rounding of the position; and 1 if the body then rests.
+#[inline(always)]
+fn corrected(
+    multiplier: Number,
+    correction: Number,
+    square: Number,
+    floor_square: Number,
+) -> (Number, Number) {
+    let off_square = correction * correction * square;
+    let there = off_square.le(floor_square);
+    let rests = off_square.le(Fused(AT_REST * AT_REST) * floor_square);
+    let correction = Real::select(there, Fused(0.0), correction);
+    (multiplier + correction, Real::select(rests, Fused(1.0), Fused(0.0)))
+}
+
+/// The first half of a step of at most [`TILE`] bodies.
+struct Drift<'a, T, K, F, const D: usize> {
+    constraint: &'a K,
+    kick: f64,
+    h: f64,
+    /// λ, or nothing: then from g̈ = 0.
+    guess: &'a [T],
+    bodies: Tile<'a, T, F, D>,
+    /// λ as an impulse over h/2.
+    multipliers: &'a mut [T; TILE],
+}
+
+impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
+    for Drift<'_, T, K, F, D>
+{
+    /// A bit for each body that has been left where it was.
+    type Done = u64;
+
+    #[inline(always)]
+    fn run(self) -> u64 {
+        match self.bodies.q.len() {
+            0..=16 => self.in_lanes::<16>(),
+            17..=24 => self.in_lanes::<24>(),
+            25..=32 => self.in_lanes::<32>(),
+            _ => self.in_lanes::<TILE>(),
+        }
+    }
+}
+
+impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
+    #[inline(always)]
+    fn in_lanes<const L: usize>(self) -> u64 {
+        let Self { constraint, kick, h, guess, bodies, multipliers } = self;
+        let constraint = constraint.clone(); // out of reach of what the loops write
+        let number = bodies.q.len().min(L);
+        // `share` of the force in the motion: 1 for RATTLE.
+        let [step, pushed, half_square, share] = [h, h * kick, 0.5 * h * h, 2.0 * kick / h].map(Fused);
+        let (q, p) = (gathered::<T, L, D>(bodies.q), gathered::<T, L, D>(bodies.p));
+        let (q_low, p_low) = (gathered::<T, L, D>(bodies.q_low), gathered::<T, L, D>(bodies.p_low));
+        let ((normal, inverse_square), force) = (bodies.normals::<L>(), bodies.forces::<L>());
+
+        let mut bend = [Fused(0.0); L]; // pᵀ∇²g p
+        if guess.is_empty() {
+            for l in 0..L {
+                [bend[l]] = constraint.jet(&at(&q, l), &at(&p, l)).2;
+            }
+        } else {
+            for l in 0..L {
+                let (n, lambda) = (at(&normal, l), fused(guess[l.min(number - 1)]));
+                let along = if F::ACTS { share * dot(&at(&force, l), &n) } else { Fused(0.0) };
+                bend[l] = -lambda.multiply_add(dot(&n, &n), along);
+            }
+        }
+        let (mut free, mut multiplier) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
+        let (mut square, mut floor_square, mut path_square) =
+            ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
+        let mut gentle = [false; L]; // h·κ·|v| ≤ ½
+        for l in 0..L {
+            let (q, p, n) = (at(&q, l), at(&p, l), at(&normal, l));
+            let mut way = sum(&scaled(step, &p), &add_scaled(&at(&q_low, l), step, &at(&p_low, l)));
+            let (speed_square, mut along) = (dot(&p, &p), bend[l]);
+            path_square[l] = step * step * speed_square;
+            if F::ACTS {
+                let force = at(&force, l);
+                way = add_scaled(&way, pushed, &force);
+                along = share.multiply_add(dot(&force, &n), along);
+                path_square[l] = (pushed * pushed).multiply_add(dot(&force, &force), path_square[l]);
+            }
+            put(&mut free, l, way);
+            multiplier[l] = -half_square * along * inverse_square[l];
+            gentle[l] = (Fused(4.0) * step * step * bend[l] * bend[l] * inverse_square[l]).le(speed_square);
+            square[l] = Fused(1.0) / inverse_square[l];
+            let floor = Fused(f64::EPSILON) * largest(&q).max(largest(&way));
+            floor_square[l] = floor * floor;
+        }
+
+        let (mut first, mut slope, mut g) = ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
+        for l in 0..L {
+            let point = point(&q, &free, &normal, &multiplier, l);
+            let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
+            g[l] = residual;
+            slope[l] = dot(&gradient, &at(&normal, l));
+            first[l] = -residual / slope[l];
+            let there = (first[l] * first[l] * square[l]).le(floor_square[l]);
+            multiplier[l] = multiplier[l] + Real::select(there, Fused(0.0), first[l]);
+        }
+        for l in 0..L {
+            let [residual] = constraint.value(&point(&q, &free, &normal, &multiplier, l));
+            let ratio = residual / g[l];
+            let ostrowski = -residual / (slope[l] * (Fused(1.0) - Fused(2.0) * ratio));
+            let going = floor_square[l].lt(first[l] * first[l] * square[l]);
+            let near = going & ratio.abs().lt(Fused(0.25)); // else the parabola says nothing
+            multiplier[l] = multiplier[l] + Real::select(near, ostrowski, Fused(0.0));
+        }
+        let mut rests = [Fused(0.0); L]; // 1 where it does
+        for l in 0..L {
+            let point = point(&q, &free, &normal, &multiplier, l);
+            let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
+            let last = -residual / dot(&gradient, &at(&normal, l));
+            (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
+        }
+        for l in 0..number {
+            for _ in 0..CORRECTIONS {
+                if rests[l] == Fused(1.0) {
+                    break;
+                }
+                let point = point(&q, &free, &normal, &multiplier, l);
+                let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
+                let last = -residual / dot(&gradient, &at(&normal, l));
+                (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
+            }
+        }
+        let (mut next, mut arrives) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
+        for l in 0..L {
+            let [gradient] = constraint.jacobian(&point(&q, &free, &normal, &multiplier, l));
+            let off_square = first[l] * first[l] * square[l];
+            let last_slope = dot(&gradient, &at(&normal, l));
+            let root = is_the_root(off_square, slope[l], last_slope, path_square[l], FAR_GUESS);
+            put(&mut next, l, gradient);
+            arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
+        }
+        let mut left = 0;
+        for l in 0..number {
+            left |= u64::from(arrives[l] == Fused(0.0)) << l;
+        }
+
+        let (mut new, mut low) = ([[Fused(0.0); L]; D], [[Fused(0.0); L]; D]);
+        for l in 0..L {
+            let (n, arrives) = (at(&normal, l), arrives[l] == Fused(1.0));
+            let mut change = add_scaled(&at(&p_low, l), multiplier[l] / step, &n);
+            if F::ACTS {
+                change = add_scaled(&change, Fused(kick), &at(&force, l));
+            }
+            let (high, rest) = two_sum(&at(&p, l), &change);
+            put(&mut new, l, either(arrives, high, at(&p, l)));
+            put(&mut low, l, either(arrives, rest, at(&p_low, l)));
+        }
+        scatter(&new, bodies.p);
+        scatter(&low, bodies.p_low);
+        for l in 0..L {
+            let (n, arrives) = (at(&normal, l), arrives[l] == Fused(1.0));
+            let (high, rest) = two_sum(&at(&q, l), &add_scaled(&at(&free, l), multiplier[l], &n));
+            put(&mut new, l, either(arrives, high, at(&q, l)));
+            put(&mut low, l, either(arrives, rest, at(&q_low, l)));
+        }
+        scatter(&new, bodies.q);
+        scatter(&low, bodies.q_low);
+        for l in 0..L {
+            let (gradient, arrives) = (at(&next, l), arrives[l] == Fused(1.0));
+            let inverse = Normal::new(gradient).inverse_square;
+            square[l] = Real::select(arrives, inverse, inverse_square[l]);
+            put(&mut new, l, either(arrives, gradient, at(&normal, l)));
+        }
+        for l in 0..number {
+            let (gradient, inverse_square) = (at(&new, l).map(plain), plain(square[l]));
+            bodies.normal[l] = Normal { gradient, inverse_square };
+            multipliers[l] = plain(multiplier[l] / half_square);
+        }
+        left
+    }
+}
+
+/// The second half of a step of at most [`TILE`] bodies.
+struct Settle<'a, T, F, const D: usize> {
+    kick: f64,
+    h: f64,
+    bodies: Tile<'a, T, F, D>,
+    /// μ as an impulse over h/2.
+    multipliers: &'a mut [T; TILE],
+}
+
+impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
+    /// Whether all momenta are numbers.
+    type Done = bool;
+
+    #[inline(always)]
+    fn run(self) -> bool {
+        match self.bodies.q.len() {
+            0..=16 => self.in_lanes::<16>(),
+            17..=24 => self.in_lanes::<24>(),
+            25..=32 => self.in_lanes::<32>(),
+            _ => self.in_lanes::<TILE>(),
+        }
+    }
+}
+
+impl<T: Real, F: Force<T, D>, const D: usize> Settle<'_, T, F, D> {
+    #[inline(always)]
+    fn in_lanes<const L: usize>(self) -> bool {
+        let Self { kick, h, bodies, multipliers } = self;
+        let number = bodies.q.len().min(L);
+        let (p, p_low) = (gathered::<T, L, D>(bodies.p), gathered::<T, L, D>(bodies.p_low));
+        let ((normal, inverse_square), force) = (bodies.normals::<L>(), bodies.forces::<L>());
+        let (mut new, mut low) = ([[Fused(0.0); L]; D], [[Fused(0.0); L]; D]);
+        let (mut multiplier, mut finite) = ([Fused(0.0); L], true);
+        for l in 0..L {
+            let (p, n) = (at(&p, l), at(&normal, l));
+            let mut change = at(&p_low, l);
+            if F::ACTS {
+                change = add_scaled(&change, Fused(kick), &at(&force, l));
+            }
+            let eta = -dot(&n, &sum(&p, &change)) * inverse_square[l];
+            multiplier[l] = eta / Fused(0.5 * h);
+            let (high, rest) = two_sum(&p, &add_scaled(&change, eta, &n));
+            put(&mut new, l, high);
+            put(&mut low, l, rest);
+            finite &= is_finite(&high);
+        }
+        scatter(&new, bodies.p);
+        scatter(&low, bodies.p_low);
+        for l in 0..number {
+            multipliers[l] = plain(multiplier[l]);
+        }
+        finite
+    }
+}
