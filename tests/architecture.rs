@@ -123,8 +123,7 @@ impl House {
         let mut files = BTreeMap::new();
         for path in paths_of_files {
             let relative = path.strip_prefix(&root).unwrap().with_extension("");
-            let mut module: Module =
-                relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
+            let mut module: Module = relative.iter().map(|part| part.to_str().unwrap().to_owned()).collect();
             if ["mod", "lib", "main"].contains(&module.last().unwrap().as_str()) {
                 module.pop();
             }

@@ -1,0 +1,209 @@
+//! What can go wrong, with the numbers that explain it.
+
+mod network;
+mod numbers;
+mod phase;
+mod start;
+mod step;
+
+pub use network::{EquationAt, NetworkMistake};
+pub use numbers::{History, Passing};
+pub use phase::PhaseMistake;
+pub use start::StartFailure;
+pub use step::StepFailure;
+
+use std::fmt;
+
+/// Why a scene could not be set up or a step could not be taken.
+///
+/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation
+/// as it was before the step, bit for bit. `Debug` prints the same sentence as `Display`, because that is what a `main`
+/// that returns this error shows.
+#[derive(Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The step size is zero, infinite or NaN.
+    #[error("the step size must be finite and not zero, found {0}")]
+    StepSize(f64),
+
+    /// The state has another number of bodies than the scene.
+    #[error(
+        "the scene has {scene} particle(s) and the state has {state}; see `Scene::particles` and `State::of`"
+    )]
+    BodyCount {
+        /// Bodies of the scene.
+        scene: usize,
+        /// Bodies of the state.
+        state: usize,
+    },
+
+    /// The time of variable steps is not positive, or not finite.
+    #[error("the time tau within which steps change must be positive and finite, found {0}")]
+    ChangeTime(f64),
+
+    /// A method that is not symmetric, where one must be: in a composition, in variable steps, in a check of reversal.
+    #[error(
+        "{what} needs a symmetric method, and {method} is not symmetric: a step of −h does not undo one of h"
+    )]
+    NeedsSymmetricMethod {
+        /// What needs one.
+        what: &'static str,
+        /// The method.
+        method: &'static str,
+    },
+
+    /// A method was given a system that has not what it needs.
+    #[error("{method} cannot move {system} yet; use `Rattle` or a composition of it")]
+    CannotMove {
+        /// The method.
+        method: &'static str,
+        /// The kind of system.
+        system: &'static str,
+    },
+
+    /// A system is moved by RATTLE alone.
+    #[error("{method} cannot move {system}; use `Rattle` or a composition of it")]
+    NeedsRattle {
+        /// The method.
+        method: &'static str,
+        /// The kind of system.
+        system: &'static str,
+    },
+
+    /// The time of the start is NaN or infinite.
+    #[error("the time of the start must be finite, found {0}")]
+    Time(f64),
+
+    /// A power series of fewer than two or more than 64 terms.
+    #[error("the order of a Taylor method is 2 to 64, found {0}")]
+    Order(u32),
+
+    /// A tolerance that is not a positive number.
+    #[error("a tolerance is a positive number, found {0}")]
+    Tolerance(f64),
+
+    /// Bins of a histogram that hold nothing.
+    #[error("a histogram has one bin or more, between two finite numbers; found {bins} from {from} to {to}")]
+    Bins {
+        /// Where the first begins.
+        from: f64,
+        /// Where the last ends.
+        to: f64,
+        /// How many.
+        bins: usize,
+    },
+
+    /// A composition whose coefficients do not add up to 1, or are not symmetric.
+    #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
+    Coefficients {
+        /// Their name.
+        name: &'static str,
+        /// Σγ.
+        sum: f64,
+    },
+
+    /// The state was given more momenta than it has bodies.
+    #[error("the state has {bodies} bodies and was given {momenta} momenta")]
+    MomentumCount {
+        /// Bodies of the state.
+        bodies: usize,
+        /// Momenta given.
+        momenta: usize,
+    },
+
+    /// A method for free bodies was given constraints.
+    #[error(
+        "{method} is for free bodies, and the scene has {equations} equation(s); `Shake` and `Rattle` are for constraints"
+    )]
+    NeedsFreeBodies {
+        /// The method.
+        method: &'static str,
+        /// Equations of the scene.
+        equations: usize,
+    },
+
+    /// Links, masses or pins that make no sense.
+    #[error(transparent)]
+    Network(NetworkMistake),
+
+    /// A start that cannot be simulated.
+    #[error("start of particle {body}: {cause}")]
+    Start {
+        /// Which body, counted from 0.
+        body: usize,
+        /// What is wrong with it.
+        cause: StartFailure,
+    },
+
+    /// A start of an ensemble that cannot be simulated.
+    #[error("trajectory {trajectory}: {error}")]
+    Trajectory {
+        /// Which trajectory, counted from 0.
+        trajectory: usize,
+        /// What is wrong with it.
+        #[source]
+        error: Box<Error>,
+    },
+
+    /// A step that cannot be taken.
+    #[error("step {step} (t = {time}), particle {body}: {cause}")]
+    Step {
+        /// The step that failed; the first step is 1.
+        step: u64,
+        /// Time at which the failed step began.
+        time: f64,
+        /// Which body, counted from 0.
+        body: usize,
+        /// What stopped it.
+        cause: StepFailure,
+    },
+
+    /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
+    #[error(
+        "step {step} (t = {time}), particle {body}: halved {halvings} times, and its parts still fail: {cause}"
+    )]
+    Retried {
+        /// Which step, counted from 1.
+        step: u64,
+        /// The time before it.
+        time: f64,
+        /// Which body, counted from 0, in the shortest parts.
+        body: usize,
+        /// How often the step was halved.
+        halvings: u32,
+        /// What stopped the shortest parts.
+        cause: StepFailure,
+    },
+
+    /// A step that does not lead back: see [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
+    #[error(
+        "step {step} (t = {time}), particle {body}: {}; try a smaller step",
+        missed(*off, *tolerance)
+    )]
+    NotReversed {
+        /// Which step, counted from 1.
+        step: u64,
+        /// The time before it.
+        time: f64,
+        /// Which body, counted from 0.
+        body: usize,
+        /// By how much, relative to the largest coordinate or momentum; NaN if there is no way back.
+        off: f64,
+        /// What is allowed.
+        tolerance: f64,
+    },
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+/// How a step that was taken back went wrong; by NaN if it could not be.
+fn missed(off: f64, tolerance: f64) -> String {
+    if off.is_nan() {
+        return "it cannot be taken back".into();
+    }
+    format!("taken back it misses where it came from by {off:.1e}, and {tolerance:.1e} is allowed")
+}

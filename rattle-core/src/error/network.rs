@@ -1,0 +1,90 @@
+//! Links, masses and pins, and how messages name an equation.
+
+use std::fmt;
+
+/// What is wrong with links, masses or pins.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NetworkMistake {
+    /// A link or pin names a body that the scene does not have.
+    #[error("{what} {member} names body {body}; the scene has {bodies}, counted from 0")]
+    NoSuchBody {
+        /// The type of the constraint, or `pin`.
+        what: &'static str,
+        /// Which of its members.
+        member: usize,
+        /// The body it names.
+        body: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// A link names one body twice.
+    #[error("{what} {member} names body {body} twice; a link is between different bodies")]
+    Repeated {
+        /// The type of the constraint.
+        what: &'static str,
+        /// Which of its members.
+        member: usize,
+        /// The body.
+        body: usize,
+    },
+    /// As many masses as bodies are needed.
+    #[error("{masses} masses were given for {bodies} bodies")]
+    MassCount {
+        /// Masses given.
+        masses: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// A mass is not positive and finite, or a mass matrix not symmetric positive definite.
+    #[error(
+        "the mass of body {body} is not positive and finite, or its matrix not symmetric positive definite"
+    )]
+    Mass {
+        /// Which body.
+        body: usize,
+    },
+    /// Moments of inertia that no body has.
+    #[error(
+        "moments of inertia must be positive and finite, none larger than the sum of the others; found {moments:?}"
+    )]
+    Inertia {
+        /// I₁, I₂, I₃.
+        moments: [f64; 3],
+    },
+    /// Multipliers that act on chosen coordinates, between bodies whose mass couples coordinates.
+    #[error("{what} acts on chosen coordinates; its bodies need masses that do not couple coordinates")]
+    ActingNeedsDiagonalMass {
+        /// The type of the constraint.
+        what: &'static str,
+    },
+}
+
+/// One equation of a network, as messages name it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct EquationAt {
+    /// The type of the constraint.
+    pub link: &'static str,
+    /// Which member of its list, counted from 0.
+    pub member: usize,
+    /// Which of the member's equations …
+    pub equation: usize,
+    /// … of so many.
+    pub of: usize,
+    /// The bodies that it ties together.
+    pub bodies: Vec<usize>,
+}
+
+impl fmt::Display for EquationAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.link, self.member)?;
+        if self.of > 1 {
+            write!(f, ", equation {}", self.equation)?;
+        }
+        f.write_str(if self.bodies.len() == 1 { " (body " } else { " (bodies " })?;
+        for (i, body) in self.bodies.iter().enumerate() {
+            write!(f, "{}{body}", if i == 0 { "" } else { ", " })?;
+        }
+        f.write_str(")")
+    }
+}

@@ -1,0 +1,54 @@
+//! Numbers that messages show.
+
+use std::fmt;
+
+/// A step size that would pass where one failed, found by trying.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Passing(pub Option<f64>);
+
+impl fmt::Display for Passing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(h) => write!(f, "a step of {h:.3e} passes here"),
+            None => f.write_str("no shorter step passes here either"),
+        }
+    }
+}
+
+/// Numbers in turn; the first eight are printed.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History(Vec<f64>);
+
+impl History {
+    /// The numbers, first one first.
+    #[must_use]
+    pub fn as_slice(&self) -> &[f64] {
+        &self.0
+    }
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl FromIterator<f64> for History {
+    fn from_iter<I: IntoIterator<Item = f64>>(numbers: I) -> Self {
+        Self(numbers.into_iter().collect())
+    }
+}
+
+impl fmt::Display for History {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (i, x) in self.0.iter().take(8).enumerate() {
+            write!(f, "{}{x:.1e}", if i == 0 { "" } else { ", " })?;
+        }
+        f.write_str(if self.0.len() > 8 { ", …]" } else { "]" })
+    }
+}

@@ -1,0 +1,71 @@
+//! Starts in phase space.
+
+use crate::error::numbers::History;
+
+/// What is wrong with a start in phase space. Equations are counted from 0, and compared with the sizes of their terms.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhaseMistake {
+    /// An equation does not hold.
+    #[error(
+        "equation {equation} is off: g = {value:.3e}, {share:.1e} of its terms, allowed {tolerance:.1e}; \
+         `scene.project(state)` moves the start onto the constraint"
+    )]
+    Off {
+        /// Which.
+        equation: usize,
+        /// g(q, p).
+        value: f64,
+        /// |g| relative to Σ|∂g/∂zₖ||zₖ|.
+        share: f64,
+        /// The largest share allowed.
+        tolerance: f64,
+    },
+    /// The hidden constraint does not hold.
+    #[error(
+        "equation {equation} would not stay: {{g, H}} = {rate:.3e}, a slide by {share:.1e} of the coordinates off, allowed {tolerance:.1e}; \
+         `scene.project(state)` slides the start to where it is zero"
+    )]
+    Hidden {
+        /// Which.
+        equation: usize,
+        /// {g, H}.
+        rate: f64,
+        /// How far along the fibre it would hold, relative to the coordinates.
+        share: f64,
+        /// The largest share allowed.
+        tolerance: f64,
+    },
+    /// Two equations do not commute.
+    #[error(
+        "equations {first} and {second} are not coisotropic: {{g{first}, g{second}}} = {bracket:.3e}, {share:.1e} of its terms, \
+         must vanish where both hold; equations that do not commute take away a degree of freedom instead: solve one for a variable"
+    )]
+    NotCoisotropic {
+        /// One.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// {gᵢ, gⱼ}.
+        bracket: f64,
+        /// |{gᵢ, gⱼ}| relative to the sizes of its terms.
+        share: f64,
+    },
+    /// The motion is not determined.
+    #[error("the motion is not determined here: {{g, {{g, H}}}} = {slopes:?} is singular; start elsewhere")]
+    Undetermined {
+        /// Nᵢⱼ, row by row.
+        slopes: Vec<f64>,
+    },
+    /// No point of the fibre satisfies the hidden constraint.
+    #[error(
+        "no point of the fibre with {{g, H}} = 0 was found for equation {equation}: residuals in roundings {residuals}; \
+         start nearer to one"
+    )]
+    NoSlide {
+        /// Which.
+        equation: usize,
+        /// The largest residual before each correction, in roundings of its terms.
+        residuals: History,
+    },
+}

@@ -1,0 +1,219 @@
+//! Starts.
+
+use crate::error::network::EquationAt;
+use crate::error::numbers::History;
+use crate::error::phase::PhaseMistake;
+
+/// What is wrong with a start.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartFailure {
+    /// A coordinate or momentum component is NaN or infinite.
+    #[error("{quantity}[{component}] is {value}; every component must be finite")]
+    NotFinite {
+        /// `position` or `momentum`.
+        quantity: &'static str,
+        /// Which component.
+        component: usize,
+        /// The offending number.
+        value: f64,
+    },
+    /// The constraint function is NaN or infinite at the start.
+    #[error(
+        "at q = {position:?} the constraint is {value} and its gradient {gradient:?}; both must be finite, and |∇g| below 1e154"
+    )]
+    ConstraintNotFinite {
+        /// g(q).
+        value: f64,
+        /// ∇g(q).
+        gradient: Vec<f64>,
+        /// q.
+        position: Vec<f64>,
+    },
+    /// The start is not on the surface.
+    #[error(
+        "off the surface by {distance:.3e} (g = {value:.3e}), allowed {tolerance:.1e}; \
+         `scene.project(state)` moves the start onto the surface"
+    )]
+    OffSurface {
+        /// |g|/|∇g|, to first order the distance from the surface.
+        distance: f64,
+        /// The largest distance allowed.
+        tolerance: f64,
+        /// g(q).
+        value: f64,
+    },
+    /// The momentum is not tangent to the surface.
+    #[error(
+        "momentum is not tangent: |∇g·p|/(|∇g||p|) = {sine:.3e}, allowed {tolerance:.1e}; \
+         `scene.project(state)` takes its normal part away"
+    )]
+    NotTangent {
+        /// Sine of the angle between p and the tangent plane.
+        sine: f64,
+        /// The largest sine allowed.
+        tolerance: f64,
+    },
+    /// An equation between linked bodies does not hold at the start.
+    #[error(
+        "{equation} is off by {distance:.3e} (g = {value:.3e}), allowed {tolerance:.1e}; `scene.project(state)` moves \
+         the start onto the constraints"
+    )]
+    OffConstraint {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g|, to first order the distance.
+        distance: f64,
+        /// The largest distance allowed.
+        tolerance: f64,
+        /// g(q, t).
+        value: f64,
+    },
+    /// The momenta break an equation between linked bodies.
+    #[error(
+        "the momenta break {equation}: it would change at the rate {rate:.3e}, {sine:.3e} of |∇g||v|, allowed \
+         {tolerance:.1e}; `scene.project(state)` makes them fit"
+    )]
+    NotAlong {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// ∇g·v + ∂g/∂t.
+        rate: f64,
+        /// The rate relative to |∇g||v| + |∂g/∂t|.
+        sine: f64,
+        /// The largest relative rate allowed.
+        tolerance: f64,
+    },
+    /// A constraint whose gradient is zero wherever it holds, as z² instead of z.
+    #[error(
+        "{equation} vanishes to second order: its gradient is {gradient:.1e} where it holds (singular point about \
+         {distance:.1e} away); write a constraint whose gradient is not zero there, as z instead of z²"
+    )]
+    Vanishes {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |∇g|.
+        gradient: f64,
+        /// To first order the distance to the point where ∇g = 0.
+        distance: f64,
+    },
+    /// Equations that depend on each other, where elimination was asked for or the component is large.
+    #[error(
+        "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out, or ask for \
+         `LinearAlgebra::Orthogonal`"
+    )]
+    Dependent {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The sine of the angle of its normal to the span of the others.
+        sine: f64,
+    },
+    /// Equations that cannot hold together near the start.
+    #[error(
+        "{equation} contradicts the others: near the start it stays off by {distance:.3e} where they hold"
+    )]
+    Contradictory {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g| that remains.
+        distance: f64,
+    },
+    /// No place where linked bodies satisfy their equations was found near the start.
+    #[error(
+        "no place found where {equation} and the links with it hold: distances {distances} after {} Newton steps; start \
+         nearer, or see whether the links can hold together at all",
+        distances.len()
+    )]
+    NoPlace {
+        /// The equation that was furthest off at last.
+        equation: Box<EquationAt>,
+        /// The largest |g|/|∇g| before every Newton step.
+        distances: History,
+    },
+    /// No momenta satisfy all velocity conditions: links move apart.
+    #[error(
+        "no momenta fit: {equation} would change at the rate {rate:.3e} where the others are kept; the links move apart"
+    )]
+    RatesContradict {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// G v + ∂g/∂t that remains.
+        rate: f64,
+    },
+    /// A link between pinned bodies does not hold, or moves.
+    #[error(
+        "{equation} joins pinned bodies alone, and {}; change the pins or the link",
+        if *.moving { "moves".to_owned() } else { format!("is off by {distance:.3e}") }
+    )]
+    BetweenPins {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// |g|/|∇g|.
+        distance: f64,
+        /// Whether it changes with time.
+        moving: bool,
+    },
+    /// The multiplier of an equation acts only on coordinates that do not change it here.
+    #[error("the multiplier of {equation} acts on coordinates along which g does not change here")]
+    CannotAct {
+        /// Which equation.
+        equation: Box<EquationAt>,
+    },
+    /// Nine numbers that are no attitude of a rigid body.
+    #[error(
+        "no attitude: QᵀQ is off from 1 by {deviation:.1e} (allowed 1e-10), det Q = {determinant:.3}; it must be a rotation; \
+         `scene.project(state)` straightens what is nearly one"
+    )]
+    NoAttitude {
+        /// det Q.
+        determinant: f64,
+        /// The largest entry of QᵀQ − 1.
+        deviation: f64,
+    },
+    /// A rigid body's momenta are more than an angular momentum.
+    #[error("momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`")]
+    NoAngularMomentum,
+    /// A pinned body is elsewhere, or moves.
+    #[error(
+        "the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}; `scene.project(state)` puts it there"
+    )]
+    Pinned {
+        /// Where it is pinned.
+        at: Vec<f64>,
+        /// Where it starts.
+        position: Vec<f64>,
+        /// Its momentum.
+        momentum: Vec<f64>,
+    },
+    /// A start in phase space.
+    #[error(transparent)]
+    Phase(PhaseMistake),
+    /// The gradient is zero here or so near that it has no direction in floating point.
+    #[error(
+        "the gradient vanishes here (|∇g| = {gradient:.3e}, singular point about {distance:.1e} away); \
+         start elsewhere, or write a constraint whose gradient is not zero on the surface"
+    )]
+    SingularPoint {
+        /// |∇g(q)|.
+        gradient: f64,
+        /// |∇g|/|∇²g n| with n = ∇g/|∇g|, to first order the distance to the point where ∇g = 0.
+        distance: f64,
+    },
+    /// The force at the start is NaN or infinite.
+    #[error("the force of `{effect}` is {force:?}; check the start against the potential's domain")]
+    ForceNotFinite {
+        /// The type of the effect.
+        effect: &'static str,
+        /// −∇U.
+        force: Vec<f64>,
+    },
+    /// No point of the surface was found near the start.
+    #[error(
+        "no point of the surface found: distances {distances} after {} Newton steps; start nearer to the surface",
+        distances.len()
+    )]
+    NoProjection {
+        /// First-order distance from the surface before every Newton step.
+        distances: History,
+    },
+}

@@ -1,0 +1,286 @@
+//! Steps.
+
+use crate::error::network::EquationAt;
+use crate::error::numbers::{History, Passing};
+
+/// What stopped a step.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepFailure {
+    /// h·κ·|v| > 1: the surface curves away within one step, so that the position equation has no
+    /// solution that the motion could follow.
+    #[error(
+        "step too long for the curvature: h·κ·|v| = {reach:.3} must be below 1 (h = {h:.3e}, κ = {curvature:.4}, \
+         |v| = {speed:.4}); that needs |h| < {longest:.3e} here, and accurate runs stay below a fifth of it"
+    )]
+    StepTooLong {
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// h·κ·|v|.
+        reach: f64,
+        /// Normal curvature κ along v.
+        curvature: f64,
+        /// |v|.
+        speed: f64,
+        /// 1/(κ·|v|), which |h| must be below; the curvature on the way may ask for less.
+        longest: f64,
+    },
+    /// The position equation was not solved to the rounding floor.
+    #[error(
+        "projection onto the surface did not converge on a path of {path:.1e}: corrections {corrections}, floor \
+         {floor:.1e}, |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
+    )]
+    NoConvergence {
+        /// How far the body would have moved without the constraint; far where a force is too strong for the step.
+        path: f64,
+        /// Length of every correction in turn.
+        corrections: History,
+        /// Corrections shorter than this count as converged.
+        floor: f64,
+        /// |∇g| at the start of the step.
+        gradient: f64,
+        /// h·κ·|v|.
+        reach: f64,
+    },
+    /// The density of reversible variable steps is no longer near the one that is wanted.
+    #[error(
+        "steps have gone astray: their density is {ratio:.3} times what the momenta's change asks for, and must stay within 0.5 \
+         and 1.5; try a longest step below {longest:.3e}"
+    )]
+    Astray {
+        /// ρ/R.
+        ratio: f64,
+        /// The longest step, ε.
+        longest: f64,
+    },
+    /// The position equation has a solution, but it cannot be told that the motion leads there: followed from h = 0,
+    /// the root ends or turns too sharply.
+    #[error(
+        "the motion cannot be followed through this step: the solution found would move {correction:.3e} along the \
+         normal on a path of {path:.3e}, normals at cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
+    )]
+    RootLost {
+        /// Cosine of the angle between ∇g before and after.
+        cosine: f64,
+        /// How far the constraint would have moved the body.
+        correction: f64,
+        /// How far the body would have moved without the constraint.
+        path: f64,
+        /// h·κ·|v|.
+        reach: f64,
+    },
+    /// The position equations of linked bodies were not solved, or not on the root that the motion leads to.
+    #[error(
+        "{equation} cannot be kept on a path of {path:.1e}: residuals as lengths {residuals}, |∇g| = {gradient:.3e}, \
+         h·|∇²g v|/|∇g| = {turn:.3} (accurate below about 0.2); {passing} (h = {h:.3e})"
+    )]
+    NotSolved {
+        /// The equation that is furthest off.
+        equation: Box<EquationAt>,
+        /// The longest way of a body of the component without the constraints.
+        path: f64,
+        /// The largest |gᵢ|/|∇gᵢ| before each correction.
+        residuals: History,
+        /// |∇g| of the equation at the start of the step.
+        gradient: f64,
+        /// The largest relative change of a normal within the step, for a surface h·κ·|v|.
+        turn: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// What would pass.
+        passing: Passing,
+    },
+    /// The stages of a collocation method were not solved to the rounding floor.
+    #[error(
+        "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
+         {left:.1e} roundings; try a smaller step"
+    )]
+    StagesNotSolved {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
+    },
+    /// A step without structure ended too far from the constraints to be brought back to them.
+    #[error(
+        "the step leads {distance:.3e} off the constraint, on a way of {path:.3e}, and cannot be brought back; try a smaller \
+         step or tolerance"
+    )]
+    NotProjected {
+        /// The distance, to first order.
+        distance: f64,
+        /// The way h|v|.
+        path: f64,
+    },
+    /// The equations of an implicit step were not solved to the rounding floor.
+    #[error(
+        "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
+         move by {left:.1e} roundings; try a smaller step"
+    )]
+    ImplicitNotSolved {
+        /// The step size.
+        h: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in roundings of the position.
+        left: f64,
+    },
+    /// A stage of an explicit method came to where a force, a normal or λ is not finite.
+    #[error(
+        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}, or, of a power series, has a \
+         kink where it begins; try a smaller step"
+    )]
+    StageNotFinite {
+        /// The step size.
+        h: f64,
+    },
+    /// Inner steps that keep the tolerance have become too short.
+    #[error(
+        "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
+         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
+    )]
+    StepsCollapse {
+        /// The inner step that failed.
+        inner: f64,
+        /// The step size.
+        h: f64,
+        /// Its estimated error; NaN if a stage was not finite.
+        error: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// Normals of successive stages are turned over: the step jumps over a bend.
+    #[error(
+        "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
+    )]
+    StagesTurnOver {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+    },
+    /// The system has no power series.
+    #[error("these bodies have no power series of their motion; use another method")]
+    NoSeries,
+    /// The system has no collocation.
+    #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
+    NoCollocation {
+        /// The kind of system.
+        system: &'static str,
+    },
+    /// A rigid body turns so far within the step that no rotation fits.
+    #[error(
+        "the body turns too far within the step: h·|Ω| = {turn:.3} must stay below about 2; {passing} (h = {h:.3e})"
+    )]
+    TurnsTooFar {
+        /// h·|Ω|.
+        turn: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// What would pass.
+        passing: Passing,
+    },
+    /// In phase space, no slide along the fibre was found that satisfies an equation.
+    #[error(
+        "no slide along the fibre satisfies equation {equation}: residuals in roundings {residuals} (h = {h:.3e}); try a \
+         smaller step; if none helps, the motion ends here"
+    )]
+    NoSlide {
+        /// Which, counted from 0.
+        equation: usize,
+        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of the
+        /// domain of g, or many times around.
+        residuals: History,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not determined.
+    #[error(
+        "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
+         the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
+    )]
+    Undetermined {
+        /// The largest entry of N⁻¹N′ − 1.
+        change: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved.
+    #[error("the step of H alone has no solution near q = {position:?} (h = {h:.3e}); try a smaller step")]
+    ImplicitStep {
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// The position at the start of the step.
+        position: Vec<f64>,
+    },
+    /// Normals that were independent at the start are no longer.
+    #[error(
+        "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
+         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles)"
+    )]
+    RankLost {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The sine of the angle of its normal to the span of the others.
+        sine: f64,
+    },
+    /// Dependent equations that no longer agree.
+    #[error("{equation} contradicts the others: residuals as lengths {residuals} remain where they hold")]
+    Contradictory {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// The largest |gᵢ|/|∇gᵢ| before each correction.
+        residuals: History,
+    },
+    /// The multiplier of an equation acts on chosen coordinates only, and these no longer change it.
+    #[error(
+        "the multiplier of {equation} can no longer hold it: the coordinates that it acts on have a share of {share:.1e} \
+         in its gradient; let it act on the others too"
+    )]
+    CannotAct {
+        /// Which equation.
+        equation: Box<EquationAt>,
+        /// Length of the gradient along these coordinates, relative to all of it.
+        share: f64,
+    },
+    /// The gradient of the constraint is zero, NaN or infinite at the new point.
+    #[error(
+        "the constraint has no normal at q = {position:?}: ∇g = {gradient:?}; the surface is singular there"
+    )]
+    NoNormal {
+        /// Where.
+        position: Vec<f64>,
+        /// ∇g.
+        gradient: Vec<f64>,
+    },
+    /// A force is NaN or infinite.
+    #[error(
+        "the force of `{effect}` is {force:?} at q = {position:?}; check the potential's domain, or try a smaller step"
+    )]
+    ForceNotFinite {
+        /// The type of the effect.
+        effect: &'static str,
+        /// −∇U.
+        force: Vec<f64>,
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// The momentum is beyond what can be squared, about 1e154.
+    #[error("the momentum is no longer finite at q = {position:?}; try a smaller step, or other units")]
+    MomentumNotFinite {
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// The constraint function is NaN or infinite where the solver evaluated it.
+    #[error(
+        "the constraint is not a number near q = {position:?}; the step left the domain of its expression"
+    )]
+    ConstraintNotFinite {
+        /// The position at the start of the step.
+        position: Vec<f64>,
+    },
+}
