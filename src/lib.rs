@@ -114,4 +114,5 @@ pub mod prelude {
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
-struct Readme;
+#[doc = include_str!("../docs/programs.md")]
+struct Pages;
