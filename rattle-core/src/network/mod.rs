@@ -9,9 +9,12 @@
 //! ```
 
 mod elimination;
+mod factor;
 mod group;
 mod mass;
+mod order;
 mod orthogonal;
+mod pattern;
 mod rows;
 mod solver;
 mod start;
