@@ -8,7 +8,7 @@
 //! ```
 //!
 //! The table is a macro that hands its rows to another macro. So each module reads its own columns: this one reads
-//! names, values and products, and [`rules`](crate::rules) reads derivatives; that column uses the names of `rules`.
+//! names, values and products, and `rules` reads derivatives; that column uses the names of `rules`.
 //!
 //! A row is all that most functions need in this crate. Two kinds need one more line: functions that are not smooth are
 //! listed in `routine::kinks`, and two that are computed together (sine and cosine) in `recurrence::pair`.

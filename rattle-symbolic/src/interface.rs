@@ -1,6 +1,6 @@
 //! The traits that the macros implement: which functions with which arguments and results.
 
-use crate::kind::{Macro, Sizes};
+use crate::macros::{Macro, Sizes};
 use crate::node::Input;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;

@@ -2,7 +2,7 @@
 
 use crate::emit::{Emitter, Frame};
 use crate::interface::Method;
-use crate::kind::{Macro, Sizes};
+use crate::macros::{Macro, Sizes};
 use crate::node::Input;
 use crate::recurrence::Series;
 use crate::routine::{LARGE, Routines};

@@ -24,7 +24,7 @@
 //! call  rules  schedule  formula
 //! arithmetic  algebra
 //! names  parse  graph  interface
-//! value  parse_expression  kind  operation
+//! value  parse_expression  macros  operation
 //! syntax  node
 //! problems  tokens  ratio  functions
 //! ```
@@ -34,12 +34,12 @@
 //! `routine`.
 
 pub use expand::expand;
-pub use kind::Macro;
+pub use macros::Macro;
 
 mod expand;
 
 // Reading: tokens to a graph.
-mod kind;
+mod macros;
 mod parse;
 mod parse_expression;
 mod problems;

@@ -5,7 +5,7 @@
 use crate::arithmetic::{Arithmetic, Condition};
 use crate::call::{Callee, Exponent};
 use crate::graph::Graph;
-use crate::kind::Expectation;
+use crate::macros::Expectation;
 use crate::names::{CONSTANTS, Role, Scope};
 use crate::node::{Comparison, Id, Input};
 use crate::problems::{Extent, Problems};

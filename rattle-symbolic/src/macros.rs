@@ -1,4 +1,4 @@
-//! The kinds of function that there are macros for, and what each asks of its input.
+//! The macros, and what each asks of its input.
 
 use crate::problems::Problems;
 use crate::syntax::Item;
@@ -30,7 +30,7 @@ pub(crate) struct Expectation {
 }
 
 impl Macro {
-    /// What the parser and the lowering must know of the macro.
+    /// What lowering must know of the macro.
     pub(crate) fn expectation(self) -> Expectation {
         let equations = Expectation { several: true, every_variable: true, noun: "this equation" };
         let energy = |noun| Expectation { several: false, every_variable: false, noun };
