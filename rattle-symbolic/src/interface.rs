@@ -1,7 +1,7 @@
 //! The traits that the macros implement: which functions with which arguments and results.
 
-use crate::expand::{Macro, Sizes};
-use crate::graph::Input;
+use crate::macros::{Macro, Sizes};
+use crate::node::Input;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 

@@ -7,7 +7,8 @@
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
 use crate::functions::Function;
-use crate::graph::{Graph, Id, Input, Node};
+use crate::graph::Graph;
+use crate::node::{Id, Input, Node};
 use crate::parity::of_square;
 use crate::schedule::schedule;
 
