@@ -103,19 +103,26 @@ fn files_of_numpy_are_read() {
     }
 }
 
-/// The very bytes that `numpy.save` writes for this array.
+/// The very bytes that `numpy.save` writes for these arrays.
 #[test]
 fn the_header_is_numpys() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.npz");
-    Npz::create(&path).unwrap().array("q", &[2, 3], &[0.5; 6]).unwrap().finish().unwrap();
-    let file = fs::read(&path).unwrap();
-    let text = "{'descr': '<f8', 'fortran_order': False, 'shape': (2, 3), }";
-    let mut array = b"\x93NUMPY\x01\x00v\x00".to_vec();
-    array.extend(format!("{text:<117}\n").bytes());
-    assert_eq!(array.len(), 128);
-    array.extend([0.5_f64; 6].iter().flat_map(|x| x.to_le_bytes()));
-    assert!(file.windows(array.len()).any(|window| window == array), "{}", String::from_utf8_lossy(&file));
+    for (shape, tuple) in [(&[2, 3][..], "(2, 3)"), (&[6], "(6,)"), (&[0, 1_000_000], "(0, 1000000)")] {
+        let data = vec![0.5; shape.iter().product()];
+        Npz::create(&path).unwrap().array("q", shape, &data).unwrap().finish().unwrap();
+        let file = fs::read(&path).unwrap();
+        let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {tuple}, }}");
+        let mut array = b"\x93NUMPY\x01\x00v\x00".to_vec();
+        array.extend(format!("{text:<117}\n").bytes());
+        assert_eq!(array.len(), 128);
+        array.extend(data.iter().flat_map(|x| x.to_le_bytes()));
+        assert!(
+            file.windows(array.len()).any(|window| window == array),
+            "{}",
+            String::from_utf8_lossy(&file)
+        );
+    }
 }
 
 #[test]

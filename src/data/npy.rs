@@ -41,9 +41,9 @@ pub(super) fn read(file: impl Read) -> io::Result<Option<(Vec<usize>, Vec<f64>)>
     let value = |key| value(&text, key).ok_or_else(|| broken(&format!("no {key} in the header")));
     let [descr, order, shape] = [value("'descr'")?, value("'fortran_order'")?, value("'shape'")?];
 
-    let number = match descr.split('\'').nth(1) {
-        Some("<f8") if descr.starts_with('\'') => f64::from_le_bytes,
-        Some(">f8") if descr.starts_with('\'') => f64::from_be_bytes,
+    let number = match descr.get(..5) {
+        Some("'<f8'") => f64::from_le_bytes,
+        Some("'>f8'") => f64::from_be_bytes,
         _ => return Ok(None),
     };
     if !order.starts_with("False") {
@@ -75,11 +75,8 @@ fn header(file: &mut impl BufRead) -> io::Result<String> {
         2 | 3 => file.read_exact(&mut length)?,
         version => return Err(broken(&format!("version {version} of the format"))),
     }
-    let length = u32::from_le_bytes(length);
     let mut text = Vec::new();
-    if file.take(length.into()).read_to_end(&mut text)? < length as usize {
-        return Err(ErrorKind::UnexpectedEof.into());
-    }
+    file.take(u32::from_le_bytes(length).into()).read_to_end(&mut text)?;
     Ok(String::from_utf8_lossy(&text).replace('"', "'"))
 }
 

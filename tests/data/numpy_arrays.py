@@ -16,7 +16,7 @@ arrays = {
     "turned": np.asfortranarray(np.arange(4.0).reshape(2, 2)),
     "whole": np.arange(3),
     "single": np.arange(3, dtype="<f4"),
-    "fields": np.zeros(2, dtype=[("shape", "<f8"), ("descr", "<i4")]),
+    "fields": np.zeros(2, dtype=[("<f8", "<f8"), ("shape", "<i4")]),
 }
 versions = {"second": (2, 0), "third": (3, 0)}
 
