@@ -319,89 +319,88 @@ fn limits_of_pair_potentials() {
     assert_near(at(&SOFT, 0.6).1, -1.5, 4.0);
 }
 
-#[test]
-fn weights_charges_and_gravitation() {
-    let (masses, constant) = ([2.0, 3.0, 0.0, 5.0], 0.5);
-    let places = [[0.0, 0.0, 0.0], [1.0, 2.0, 2.0], [7.0, 7.0, 7.0], [0.0, -4.0, 3.0]];
-    let flat = places.map(|[x, y, _]| [x, y]);
-    let (mut pairs, mut flat_pairs, mut heights) = (0.0, 0.0, 0.0);
-    for i in 0..4 {
-        heights += masses[i] * places[i][2];
-        for j in 0..i {
-            let between = v3(&places[i], 0) - v3(&places[j], 0);
-            pairs += masses[i] * masses[j] / between.norm();
-            flat_pairs += masses[i] * masses[j] / between.xy().norm();
-        }
-    }
-    let (space, plane) = (Scene::points(4), Scene::points(4));
-    let (start, flat_start) = (State::of(places), State::of(flat));
-    let method = Rattle::new(0.01);
-    // A body without charge is left out: it may be where another one is.
-    let near = State::of([places[0], places[1], places[1], places[3]]);
-    let energies = [
-        space.clone().with(weights(9.81, masses)).simulate(start.clone(), method).unwrap().energy(),
-        space.clone().with(gravitation(constant, masses)).simulate(start, method).unwrap().energy(),
-        space.with(charges(constant, masses)).simulate(near, method).unwrap().energy(),
-        plane
-            .clone()
-            .with(potentials::planar::weights(9.81, masses))
-            .simulate(flat_start.clone(), method)
-            .unwrap()
-            .energy(),
-        plane
-            .with(potentials::planar::gravitation(constant, masses))
-            .simulate(flat_start, method)
-            .unwrap()
-            .energy(),
-    ];
-    let ups = 9.81 * masses.iter().zip(flat).map(|(mass, [_, y])| mass * y).sum::<f64>();
-    let expected = [9.81 * heights, -constant * pairs, constant * pairs, ups, -constant * flat_pairs];
-    for (found, expected) in energies.into_iter().zip(expected) {
-        assert_near(found, expected, 8.0);
-        assert!(expected.abs() > 1.0);
-    }
-}
-
 /// The largest energy error with n steps, and with twice as many, is as 4 to 1.
 #[track_caller]
 fn check_energy(what: &str, largest: impl Fn(f64, u64) -> f64) {
-    let (n, h) = (200, 0.002);
+    let (n, h) = (100, 0.002);
     let errors = [largest(h, n), largest(h / 2.0, 2 * n)];
     println!("{what}: energy errors {errors:?}");
-    assert!(errors[0] > 1e-9 && errors[0] < 1e-2, "{what}: something moved, and not wildly: {errors:?}");
+    assert!(errors[0] > 1e-10 && errors[0] < 1e-2, "{what}: something moved, and not wildly: {errors:?}");
     assert!((errors[0] / errors[1] / 4.0 - 1.0).abs() < 0.05, "{what}: not of second order: {errors:?}");
 }
 
-/// All potentials at once.
+/// One body, or two by their distance, under each potential: by the leapfrog method, whose energy errors fall with h².
 #[test]
 fn potentials_keep_energy() {
-    let masses = [1.0, 2.0, 0.7];
-    let scene = Scene::points(3)
+    let rows = rows();
+    let mut seen = 0;
+    for row in rows.iter().filter(|row| row.bend.is_none()) {
+        let largest = |h: f64, steps: u64| {
+            let (mut q, mut p) = (row.at.clone(), vec![0.1; row.at.len()]);
+            let energy =
+                |q: &[f64], p: &[f64]| (row.value)(q)[0] + p.iter().map(|p| p * p / 2.0).sum::<f64>();
+            let kick = |q: &[f64], p: &mut [f64]| {
+                p.iter_mut().zip((row.jacobian)(q)).for_each(|(p, slope)| *p -= h / 2.0 * slope)
+            };
+            let first = energy(&q, &p);
+            (0..steps).fold(0.0_f64, |largest, _| {
+                kick(&q, &mut p);
+                q.iter_mut().zip(&p).for_each(|(q, p)| *q += h * p);
+                kick(&q, &mut p);
+                largest.max((energy(&q, &p) - first).abs())
+            })
+        };
+        if largest(0.002, 100) > 1e-12 {
+            check_energy(row.name, largest);
+            seen += 1;
+        }
+    }
+    // Where the force is the same everywhere, leapfrog is exact: two each of gravity and of a constant force; two have none.
+    assert_eq!(seen, 25 - 4 - 2);
+}
+
+/// Sums over bodies and pairs, written out; the same in the plane; and a run of each.
+#[test]
+fn weights_charges_and_gravitation() {
+    let (masses, charge) = ([2.0, 3.0, 1.0, 5.0], [1.0, -2.0, 0.0, 0.5]);
+    let places = [[0.0, 0.0, 0.0], [0.6, 0.4, 0.8], [2.0, 2.0, 2.0], [0.0, -1.0, 0.9]];
+    let mut expected = [0.0; 2];
+    for (i, a) in places.iter().enumerate() {
+        let heights = [a[2], a[1]];
+        for (dimension, sum) in expected.iter_mut().enumerate() {
+            *sum += 9.81 * masses[i] * heights[dimension];
+        }
+        for (j, b) in places[..i].iter().enumerate() {
+            let apart = v3(a, 0) - v3(b, 0);
+            expected[0] += (-0.7 * masses[i] * masses[j] + 1.1 * charge[i] * charge[j]) / apart.norm();
+            expected[0] += Wca { epsilon: 0.3, sigma: 1.3 }.value(apart.norm());
+            expected[1] += (-0.7 * masses[i] * masses[j] + 1.1 * charge[i] * charge[j]) / apart.xy().norm();
+        }
+    }
+    let space = Scene::points(4)
         .masses(masses)
-        .with(weights(1.0, masses))
-        .with(ConstantForce { force: [0.3, 0.1, -0.2] })
-        .with(Harmonic { stiffness: 2.0, centre: [0.1, 0.2, 0.3] })
-        .with(AnisotropicHarmonic { stiffness: [1.0, 2.0, 3.0], centre: [0.0; 3] })
-        .with(Kepler { mu: 1.0, centre: [0.0, 0.0, 2.0] })
-        .with(Spring { stiffness: 4.0, length: 0.5 }.over([[0, 1], [1, 2]]))
-        .with(gravitation(0.5, masses))
-        .with(Coulomb { strength: 0.3 })
-        .with(LENNARD_JONES)
-        .with(Wca { epsilon: 0.1, sigma: 1.2 })
-        .with(MORSE)
-        .with(Yukawa { strength: 0.3, kappa: 1.0 })
-        .with(Ricker { depth: 0.5, radius: 1.0 })
-        .with(Gaussian { height: 0.5, width: 1.0 })
-        .with(HarmonicPair { stiffness: 1.0, length: 1.5 })
-        .with(SoftSphere { stiffness: 2.0, diameter: 3.0 });
-    let start = State::of([[0.0, 0.0, 0.0], [1.0, 0.3, 0.1], [0.2, 1.1, -0.3]]);
-    let start = start.with_momenta([[0.1, 0.2, 0.3], [-0.4, 0.1, 0.0], [0.0, 0.3, -0.2]]);
-    check_energy("potentials", |h, steps| {
-        let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+        .with(weights(9.81, masses))
+        .with(gravitation(0.7, masses))
+        .with(charges(1.1, charge))
+        .with(Wca { epsilon: 0.3, sigma: 1.3 });
+    let start = State::of(places);
+    assert_near(space.simulate(start.clone(), Rattle::new(0.01)).unwrap().energy(), expected[0], 8.0);
+    check_energy("space", |h, steps| {
+        let mut simulation = space.simulate(start.clone(), Rattle::new(h)).unwrap();
         let mut largest = 0.0_f64;
         simulation.run_with(steps, |now| largest = largest.max(now.energy_error().abs())).unwrap();
         largest
     });
+    let plane = Scene::points(4)
+        .masses(masses)
+        .with(potentials::planar::weights(9.81, masses))
+        .with(potentials::planar::gravitation(0.7, masses))
+        .with(potentials::planar::charges(1.1, charge));
+    let start = State::of(places.map(|[x, y, _]| [x, y]));
+    assert_near(plane.simulate(start, Rattle::new(0.01)).unwrap().energy(), expected[1], 8.0);
+    // A body without charge is left out: it may be where another one is.
+    let touching = State::of([places[0], places[1], places[1], places[3]]);
+    assert!(Scene::points(4).with(charges(1.1, charge)).simulate(touching, Rattle::new(0.01)).is_ok());
 }
 
 /// A mechanism of all links in space: what they say holds at the end, measured in other words.
@@ -504,7 +503,7 @@ fn links_in_the_plane_hold() {
             direction(body(8)) - 0.7 * t,
         ];
         assert!(off.iter().all(|off| off.abs() <= 1e-13), "{off:?}");
-        assert!(simulation.work().abs() > 0.1, "the crank drives");
+        assert!(simulation.work().abs() > 0.05, "the crank drives");
         largest
     });
 }
