@@ -78,7 +78,7 @@ constraint! {
     /// use rattle::links::Coincident;
     /// use rattle::prelude::*;
     ///
-    /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 3.0, 1.0, 2.0, 2.5].into()), [0.0, 0.0, 0.5].into());
+    /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 3.0, 1.0, 2.0, 2.5].into()).as_slice(), [0.0, 0.0, 0.5]);
     /// ```
     pub struct Coincident {}
     |a: [f64; 3], b: [f64; 3]| for i in 0..3 { a[i] - b[i] }
@@ -93,8 +93,8 @@ constraint! {
     /// use rattle::links::Between;
     /// use rattle::prelude::*;
     ///
-    /// let (a, b, c) = ([0.0, 0.0, 0.0], [4.0, 8.0, 0.0], [1.0, 2.0, 0.0]);
-    /// assert_eq!(Between { fraction: 0.25 }.value(&[a, b, c].concat().as_slice().try_into().unwrap()).amax(), 0.0);
+    /// let bar = [0.0, 0.0, 0.0, 4.0, 8.0, 0.0, 1.0, 2.0, 0.0]; // a, b, c
+    /// assert_eq!(Between { fraction: 0.25 }.value(&bar.into()).as_slice(), [0.0; 3]);
     /// ```
     pub struct Between { fraction }
     |a: [f64; 3], b: [f64; 3], c: [f64; 3]| for i in 0..3 { c[i] - ((1 - fraction) * a[i] + fraction * b[i]) }
@@ -109,11 +109,10 @@ constraint! {
     /// ```
     /// use rattle::links::Angle;
     /// use rattle::prelude::*;
-    /// use std::f64::consts::FRAC_PI_4;
+    /// use std::f64::consts::FRAC_PI_2;
     ///
-    /// let (a, b, c) = ([2.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 3.0, 3.0]);
-    /// let right = Angle { angle: 2.0 * FRAC_PI_4 };
-    /// assert_eq!(right.value(&[a, b, c].concat().as_slice().try_into().unwrap())[0], 0.0);
+    /// let corner = [2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 3.0]; // a, b, c
+    /// assert_eq!(Angle { angle: FRAC_PI_2 }.value(&corner.into())[0], 0.0);
     /// ```
     pub struct Angle { angle }
     |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
@@ -136,9 +135,8 @@ constraint! {
     /// use rattle::prelude::*;
     /// use std::f64::consts::FRAC_PI_2;
     ///
-    /// let bodies = [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0]];
-    /// let turned = Torsion { angle: FRAC_PI_2 };
-    /// assert!(turned.value(&bodies.concat().as_slice().try_into().unwrap())[0].abs() < 1e-15);
+    /// let bonds = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0]; // a, b, c, d
+    /// assert!(Torsion { angle: FRAC_PI_2 }.value(&bonds.into())[0].abs() < 1e-15);
     /// ```
     pub struct Torsion { angle }
     |a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]| {
@@ -195,7 +193,7 @@ constraint! {
     /// use rattle::prelude::*;
     ///
     /// let quarter = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
-    /// assert_eq!(RotationMatrix {}.value(&quarter.into()).amax(), 0.0);
+    /// assert_eq!(RotationMatrix {}.value(&quarter.into()).as_slice(), [0.0; 6]);
     /// ```
     pub struct RotationMatrix {}
     |q: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, q[k][i] * q[k][j]) - delta(i, j) }

@@ -66,7 +66,7 @@ potential! {
     /// use rattle::prelude::*;
     ///
     /// let pull = ConstantForce { force: [1.0, 0.0, -2.0] };
-    /// assert_eq!(-pull.gradient(&[5.0, 6.0, 7.0].into()), [1.0, 0.0, -2.0].into());
+    /// assert_eq!((-pull.gradient(&[5.0, 6.0, 7.0].into())).as_slice(), [1.0, 0.0, -2.0]);
     /// ```
     pub struct ConstantForce { force: [f64; 3] }
     |q: [f64; 3]| -dot(force, q)
@@ -96,7 +96,7 @@ potential! {
     /// use rattle::prelude::*;
     ///
     /// let tube = AnisotropicHarmonic { stiffness: [2.0, 2.0, 0.0], centre: [0.0; 3] };
-    /// assert_eq!(tube.gradient(&[1.0, 2.0, 50.0].into()), [2.0, 4.0, 0.0].into());
+    /// assert_eq!(tube.gradient(&[1.0, 2.0, 50.0].into()).as_slice(), [2.0, 4.0, 0.0]);
     /// ```
     pub struct AnisotropicHarmonic { stiffness: [f64; 3], centre: [f64; 3] }
     |q: [f64; 3]| sum(i in 0..3, stiffness[i] * (q[i] - centre[i])^2) / 2

@@ -15,17 +15,20 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::f64::consts::{E, FRAC_PI_2, PI, SQRT_2};
 use std::fmt::Debug;
 
-/// A function of `variables` numbers, with what the macro made of it, behind one type: checks are compiled once.
+type Function = Box<dyn Fn(&[f64]) -> Vec<f64>>;
+type Along = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64>>;
+
+/// A function, with what the macro made of it, behind one type: checks are compiled once.
 struct Row {
     name: &'static str,
     /// A point around which the function is smooth.
     at: Vec<f64>,
     by_hand: fn(&[f64]) -> Vec<f64>,
-    value: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    value: Function,
     /// Row after row.
-    jacobian: Box<dyn Fn(&[f64]) -> Vec<f64>>,
+    jacobian: Function,
     /// ∇²gᵢ v, row after row; of constraints.
-    bend: Option<Box<dyn Fn(&[f64], &[f64]) -> Vec<f64>>>,
+    bend: Option<Along>,
 }
 
 /// What all ready-made types can.

@@ -66,7 +66,7 @@ constraint! {
     /// use rattle::links::planar::Coincident;
     /// use rattle::prelude::*;
     ///
-    /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 1.0, 1.5].into()), [0.0, 0.5].into());
+    /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 1.0, 1.5].into()).as_slice(), [0.0, 0.5]);
     /// ```
     pub struct Coincident {}
     |a: [f64; 2], b: [f64; 2]| for i in 0..2 { a[i] - b[i] }
@@ -81,7 +81,7 @@ constraint! {
     /// use rattle::links::planar::Between;
     /// use rattle::prelude::*;
     ///
-    /// assert_eq!(Between { fraction: 0.25 }.value(&[0.0, 0.0, 4.0, 8.0, 1.0, 2.0].into()).amax(), 0.0);
+    /// assert_eq!(Between { fraction: 0.25 }.value(&[0.0, 0.0, 4.0, 8.0, 1.0, 2.0].into()).as_slice(), [0.0; 2]);
     /// ```
     pub struct Between { fraction }
     |a: [f64; 2], b: [f64; 2], c: [f64; 2]| for i in 0..2 { c[i] - ((1 - fraction) * a[i] + fraction * b[i]) }
@@ -184,7 +184,7 @@ constraint! {
     ///
     /// let line = TurningLine { omega: 2.0 };
     /// let start = State::at([1.0, 0.0]).moving([0.0, 2.0]); // thrown out, as 1/2 (e^(2t) + e^(−2t))
-    /// let mut simulation = Scene::points(1).link_moving(line, [[0]]).simulate(start, Rattle::new(0.001))?;
+    /// let mut simulation = Scene::point().link_moving(line, [[0]]).simulate(start, Rattle::new(0.001))?;
     /// simulation.run(500)?;
     /// assert!((simulation.position().norm() - 1_f64.cosh()).abs() < 1e-5);
     /// # Ok::<(), rattle::Error>(())
