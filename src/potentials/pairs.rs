@@ -34,10 +34,7 @@ pair_potential! {
     /// assert_eq!(pair.value(2.0), 0.0);
     /// ```
     pub struct LennardJones { epsilon, sigma }
-    |r| {
-        let s = (sigma / r)^6;
-        4 * epsilon * (s^2 - s)
-    }
+    |r| 4 * epsilon * ((sigma / r)^12 - (sigma / r)^6)
 }
 
 pair_potential! {
