@@ -62,10 +62,7 @@ pub mod method {
 }
 
 pub use rattle_core::kernel::{counted, series};
-pub use rattle_core::methods::{
-    bdf2, composition, dop853, dop853_table, geodesic, leapfrog, lobatto, position_verlet, shake,
-    symplectic_euler, taylor, variable,
-};
+pub use rattle_core::methods::{self, composition};
 pub use rattle_core::motion::{bodies, guess, iteration, state, system, table};
 pub use rattle_core::number::{instructions, lanes, real};
 pub use rattle_core::run::{boxed, ensemble, simulation, watch};
@@ -98,12 +95,15 @@ pub use rattle_core::systems::rigid::Rigid;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
-/// What most programs use.
+/// What most programs use. Not in it: [`Error`](crate::Error), a name that programs have of their own; the
+/// [ready-made](crate::surfaces) surfaces, potentials and links; and what those need who write
+/// [methods](crate::method), [systems](crate::system) or [effects](crate::effect).
 pub mod prelude {
-    pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
+    pub use crate::composition::{Coefficients, Composition, SUZUKI_1990_ORDER_4};
+    pub use crate::curvature::Curvature;
     pub use crate::effect::Over;
-    pub use crate::ensemble::{Compensated, Double, Single};
-    pub use crate::guess::{Extrapolated, LastMultiplier};
+    pub use crate::ensemble::{Compensated, Double, Precision, Single};
+    pub use crate::guess::{Extrapolated, FromState, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
     pub use crate::watch::{
@@ -113,7 +113,9 @@ pub mod prelude {
         Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
         Variable,
     };
-    pub use crate::{BoxedSimulation, Ensemble, LinearAlgebra, Method, Rigid, Scene, Simulation, State};
+    pub use crate::{
+        BoxedSimulation, Counted, Ensemble, LinearAlgebra, Mass, Method, Rigid, Scene, Simulation, State,
+    };
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

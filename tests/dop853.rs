@@ -5,8 +5,8 @@ use common::linked::{Rod, chain, double_pendulum};
 use common::*;
 use num_bigint::BigInt;
 use rattle::Error;
-use rattle::dop853_table as table;
 use rattle::error::StepFailure;
+use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
 
 /// Decimals kept in exact sums.

@@ -6,7 +6,6 @@ use common::*;
 use rattle::ensemble::Ensemble;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
-use rattle::watch::{Histogram, Mean, Observer, Section, Sight};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::thread;

@@ -9,7 +9,6 @@ use rattle::effect::Effects;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
 use rattle::surfaces::Gyroid;
-use rattle::watch::{Observer, Sight};
 use rattle::{Error, bodies::One};
 use std::array::from_fn;
 

@@ -10,7 +10,7 @@ use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
 use rattle::system::System;
-use rattle::watch::{ShadowEnergy, quadratic_form};
+use rattle::watch::quadratic_form;
 
 constraint! {
     /// Two points at a distance.
