@@ -174,7 +174,7 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
 
 #[test]
 fn a_lane_that_fails_is_told() {
-    let scene = Scene::on(Sphere { radius: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 });
     let system = scene.lanes::<Four>();
     let (zero, one) = (Four([0.0; 4]), Four([1.0; 4]));
     let mut bodies = system.bodies(

@@ -7,6 +7,7 @@ use rattle::bodies::{Bodies, Count, Many};
 use rattle::composition::*;
 use rattle::effect::Effects;
 use rattle::method::{Failure, Need, Witness};
+use rattle::links::planar::Rod;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
@@ -119,12 +120,6 @@ impl rattle::Method for OneOf {
     ) -> Result<(), Failure> {
         delegate!(self, method => method.step(system, bodies, memory, witness))
     }
-}
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
 
 /// Numbers of steps between which errors show the order, and only it.
@@ -248,7 +243,7 @@ fn swinging() -> State<3> {
 fn spherical_at_1(method: OneOf, n: u32) -> f64 {
     let rows = table("spherical_pendulum");
     let row = rows.iter().find(|row| row.text("case") == "a" && row.number("t") == 1.0).unwrap();
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let method = method.with_step(1.0 / f64::from(n));
     let found = run(&scene, &swinging(), method, n);
     error(method, &found, &row.numbers(["x", "y", "z"]), &row.numbers(["vx", "vy", "vz"]))
@@ -514,7 +509,7 @@ fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 
 #[test]
 fn energy_does_not_drift() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     for Row { name, order, method, windows, unstructured } in rows() {
         let method = method.with_step(if order == 1 { 0.01 } else { 1.0 / f64::from(windows[1][0]) });
         // 500 swings: the means differ by where in a swing a quarter ends.
@@ -666,7 +661,7 @@ fn no_step_allocates() {
 #[test]
 fn inner_steps_have_the_limit() {
     let takes = |method: OneOf| {
-        let scene = Scene::on(Sphere { radius: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 });
         let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
         scene.simulate(start, method).unwrap().run(100).is_ok()
     };

@@ -107,7 +107,7 @@ fn what_cannot_be_checked_is_refused_at_once() {
 fn steps_in_parts_are_taken_back_in_parts() {
     fn falling<S: Method>(method: S) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One>, S, 3> {
         let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
-        Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
+        Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
     }
     /// Places and momenta, without what is remembered.
     fn bodies(state: &State<3>) -> String {
@@ -116,7 +116,7 @@ fn steps_in_parts_are_taken_back_in_parts() {
     }
     fn check<S: Method>(method: S) {
         let h = method.step_size();
-        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
         let mut checked = falling(method.clone()).retry(5).check_reversal(1e-12).unwrap();
         let (mut divided, mut alone) = (0, 0);
         for _ in 0..100 {

@@ -5,18 +5,13 @@ use common::*;
 use rattle::bodies::{Bodies, Count};
 use rattle::effect::Effects;
 use rattle::method::{Failure, Witness};
+use rattle::links::planar::Rod;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
 use rattle::shadow::{ShadowEnergy, quadratic_form};
 use rattle::system::System;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
 
 potential! {
     /// Gravity, and a force that changes from place to place.

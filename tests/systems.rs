@@ -3,21 +3,10 @@
 mod common;
 use common::*;
 use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::links::planar::{Rod, TurningLine};
 use rattle::nalgebra::Matrix3;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
-}
-
-constraint! {
-    /// Two points of the plane at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
 
 phase_constraint! {
     /// The unit sphere of phase space.
