@@ -18,6 +18,8 @@ mod pattern;
 mod rows;
 mod solver;
 mod start;
+#[cfg(feature = "faer")]
+mod supernodal;
 
 pub use mass::Mass;
 pub use solver::{LinearAlgebra, Report};
@@ -156,7 +158,9 @@ impl<const D: usize> Network<D> {
                 let solver = match self.algebra {
                     LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
                     LinearAlgebra::Automatic if few => Solver::orthogonal(&rows),
-                    _ => Solver::elimination(&rows),
+                    #[cfg(feature = "faer")]
+                    LinearAlgebra::Supernodal => Solver::supernodal(&rows),
+                    LinearAlgebra::Automatic | LinearAlgebra::Elimination => Solver::elimination(&rows),
                 };
                 Component { rows, solver, first }
             })
