@@ -8,8 +8,9 @@ use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::systems::linked::flight::LOST;
+use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::shape::Shape;
-use crate::systems::network::solver::{LinearAlgebra, Solver};
+use crate::systems::network::solver::Solver;
 
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
 /// condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
