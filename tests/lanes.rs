@@ -20,9 +20,9 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Rattle::new(0.01).guess(LastMultiplier));
     four_alone(&SymplecticEuler::new(0.01));
     four_alone(&Shake::new(0.01));
-    four_alone(&Geodesic::new(0.02, 3));
+    four_alone(&Geodesic::new(3, 0.02));
     four_alone(&PositionVerlet::new(0.01));
-    four_alone(&Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    four_alone(&Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(0.01)));
     four_alone(&Dop853::new(0.02));
 }
 

@@ -153,9 +153,9 @@ fn rows() -> Vec<Row> {
         let method = OneOf::Composed(Composition::new(coefficients, 1.0));
         row(coefficients.name, coefficients.order, method, windows)
     };
-    let (geodesic, verlet) = (Geodesic::new(1.0, 4), PositionVerlet::new(1.0));
-    let geodesic_6 = OneOf::ComposedGeodesic(Composition::of(geodesic, KAHAN_LI_1997_ORDER_6));
-    let verlet_4 = OneOf::ComposedVerlet(Composition::of(verlet, SUZUKI_1990_ORDER_4));
+    let (geodesic, verlet) = (Geodesic::new(4, 1.0), PositionVerlet::new(1.0));
+    let geodesic_6 = OneOf::ComposedGeodesic(Composition::of(KAHAN_LI_1997_ORDER_6, geodesic));
+    let verlet_4 = OneOf::ComposedVerlet(Composition::of(SUZUKI_1990_ORDER_4, verlet));
     vec![
         row(
             "symplectic Euler",
@@ -577,7 +577,7 @@ fn free_bodies_move_as_in_textbooks() {
     type Textbook<'a> = &'a dyn Fn(f64, f64) -> (f64, f64);
     let rows: [(OneOf, Textbook); 5] = [
         (OneOf::Rattle(Rattle::new(h)), &kick_drift_kick),
-        (OneOf::Geodesic(Geodesic::new(h, 3)), &kick_drift_kick),
+        (OneOf::Geodesic(Geodesic::new(3, h)), &kick_drift_kick),
         (OneOf::PositionVerlet(PositionVerlet::new(h)), &drift_kick_drift),
         (OneOf::Euler(SymplecticEuler::new(h)), &kick_drift),
         (OneOf::Shake(Shake::new(h)), &kick_drift),
@@ -675,7 +675,7 @@ fn inner_steps_have_the_limit() {
         (|h| OneOf::Rattle(Rattle::new(h)), 1.0),
         (|h| OneOf::Euler(SymplecticEuler::new(h)), 1.0),
         (|h| OneOf::PositionVerlet(PositionVerlet::new(h)), 2.0),
-        (|h| OneOf::Geodesic(Geodesic::new(h, 4)), 4.0),
+        (|h| OneOf::Geodesic(Geodesic::new(4, h)), 4.0),
         (|h| OneOf::Composed(Composition::new(SUZUKI_1990_ORDER_4, h)), 1.0 / 0.657_963_087_177_503),
     ];
     for (method, limit) in limits {

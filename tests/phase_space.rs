@@ -482,10 +482,10 @@ fn what_makes_no_sense_is_refused_by_name() {
     }
     method(Shake::new(0.1));
     method(PositionVerlet::new(0.1));
-    method(Geodesic::new(0.1, 2));
+    method(Geodesic::new(2, 0.1));
     method(SymplecticEuler::new(0.1));
     method(Lobatto::<3>::new(0.1));
-    method(Composition::of(Geodesic::new(0.1, 2), SUZUKI_1990_ORDER_4));
+    method(Composition::of(SUZUKI_1990_ORDER_4, Geodesic::new(2, 0.1)));
 }
 
 /// Start A of the reference runs into N = 0 at t = 2.58986 and has no motion beyond; other sheets are near.

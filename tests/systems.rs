@@ -85,7 +85,7 @@ fn the_table_of_the_front_page() {
         row("`Lobatto`", &Lobatto::<5>::new(h)),
         row(
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",
-            &Geodesic::new(h, 2),
+            &Geodesic::new(2, h),
         ),
         row(
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",

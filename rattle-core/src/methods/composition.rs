@@ -36,7 +36,7 @@ use crate::number::real::Real;
 /// # use rattle::composition::{Composition, KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
 /// # use rattle::Geodesic;
 /// let method = Composition::new(SUZUKI_1990_ORDER_4, 0.03);
-/// let other = Composition::of(Geodesic::new(0.1, 4), KAHAN_LI_1997_ORDER_8);
+/// let other = Composition::of(KAHAN_LI_1997_ORDER_8, Geodesic::new(4, 0.1));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Composition<B = Rattle> {
@@ -48,14 +48,14 @@ impl Composition {
     /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
     #[must_use]
     pub fn new(coefficients: Coefficients, h: f64) -> Self {
-        Self::of(Rattle::new(h), coefficients)
+        Self::of(coefficients, Rattle::new(h))
     }
 }
 
 impl<B: Method> Composition<B> {
     /// `base` composed with these coefficients: γᵢ of its step in turn make one of the same length.
     #[must_use]
-    pub fn of(base: B, coefficients: Coefficients) -> Self {
+    pub fn of(coefficients: Coefficients, base: B) -> Self {
         Self { base, coefficients }
     }
 

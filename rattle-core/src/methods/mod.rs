@@ -5,6 +5,7 @@ mod coefficients;
 pub mod composition;
 pub mod dop853;
 pub mod dop853_table;
+pub mod fixed;
 pub mod geodesic;
 pub mod leapfrog;
 pub mod lobatto;

@@ -11,6 +11,11 @@
 //! | `Bdf2` | yes | yes | yes | – | yes | – | – |
 //!
 //! Others are refused before a run, see [`Need`].
+//!
+//! Arguments of constructors stand in one order: what the method is made of (coefficients, an order, a number of inner steps),
+//! the step size `h` or the method that has it, then times and tolerances that steps are chosen by: `Composition::new(coefficients, h)`,
+//! `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`, `Taylor::adaptive(order, h, tolerance)`,
+//! `Variable::of(base, tau)`.
 
 use crate::error::Error;
 use crate::motion::bodies::Bodies;

@@ -20,6 +20,9 @@ use crate::number::real::Real;
 use std::array::from_fn;
 use std::fmt::Debug;
 
+/// The bodies of a system, with what it keeps at them.
+pub type BodiesOf<Y, T, const D: usize> = Bodies<<Y as System<T, D>>::Count, T, <Y as System<T, D>>::Kept, D>;
+
 /// A mechanical system with D coordinates per body, made ready for the scalar `T`.
 ///
 /// ```text
