@@ -5,6 +5,7 @@ use common::lanes::Four;
 use common::*;
 use rattle::bodies::{Body, One};
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
+use rattle::need::Need;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surface::{OnSurface, OneByOne};
@@ -42,10 +43,11 @@ fn four_alone<S: Method>(method: &S) {
         },
         0.0,
     );
-    let mut memory = method.memory(&system, &together);
+    let seen = || S::Need::of(&system).unwrap();
+    let mut memory = method.memory(seen(), &together);
     let mut alone = alone;
     for step in 0..1000 {
-        method.step(&system, &mut together, memory.as_mut(), &mut ()).unwrap();
+        method.step(seen(), &mut together, memory.as_mut(), &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);

@@ -4,6 +4,7 @@ mod common;
 use common::*;
 use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
+use rattle::need::Kicks;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::system::System;
@@ -36,6 +37,7 @@ struct Pretending(SymplecticEuler);
 
 impl Method for Pretending {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.0.step_size()

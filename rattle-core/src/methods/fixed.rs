@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, check_step_size};
+use crate::motion::need::Kicks;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -101,6 +102,7 @@ impl<M: Map> Fixed<M> {
 
 impl<M: Map> Method for Fixed<M> {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.h

@@ -1,5 +1,6 @@
 //! The maps that take bodies one step on. A method knows no system.
 
+pub(crate) mod able;
 pub mod bdf2;
 mod coefficients;
 pub mod composition;
