@@ -58,9 +58,10 @@ pub mod view;
 
 /// What a method is: a map that takes all bodies one step on.
 pub mod method {
+    pub use rattle_core::methods::fixed::{Fixed, Map};
     pub use rattle_core::motion::failure::Failure;
-    pub use rattle_core::motion::method::Method;
-    pub use rattle_core::motion::need::Need;
+    pub use rattle_core::motion::identity::Identity;
+    pub use rattle_core::motion::method::{Method, View};
     pub use rattle_core::motion::witness::Witness;
 }
 
@@ -69,7 +70,7 @@ pub use rattle_core::methods::{
     bdf2, composition, dop853, dop853_table, geodesic, leapfrog, lobatto, position_verlet, shake,
     symplectic_euler, taylor, variable,
 };
-pub use rattle_core::motion::{bodies, guess, iteration, state, system, table};
+pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, system, table};
 pub use rattle_core::number::{instructions, lanes, real};
 pub use rattle_core::run::{ensemble, recorder, shadow, simulation, trajectory};
 pub use rattle_core::systems::{linked, network, phase, rigid, surface};

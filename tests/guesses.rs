@@ -110,7 +110,7 @@ fn a_restart_remembers_the_guess() {
     restart(
         &scene,
         billiard(0.7),
-        Composition::of(Rattle::new(0.02).guess(LastMultiplier), SUZUKI_1990_ORDER_4),
+        Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.02).guess(LastMultiplier)),
     );
     restart(&double().0, double().1, Rattle::new(0.02).guess(LastMultiplier));
     restart(&double().0, double().1, Rattle::new(0.02).guess(Extrapolated));

@@ -210,7 +210,7 @@ fn compositions_remember_too() {
     pure.run(100).unwrap();
     macro_rules! check {
         ($name:expr, $guess:expr, $by:expr) => {
-            let composition = Composition::of(method(0.01, $guess, $by), SUZUKI_1990_ORDER_4);
+            let composition = Composition::of(SUZUKI_1990_ORDER_4, method(0.01, $guess, $by));
             let mut simulation = scene.simulate(billiard_45(), composition).unwrap();
             counts.reset();
             simulation.run(100).unwrap();

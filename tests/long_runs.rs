@@ -31,7 +31,7 @@ fn growth<S: Method>(method: &S, counts: &[u64]) -> Vec<f64> {
 
 fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
     let method = Rattle::new(0.025).guess(guess).solved_by(by);
-    let method = Composition::of(method, KAHAN_LI_1997_ORDER_8);
+    let method = Composition::of(KAHAN_LI_1997_ORDER_8, method);
     for (&count, error) in counts.iter().zip(growth(&method, counts)) {
         let steps = 17.0 * count as f64;
         println!("{steps:9.1e} steps: {error:.1e}, that is {:.1e} √n", error / steps.sqrt());

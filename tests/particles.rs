@@ -121,7 +121,7 @@ fn many_go_as_each_alone() {
             rattle.guess(Extrapolated),
             2.0,
         ),
-        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(0.02, 1), 3.0),
+        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(1, 0.02), 3.0),
         go_as_alone(&Scene::on(gyroid).with(Gravity { g: 1.0 }), gyroid, rattle.guess(LastMultiplier), 3.0),
         go_as_alone(&Scene::on(ring).with(Gravity { g: 1.0 }), ring, rattle.solved_by(Broyden), 1.5),
         go_as_alone(&Scene::on(Ball {}), Ball {}, rattle, 1.0),
@@ -220,7 +220,7 @@ fn a_start_that_is_gone_on_from_gives_the_same_bits() {
         Rattle::new(h).solved_by(Broyden),
         Composition::new(SUZUKI_1990_ORDER_4, h),
         Shake::new(h),
-        Geodesic::new(h, 2),
+        Geodesic::new(2, h),
         Lobatto::<3>::new(h),
         Dop853::new(h)
     );

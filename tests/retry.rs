@@ -26,7 +26,7 @@ fn until_failure<S: Method>(method: S) -> u64 {
 fn only_the_step_that_fails_is_divided() {
     check(Rattle::new(0.7));
     check(Rattle::new(0.7).guess(Extrapolated));
-    check(Geodesic::new(1.6, 2));
+    check(Geodesic::new(2, 1.6));
     check(Composition::new(SUZUKI_1990_ORDER_4, 1.0));
     check(PositionVerlet::new(1.3));
 }

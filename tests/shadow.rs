@@ -7,6 +7,7 @@ use rattle::effect::Effects;
 use rattle::links::planar::Rod;
 use rattle::method::{Failure, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
+use rattle::need::Kicks;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
@@ -139,6 +140,7 @@ impl Faulty {
 
 impl Method for Faulty {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.h()
