@@ -80,7 +80,7 @@ impl Parts {
         let start = State::at([0.0, 0.0, SURFACE.r]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]);
         let mut simulation = Scene::on(SURFACE).with(gravity()).simulate(start, Rattle::new(h))?;
         let mut path = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording((T / h).round() as u64, &mut path)?;
+        simulation.observe((T / h).round() as u64, 1, &mut path)?;
 
         let mut parts = Self::default();
         let Some(found) = path.multipliers() else { return Ok(parts) };

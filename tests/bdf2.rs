@@ -22,7 +22,7 @@ impl<const D: usize> Three<D> {
     fn of<Y: rattle::system::System<f64, D>>(mut simulation: Simulation<Y, Bdf2, D>, skipped: u64) -> Self {
         simulation.run(skipped).unwrap();
         let mut heard = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(2, &mut heard).unwrap();
+        simulation.observe(2, 1, &mut heard).unwrap();
         let multipliers = heard.multipliers().unwrap();
         let m = multipliers.position.len() / 3;
         assert_eq!(multipliers.position[m..], multipliers.momentum[m..], "there is one λ");

@@ -224,7 +224,7 @@ fn a_step_that_leaves_the_surface_is_an_error() {
     }
 }
 
-/// The multipliers that a recorder hears are those of the motion at the two ends of the step.
+/// The multipliers that an observer hears are those of the motion at the two ends of the step.
 #[test]
 fn multipliers_are_those_of_the_motion() {
     let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
@@ -235,12 +235,12 @@ fn multipliers_are_those_of_the_motion() {
     for _ in 0..10 {
         let (before, rods_before) = (particle.multipliers(), rods.multipliers());
         let mut heard = Trajectory::with_multipliers(&particle);
-        particle.run_recording(1, &mut heard).unwrap();
+        particle.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         close(&heard.position[1..], &before);
         close(&heard.momentum[1..], &particle.multipliers());
         let mut heard = Trajectory::with_multipliers(&rods);
-        rods.run_recording(1, &mut heard).unwrap();
+        rods.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         close(&heard.position[2..], &rods_before);
         close(&heard.momentum[2..], &rods.multipliers());

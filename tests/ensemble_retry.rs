@@ -4,9 +4,10 @@ mod common;
 use common::*;
 use rattle::bodies::One;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Observer, Precision, Sight, Single};
+use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::prelude::*;
 use rattle::system::System;
+use rattle::watch::{Observer, Sight};
 use rattle::{Error, Geodesic};
 
 /// How far from each other a trajectory in lanes and its simulation are.

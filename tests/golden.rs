@@ -73,7 +73,7 @@ fn last<Y: System<f64, 3, Count = One>, S: Method>(
     n: u64,
 ) -> ([f64; 3], [f64; 3], [f64; 2]) {
     let mut trajectory = Trajectory::with_multipliers(&simulation);
-    simulation.run_recording(n, &mut trajectory).unwrap();
+    simulation.observe(n, 1, &mut trajectory).unwrap();
     let multipliers = trajectory.multipliers().unwrap();
     let last = |list: &[f64]| *list.last().unwrap();
     let multipliers = [last(&multipliers.position), last(&multipliers.momentum)];

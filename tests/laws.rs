@@ -133,9 +133,9 @@ fn second_order_multiplier_is_the_mean_of_both() {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let mut simulation = scene.simulate(billiard_45(), Rattle::new(1.0 / n as f64)).unwrap();
         let mut trajectory = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(n, &mut trajectory).unwrap();
+        simulation.observe(n, 1, &mut trajectory).unwrap();
         let from_state = simulation.multiplier();
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         let found = trajectory.multipliers().unwrap();
         let (lambda, mu) = (found.position[n as usize + 1], found.momentum[n as usize]);
         for (errors, found) in errors.iter_mut().zip([lambda, mu, (lambda + mu) / 2.0, from_state]) {
@@ -264,7 +264,7 @@ fn trajectory_has_one_row_per_step() {
     let mut simulation = scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 0.05)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
     for step in 1..=10_u32 {
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         assert_eq!(*trajectory.times().last().unwrap(), 0.05 * f64::from(step));
         let last: Vec<f64> = simulation.positions().flat_map(<[f64; 3]>::from).collect();
         assert_eq!(trajectory.positions()[9 * step as usize..], last);
@@ -277,7 +277,7 @@ fn trajectory_has_one_row_per_step() {
     let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
     let mut simulation = scene.simulate(last_one_fails(), Rattle::new(0.1)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
-    simulation.run_recording(1, &mut trajectory).unwrap_err();
+    simulation.observe(1, 1, &mut trajectory).unwrap_err();
     assert_eq!(trajectory.multipliers().unwrap().position.len(), 3);
 }
 

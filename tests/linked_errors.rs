@@ -111,7 +111,7 @@ fn nothing_is_something_too() {
     let method = Rattle::new(0.5);
     let mut none = Scene::points::<2>(0).simulate(State::of([[0.0; 2]; 0]), method).unwrap();
     none.run(3).unwrap();
-    assert_eq!((none.len(), none.energy(), none.time()), (0, 0.0, 1.5));
+    assert_eq!((none.bodies(), none.energy(), none.time()), (0, 0.0, 1.5));
     let none =
         Scene::points::<2>(0).link(Rod { length: 1.0 }, [[0_usize; 2]; 0]).project(&State::of([[0.0; 2]; 0]));
     assert!(none.unwrap().is_empty());

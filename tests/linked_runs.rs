@@ -305,9 +305,9 @@ fn recorded_multipliers_are_in_the_order_of_naming() {
         let mut simulation = scene.simulate(State::of(q), Rattle::new(1.0 / f64::from(n))).unwrap();
         assert_eq!(simulation.system().components().len(), 2);
         let mut trajectory = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(u64::from(n), &mut trajectory).unwrap();
+        simulation.observe(u64::from(n), 1, &mut trajectory).unwrap();
         let exact = simulation.multipliers();
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         let found = trajectory.multipliers().unwrap();
         let row = 4 * n as usize;
         let mean: Vec<f64> =

@@ -8,8 +8,8 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::Effects;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
-use rattle::recorder::Recorder;
 use rattle::surfaces::Gyroid;
+use rattle::watch::{Observer, Sight};
 use rattle::{Error, bodies::One};
 use std::array::from_fn;
 
@@ -51,8 +51,9 @@ fn together<const D: usize>(starts: &[State<D>]) -> State<D> {
 #[derive(Default)]
 struct Multipliers(Vec<(usize, f64)>, Vec<(usize, f64)>);
 
-impl<S> Recorder<S> for Multipliers {
-    fn record(&mut self, _: &S) {}
+impl<const D: usize> Observer<D> for Multipliers {
+    fn see(&mut self, _: &Sight<'_, D>, _: &Sight<'_, D>) {}
+    fn join(&mut self, _: Self) {}
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
         self.0.push((equation, lambda));
     }
@@ -73,11 +74,11 @@ where
         let starts = starts(surface, number, size);
         let mut many = (*scene).particles(number).simulate(together(&starts), method.clone()).unwrap();
         let mut of_many = Multipliers::default();
-        many.run_recording(40, &mut of_many).unwrap();
+        many.observe(40, 1, &mut of_many).unwrap();
         for (body, start) in starts.into_iter().enumerate() {
             let mut alone = scene.simulate(start, method.clone()).unwrap();
             let mut of_one = Multipliers::default();
-            alone.run_recording(40, &mut of_one).unwrap();
+            alone.observe(40, 1, &mut of_one).unwrap();
             let state = many.state();
             let (q, p) = (state.positions().nth(body).unwrap(), state.momenta().nth(body).unwrap());
             let off = (q - alone.position()).amax().max((p - alone.momentum()).amax());

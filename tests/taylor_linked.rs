@@ -226,7 +226,7 @@ fn rigid_bodies() {
     assert!(errors[0] <= 1e-13 && errors[1] > 1e-8, "{errors:?}");
 }
 
-/// The multipliers that a recorder hears are those of the motion at the two ends of the step.
+/// The multipliers that an observer hears are those of the motion at the two ends of the step.
 #[test]
 fn multipliers_are_those_of_the_motion() {
     let scene = Scene::points(3).link(Rod { length: 1.0 }, chain(2)).pin(0, [0.0; 2]);
@@ -235,7 +235,7 @@ fn multipliers_are_those_of_the_motion() {
     for _ in 0..10 {
         let before = rods.multipliers();
         let mut heard = Trajectory::with_multipliers(&rods);
-        rods.run_recording(1, &mut heard).unwrap();
+        rods.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         assert!(apart(&heard.position[2..], &before) <= 1e-13);
         assert!(apart(&heard.momentum[2..], &rods.multipliers()) <= 1e-13);

@@ -70,6 +70,10 @@ pub enum Error {
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
 
+    /// The time at which a run is to end is NaN or infinite.
+    #[error("the time until which to run must be finite, found {0}")]
+    EndTime(f64),
+
     /// A power series of fewer than two or more than 64 terms.
     #[error("the order of a Taylor method is 2 to 64, found {0}")]
     Order(u32),

@@ -20,7 +20,7 @@ use crate::number::real::Real;
 
 /// Geodesic RATTLE with a constant step size, second order.
 ///
-/// Multipliers told to a recorder are shares that add up: λ keeps the free motion on the constraints, μ answers the force.
+/// Multipliers told to an observer are shares that add up: λ keeps the free motion on the constraints, μ answers the force.
 ///
 /// ```
 /// # use rattle::Geodesic;

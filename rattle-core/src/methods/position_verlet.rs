@@ -20,7 +20,7 @@ use crate::number::real::Real;
 
 /// Position Verlet with a constant step size, second order.
 ///
-/// Multipliers told to a recorder are those of the free motion alone.
+/// Multipliers told to an observer are those of the free motion alone.
 ///
 /// ```
 /// # use rattle::PositionVerlet;

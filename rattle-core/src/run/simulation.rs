@@ -8,7 +8,7 @@ use crate::error::NetworkMistake;
 use crate::error::StartFailure;
 use crate::methods::able::view;
 use crate::motion::bodies::Body;
-use crate::motion::bodies::{Bodies, Count, One, Saved};
+use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
 use crate::motion::identity::Identity;
@@ -17,14 +17,11 @@ use crate::motion::method::check_step_size;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
-use crate::number::clock::after_steps;
 use crate::number::clock::later;
-use crate::run::recorder::Recorder;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
-use crate::systems::linked::kept::{Counts, Linked};
-use nalgebra::SVector;
 use std::fmt;
-use std::marker::PhantomData;
 
 /// Parts of a step are counted by 32 bits.
 pub(crate) const MOST_HALVINGS: u32 = 30;
@@ -34,18 +31,18 @@ pub(crate) const MOST_HALVINGS: u32 = 30;
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
 /// as it was before the step, bit for bit.
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
-    system: Y,
-    method: S,
+    pub(super) system: Y,
+    pub(super) method: S,
     pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
-    before: Saved<Y::Count, f64, D>,
+    pub(super) before: Saved<Y::Count, f64, D>,
     /// What the method remembers, and remembered before the step under way.
-    memory: S::Memory<f64>,
+    pub(super) memory: S::Memory<f64>,
     memory_before: S::Memory<f64>,
-    steps: u64,
+    pub(super) steps: u64,
     /// The time of the start, or of now where steps differ in length, and what rounding took from it.
-    clock: (f64, f64),
-    start_energy: f64,
+    pub(super) clock: (f64, f64),
+    pub(super) start_energy: f64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
     /// If every step is to be taken back and compared.
@@ -255,7 +252,66 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `see` after each.
+    /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is a number
+    /// of steps away is reached by this number of steps, rounding notwithstanding: what is missing to a millionth of a step
+    /// counts as reached. With a step size below 0 the time runs backwards to `time`.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+    /// simulation.run_until(0.3)?; // 3 × 0.1 is a little more than 0.3
+    /// assert_eq!(simulation.steps(), 3);
+    /// simulation.run_until(0.31)?;
+    /// assert_eq!((simulation.steps(), simulation.time()), (4, 0.4));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Self::run`]; [`Error::EndTime`] for a time that is not finite.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of steps, rounded up"
+    )]
+    pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::EndTime(time));
+        }
+        let h = self.method.step_size();
+        let near = 1e-6_f64.max(4.0 * f64::EPSILON * (time / h).abs());
+        let left = |now: &Self| (time - now.time()) / h - near;
+        if self.method.time_taken(self.memory.as_ref()).is_none() {
+            return self.run(left(self).ceil() as u64);
+        }
+        while left(self) > 0.0 {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Takes steps for as long as `go_on` is true of the simulation, at most `steps`; says how many.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.25))?;
+    /// let steps = simulation.run_while(1_000_000, |now| now.position().x < 2.0)?;
+    /// assert_eq!((steps, simulation.position().x), (8, 2.0));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_while(&mut self, steps: u64, mut go_on: impl FnMut(&Self) -> bool) -> Result<u64, Error> {
+        let begun = self.steps;
+        while self.steps - begun < steps && go_on(self) {
+            self.step()?;
+        }
+        Ok(self.steps - begun)
+    }
+
+    /// Takes `steps` steps and shows the simulation to `see` after each. A closure sees the whole simulation, its residuals and
+    /// [energy error](Self::energy_error) too; what is to watch ensembles as well, or every n-th step, is an
+    /// [observer](Self::observe).
     ///
     /// ```text
     /// simulation.run_with(2000, |now| energies.push(now.energy()))?;
@@ -271,14 +327,42 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and has `recorder` record each.
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see [`crate::run::watch`].
+    /// Steps beyond the last multiple of `every` are taken and not shown; multipliers are told in every step. A look copies
+    /// positions and momenta.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.5))?;
+    /// let mut mean = Mean::of(|now: &Sight<'_, 1>| now.energy());
+    /// simulation.observe(100, 10, &mut mean)?;
+    /// assert_eq!((mean.number(), mean.mean()), (10, 0.5));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the recorder has seen every step that was taken.
-    pub fn run_recording<R: Recorder<Self>>(&mut self, steps: u64, recorder: &mut R) -> Result<(), Error> {
-        for _ in 0..steps {
-            self.advance(&mut Listening(recorder, PhantomData::<Self>))?;
-            recorder.record(self);
+    /// As [`Self::run`]; the observer has seen all that was to be seen before.
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    #[track_caller]
+    pub fn observe<O: Observer<D> + ?Sized>(
+        &mut self,
+        steps: u64,
+        every: u64,
+        observer: &mut O,
+    ) -> Result<(), Error> {
+        assert!(every > 0, "a simulation is observed after every 1 or more steps");
+        let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
+        let mut now = before.clone();
+        for step in 1..=steps {
+            self.advance(&mut Listening(observer))?;
+            if step.is_multiple_of(every) {
+                now.steps = self.steps;
+                self.look(now.page());
+                observer.see(&before.sight(self), &now.sight(self));
+                std::mem::swap(&mut before, &mut now);
+            }
         }
         Ok(())
     }
@@ -386,159 +470,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
     }
-
-    /// Steps taken so far.
-    pub fn steps(&self) -> u64 {
-        self.steps
-    }
-
-    /// The time: that of the start, 0 if none was given, and steps times step size, or the sum of the steps where they
-    /// differ in length.
-    pub fn time(&self) -> f64 {
-        self.exact_time().0
-    }
-
-    /// The time and what rounding took from it: the same after any number of stops and starts on the way.
-    fn exact_time(&self) -> (f64, f64) {
-        if self.method.time_taken(self.memory.as_ref()).is_some() {
-            return self.clock;
-        }
-        after_steps(self.clock, self.steps, self.method.step_size())
-    }
-
-    /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
-    /// with SHAKE.
-    pub fn momentum_time(&self) -> f64 {
-        self.time() + self.method.momentum_delay()
-    }
-
-    /// What is simulated.
-    pub fn system(&self) -> &Y {
-        &self.system
-    }
-
-    /// The method.
-    pub fn method(&self) -> &S {
-        &self.method
-    }
-
-    /// The number of bodies.
-    pub fn len(&self) -> usize {
-        self.bodies.q.as_ref().len()
-    }
-
-    /// Whether there is no body.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Positions of the bodies in turn.
-    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.q.as_ref().iter().map(|&q| q.into())
-    }
-
-    /// Momenta p of the bodies in turn; with unit masses also velocities.
-    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.p.as_ref().iter().map(|&p| p.into())
-    }
-
-    /// Velocities M⁻¹p of the bodies in turn.
-    pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        (0..self.len()).map(|i| self.system.velocity(&self.bodies, i).into())
-    }
-
-    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
-    /// from there. (Linked bodies whose equations have come to depend on each other may choose another
-    /// [linear algebra](crate::systems::network::algebra::LinearAlgebra) at the new start, and round otherwise.)
-    pub fn state(&self) -> State<D> {
-        let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
-        let (time, time_low) = self.exact_time();
-        let numbers = self.memory.as_ref();
-        let remembered = (!numbers.is_empty()).then(|| Remembered {
-            method: self.method.identity(),
-            system: Identity::of_system(&self.system, &self.bodies),
-            numbers: numbers.into(),
-        });
-        State { bodies, time, time_low, remembered, surplus_momenta: None }
-    }
-
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
-    pub fn kinetic_energy(&self) -> f64 {
-        self.system.kinetic_energy(&self.bodies)
-    }
-
-    /// Potential energy U of all effects.
-    pub fn potential_energy(&self) -> f64 {
-        self.system.potential_energy(&self.bodies)
-    }
-
-    /// Energy H = K + U.
-    pub fn energy(&self) -> f64 {
-        self.kinetic_energy() + self.potential_energy()
-    }
-
-    /// Kinetic and potential energy of the same bodies at other places, with other momenta.
-    pub(crate) fn energies_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        let mut bodies = self.before.clone();
-        let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
-        places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
-        let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
-        ways.for_each(|((high, low), &p)| (*high, *low) = (p.into(), [0.0; D]));
-        [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
-    }
-
-    /// Work that moving constraints have done on the bodies since the start, −∫ λᵀ ∂g/∂t dt, to the order of the
-    /// method; 0 where none moves.
-    pub fn work(&self) -> f64 {
-        self.bodies.work
-    }
-
-    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
-    pub fn energy_error(&self) -> f64 {
-        self.energy() - self.start_energy - self.work()
-    }
-
-    /// g(q, t) of each equation, in the unit of g.
-    pub fn residuals(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.residuals(&self.bodies, out))
-    }
-
-    /// The largest |g(q, t)| of all equations, in the unit of g.
-    pub fn constraint_residual(&self) -> f64 {
-        largest(&self.residuals())
-    }
-
-    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
-    pub fn cotangent_residual(&self) -> f64 {
-        largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
-    }
-
-    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such that g̈ = 0; of the order of the
-    /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
-    pub fn multipliers(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.multipliers(&self.bodies, out))
-    }
-
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
-    /// the pull of its links, without the potentials that act on it.
-    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        let mut forces = vec![[0.0; D]; self.len()];
-        self.system.constraint_forces(&self.bodies, &mut forces);
-        forces.into_iter().map(Into::into).collect()
-    }
-
-    fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
-        let mut numbers = vec![0.0; self.system.equations()];
-        write(&mut numbers);
-        numbers
-    }
-}
-
-impl<F: Field<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
-    /// What the position equations have cost since the start.
-    pub fn counts(&self) -> Counts {
-        self.system.counts(&self.bodies)
-    }
 }
 
 /// The larger one; NaN if one is.
@@ -549,34 +480,6 @@ fn larger(a: f64, b: f64) -> f64 {
 /// The largest difference of a coordinate; NaN if one is.
 fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| larger((a - b).abs(), most))
-}
-
-/// The largest |x|; NaN if one is.
-fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
-}
-
-impl<Y: System<f64, D, Count = One>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The particle's position.
-    pub fn position(&self) -> SVector<f64, D> {
-        self.bodies.q[0].into()
-    }
-
-    /// The particle's momentum; with unit mass also its velocity.
-    pub fn momentum(&self) -> SVector<f64, D> {
-        self.bodies.p[0].into()
-    }
-
-    /// Its velocity M⁻¹p.
-    pub fn velocity(&self) -> SVector<f64, D> {
-        self.system.velocity(&self.bodies, 0).into()
-    }
-
-    /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
-    /// [`Self::multipliers`].
-    pub fn multiplier(&self) -> f64 {
-        self.multipliers().first().copied().unwrap_or(f64::NAN)
-    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
@@ -609,10 +512,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> fmt::Debug for Simulation<Y, 
     }
 }
 
-/// Passes a step's multipliers on to a recorder.
-struct Listening<'a, R, S>(&'a mut R, PhantomData<S>);
+/// Passes a step's multipliers on to an observer.
+struct Listening<'a, O: ?Sized, const D: usize>(&'a mut O);
 
-impl<R: Recorder<S>, S> Witness<f64> for Listening<'_, R, S> {
+impl<O: Observer<D> + ?Sized, const D: usize> Witness<f64> for Listening<'_, O, D> {
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
         self.0.position_multiplier(equation, lambda);
