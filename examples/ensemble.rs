@@ -15,23 +15,10 @@
 use indicatif::ProgressBar;
 use rattle::ensemble::Precision;
 use rattle::plot::Chart;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use std::time::Instant;
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two.
-    struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    struct Gravity { g }
-    |x, y, z| g * z
-}
 
 const R: f64 = 1.0 / 6.0;
 const NUMBER: usize = 10_000;

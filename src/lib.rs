@@ -35,6 +35,9 @@
 //! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`],
 //! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
+//! What many need is ready-made: [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde` all of
+//! them serialise, and so does a type of your own with `#[derive(serde::Serialize, serde::Deserialize)]` inside the macro.
+//!
 //! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
 //!
 //! Signs and scales stand on one page: [`conventions`].
@@ -55,15 +58,16 @@ pub mod view;
 
 /// What a method is: a map that takes all bodies one step on.
 pub mod method {
+    pub use rattle_core::methods::fixed::{Fixed, Map};
     pub use rattle_core::motion::failure::Failure;
-    pub use rattle_core::motion::method::Method;
-    pub use rattle_core::motion::need::Need;
+    pub use rattle_core::motion::identity::Identity;
+    pub use rattle_core::motion::method::{Method, View};
     pub use rattle_core::motion::witness::Witness;
 }
 
 pub use rattle_core::kernel::{counted, series};
 pub use rattle_core::methods::{self, composition};
-pub use rattle_core::motion::{bodies, guess, iteration, state, system, table};
+pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, system, table};
 pub use rattle_core::number::{instructions, lanes, real};
 pub use rattle_core::run::{boxed, ensemble, simulation, watch};
 pub use rattle_core::systems::{linked, network, phase, rigid, surface};

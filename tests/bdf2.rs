@@ -5,6 +5,7 @@ use common::linked::{Rod, chain, double_pendulum, weights};
 use common::*;
 use rattle::Error;
 use rattle::error::StepFailure;
+use rattle::links::planar::TurningLine;
 use rattle::prelude::*;
 
 const H: f64 = 0.01;
@@ -100,12 +101,6 @@ fn it_damps() {
     let mut rattle = scene.simulate(start, Rattle::new(0.01)).unwrap();
     rattle.run(5000).unwrap();
     assert!(rattle.energy_error().abs() < 0.1 * b, "{:e} {b:e}", rattle.energy_error());
-}
-
-constraint! {
-    /// A line through the origin that turns.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 #[test]

@@ -6,6 +6,7 @@ use common::*;
 use num_bigint::BigInt;
 use rattle::Error;
 use rattle::error::StepFailure;
+use rattle::links::planar::TurningLine;
 use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
 
@@ -252,12 +253,6 @@ fn close(a: &[f64], b: &[f64]) {
     for (a, b) in a.iter().zip(b) {
         assert!((a - b).abs() <= 1e-13 * b.abs().max(1.0), "{a:e} {b:e}");
     }
-}
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 /// A bead on a turning rod: r = cosh ωt; the rod does the work ω² sinh² ωt.

@@ -31,18 +31,18 @@ fn check(row: &Row, with_multipliers: bool) -> Option<String> {
     let (q, p, multipliers) = match row.text("method") {
         "RATTLE" => last(scene.simulate(billiard_45(), Rattle::new(h)).unwrap(), n),
         "symplectic Euler" => last(scene.simulate(billiard_45(), SymplecticEuler::new(h)).unwrap(), n),
-        "geodesic RATTLE" => last(scene.simulate(billiard_45(), Geodesic::new(h, 4)).unwrap(), n),
+        "geodesic RATTLE" => last(scene.simulate(billiard_45(), Geodesic::new(4, h)).unwrap(), n),
         "position Verlet" => last(scene.simulate(billiard_45(), PositionVerlet::new(h)).unwrap(), n),
         "SHAKE" => {
             let method = Shake::new(h);
             last(scene.simulate(scene.staggered(&billiard_45(), &method), method).unwrap(), n)
         }
         "geodesic RATTLE KAHAN_LI_1997_ORDER_6" => {
-            let method = Composition::of(Geodesic::new(h, 4), KAHAN_LI_1997_ORDER_6);
+            let method = Composition::of(KAHAN_LI_1997_ORDER_6, Geodesic::new(4, h));
             last(scene.simulate(billiard_45(), method).unwrap(), n)
         }
         "position Verlet SUZUKI_1990_ORDER_4" => {
-            let method = Composition::of(PositionVerlet::new(h), SUZUKI_1990_ORDER_4);
+            let method = Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(h));
             last(scene.simulate(billiard_45(), method).unwrap(), n)
         }
         "Suzuki4_s5" => run(SUZUKI_1990_ORDER_4),

@@ -223,7 +223,7 @@ where
 
 #[test]
 fn a_failed_step_leaves_no_trace() {
-    let sphere = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let sphere = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
     let error = failure_leaves_no_trace(sphere, last_one_fails(), Rattle::new(0.1));
     let Error::Step { step: 1, body: 2, cause: StepFailure::StepTooLong { reach, longest, h, .. }, .. } =
         error
@@ -255,7 +255,7 @@ fn two_effects_add_up() {
 
 #[test]
 fn trajectory_has_one_row_per_step() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
     let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]).with_momenta([
         [0.0, 1.0, 0.0],
         [0.0, 0.0, 1.0],
@@ -274,7 +274,7 @@ fn trajectory_has_one_row_per_step() {
     assert_eq!((multipliers.position.len(), multipliers.momentum.len()), (33, 33));
 
     // A failed step leaves no half row.
-    let scene = Scene::on(Sphere { radius: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
     let mut simulation = scene.simulate(last_one_fails(), Rattle::new(0.1)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
     simulation.observe(1, 1, &mut trajectory).unwrap_err();
@@ -285,7 +285,7 @@ fn trajectory_has_one_row_per_step() {
 fn rounding_in_the_energy_does_not_add_up() {
     // The speed of a free particle on a sphere is constant: what is left is rounding. Compensated, 1e6 steps leave a few
     // ulps; without the low parts of momentum or position it is 5e-15 and more.
-    let scene = Scene::on(Sphere { radius: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 });
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
     let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
     let mut largest = 0.0_f64;

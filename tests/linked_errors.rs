@@ -92,7 +92,7 @@ fn links_and_pins_that_make_no_sense() {
         check(acting.map(drop), missing("Rod", 0, body), &["Rod 0"]);
         let effect = free().with(PlanarGravity { g: 1.0 }.over([[0], [body]])).simulate(start(), method);
         let error = effect.map(drop).unwrap_err();
-        says(&error, &["PlanarGravity", " 1 names body", &body.to_string()]);
+        says(&error, &["Gravity", " 1 names body", &body.to_string()]);
     }
     let twice = free().link(rod, [[0, 1], [2, 2]]).simulate(start(), method);
     let mistake = NetworkMistake::Repeated { what: "Rod", member: 1, body: 2 };

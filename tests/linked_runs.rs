@@ -3,6 +3,7 @@
 mod common;
 use common::linked::*;
 use common::*;
+use rattle::links::planar::TurningLine;
 use rattle::network::LinearAlgebra::{self, Elimination, Orthogonal};
 use rattle::prelude::*;
 
@@ -170,12 +171,6 @@ fn on_a_sphere_that_grows() {
         println!("balloon, {what}: {:?}", [a[i], b[i], c[i]]);
         check_ratios(what, [a[i], b[i], c[i]], 2);
     }
-}
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 /// A bead on a turning rod: r = cosh ωt; the rod does the work ω² sinh² ωt.

@@ -102,7 +102,7 @@ where
 
 #[test]
 fn many_go_as_each_alone() {
-    let ring = Torus { major: 1.0, minor: 0.3 };
+    let ring = TorusByDistance { major: 1.0, minor: 0.3 };
     let landscape = Landscape { height: 0.5 };
     let gyroid = Gyroid { k: 1.0, epsilon: 0.1 };
     let rattle = Rattle::new(0.01);
@@ -121,7 +121,7 @@ fn many_go_as_each_alone() {
             rattle.guess(Extrapolated),
             2.0,
         ),
-        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(0.02, 1), 3.0),
+        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(1, 0.02), 3.0),
         go_as_alone(&Scene::on(gyroid).with(Gravity { g: 1.0 }), gyroid, rattle.guess(LastMultiplier), 3.0),
         go_as_alone(&Scene::on(ring).with(Gravity { g: 1.0 }), ring, rattle.solved_by(Broyden), 1.5),
         go_as_alone(&Scene::on(Ball {}), Ball {}, rattle, 1.0),
@@ -189,7 +189,7 @@ fn hard_steps_end_as_alone_and_are_refused_for_the_same_reason() {
     let ends = [
         hard_steps_end_alike(SURFACE, 1.1),
         hard_steps_end_alike(Lemniscate { a: 1.0, r: 0.01 }, 1.1),
-        hard_steps_end_alike(Torus { major: 1.0, minor: 0.3 }, 1.3),
+        hard_steps_end_alike(TorusByDistance { major: 1.0, minor: 0.3 }, 1.3),
         hard_steps_end_alike(Gyroid { k: 1.0, epsilon: 0.0 }, 3.0),
         hard_steps_end_alike(Landscape { height: 0.5 }, 2.0),
     ];
@@ -199,7 +199,7 @@ fn hard_steps_end_as_alone_and_are_refused_for_the_same_reason() {
 
 #[test]
 fn a_start_that_is_gone_on_from_gives_the_same_bits() {
-    let ring = Torus { major: 1.0, minor: 0.3 };
+    let ring = TorusByDistance { major: 1.0, minor: 0.3 };
     let scene = Scene::on(ring).with(Gravity { g: 1.0 }).particles(40);
     let start = || together(&starts(ring, 40, 1.5));
     macro_rules! check {
@@ -220,7 +220,7 @@ fn a_start_that_is_gone_on_from_gives_the_same_bits() {
         Rattle::new(h).solved_by(Broyden),
         Composition::new(SUZUKI_1990_ORDER_4, h),
         Shake::new(h),
-        Geodesic::new(h, 2),
+        Geodesic::new(2, h),
         Lobatto::<3>::new(h),
         Dop853::new(h)
     );
@@ -243,7 +243,7 @@ fn who_rests_stays_at_rest() {
         }
     }
     check(rattle::surfaces::Sphere { r: 1.0 });
-    check(Torus { major: 1.0, minor: 0.3 });
+    check(TorusByDistance { major: 1.0, minor: 0.3 });
     check(SURFACE);
     check(Gyroid { k: 1.0, epsilon: 0.1 });
 }

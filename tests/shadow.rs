@@ -4,19 +4,15 @@ mod common;
 use common::*;
 use rattle::bodies::{Bodies, Count};
 use rattle::effect::Effects;
+use rattle::links::planar::Rod;
 use rattle::method::{Failure, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
+use rattle::need::Kicks;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
 use rattle::system::System;
 use rattle::watch::quadratic_form;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
 
 potential! {
     /// Gravity, and a force that changes from place to place.
@@ -143,6 +139,7 @@ impl Faulty {
 
 impl Method for Faulty {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.h()

@@ -7,8 +7,10 @@ use common::*;
 use rattle::LinearAlgebra::{Automatic, Elimination, Orthogonal};
 use rattle::bodies::Many;
 use rattle::effect::Effects;
+use rattle::links::planar::TurningLine;
 use rattle::nalgebra::{Matrix2, Matrix3, Vector3};
 use rattle::network::Network;
+use rattle::potentials::planar::Spring;
 use rattle::prelude::*;
 
 /// Positions, momenta and the work of moving links at t = 1, after so many steps.
@@ -105,12 +107,6 @@ fn chains_and_nets() {
     check("triangle with a rod twice", &triangle, &bent, 0.25, 1e-12);
 }
 
-potential! {
-    /// A spring between two points, with a force that is no polynomial.
-    struct Spring { stiffness, length }
-    |a: [f64; 2], b: [f64; 2]| stiffness / 2 * (norm(a - b) - length)^2
-}
-
 #[test]
 fn masses_springs_and_pairs() {
     let matrix = Matrix2::new(2.0, 0.3, 0.3, 1.0);
@@ -123,12 +119,6 @@ fn masses_springs_and_pairs() {
         .with(Ricker { depth: 0.5, radius: 0.8 });
     let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.8, 0.4]]).moving([0.0; 2]);
     check("springs", &scene, &start, 0.05, 2e-12);
-}
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 constraint! {

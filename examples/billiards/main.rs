@@ -14,32 +14,12 @@
 mod pictures;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rattle::potentials::{Gravity, Ricker};
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use rattle::system::System;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two (for r < a⁴/4).
-    pub struct Lemniscate { a, r }
-
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
-
-pair_potential! {
-    /// Repels inside `radius`, attracts outside, fades beyond; finite everywhere.
-    pub struct Ricker { depth, radius }
-    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
-}
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const DIRECTIONS: u32 = 25;

@@ -2,6 +2,8 @@
 
 use crate::effect::list::Field;
 use crate::motion::bodies::{Body, Count, One};
+use crate::motion::capability::Rates;
+use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::System;
@@ -79,7 +81,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
-        let remembered = Remembered::of(&self.method, self.memory.as_ref());
+        let numbers = self.memory.as_ref();
+        let remembered = (!numbers.is_empty()).then(|| Remembered {
+            method: self.method.identity(),
+            system: Identity::of_system(&self.system, &self.bodies),
+            numbers: numbers.into(),
+        });
         State { bodies, time, time_low, remembered, surplus_momenta: None }
     }
 
@@ -219,7 +226,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
     }
 
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.system.mass_product(body, a, b)
+        self.system.rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
     }
 
     fn step_size(&self) -> f64 {

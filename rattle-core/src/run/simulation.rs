@@ -6,13 +6,14 @@ use crate::effect::list::Field;
 use crate::error::Error;
 use crate::error::NetworkMistake;
 use crate::error::StartFailure;
+use crate::methods::able::view;
 use crate::motion::bodies::Body;
-use crate::motion::bodies::{Bodies, Count};
+use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
+use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::method::check_step_size;
-use crate::motion::need::Need;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
@@ -34,7 +35,7 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) method: S,
     pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
-    pub(super) before: Bodies<Y::Count, f64, (), D>,
+    pub(super) before: Saved<Y::Count, f64, D>,
     /// What the method remembers, and remembered before the step under way.
     pub(super) memory: S::Memory<f64>,
     memory_before: S::Memory<f64>,
@@ -50,15 +51,28 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
 
 /// Why a step is not taken as it is.
 enum Trouble {
+    Refused(Error),
     Failed(Failure),
     NotReversed { body: usize, off: f64, tolerance: f64 },
+}
+
+impl From<Error> for Trouble {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl From<Failure> for Trouble {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
 }
 
 /// What it takes to take a step back and go on as if it had not been.
 struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     tolerance: f64,
     backwards: S,
-    after: Bodies<Y::Count, f64, (), D>,
+    after: Saved<Y::Count, f64, D>,
     /// That of a method that has not made a step.
     blank: S::Memory<f64>,
     memory: S::Memory<f64>,
@@ -76,6 +90,18 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        self.trajectory(start, &method, 0)
+    }
+
+    /// The simulation that is the trajectory with this number of an ensemble.
+    #[allow(clippy::type_complexity, reason = "as above")]
+    pub(crate) fn trajectory<S: Method>(
+        &self,
+        start: State<D>,
+        method: &S,
+        number: u64,
+    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        let method = method.numbered(number);
         check_step_size(method.step_size())?;
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
@@ -90,20 +116,16 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let bodies = start.len();
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
-        let system = self.constraint.system(&self.effects, self.count, &start, &method)?;
+        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
+        let tangent = method.momentum_delay() == 0.0 && !own;
+        let system =
+            self.constraint.system(&self.effects, self.count, &start, method.step_size(), tangent)?;
         method.check(system.equations())?;
-        if let Some(system) = system.refuses(method.need()) {
-            return Err(Error::CannotMove { method: method.name(), system });
-        }
+        let seen = view(&method, &system)?;
         self.check_forces(&start.bodies)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        match method.need() {
-            Need::Series => system.reserve_series(&mut bodies, method.stages()),
-            _ => system.reserve(&mut bodies, method.stages()),
-        }
-        bodies.room = vec![[0.0; D]; method.room() * self.count.number()];
-        let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
-        Ok(Simulation::new(system, self.count, bodies, clock, remembered, method))
+        method.prepare(seen, &mut bodies);
+        Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
@@ -124,16 +146,17 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub(crate) fn new(
         system: Y,
-        count: Y::Count,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
         clock: (f64, f64),
         remembered: Option<&Remembered>,
         method: S,
-    ) -> Self {
-        let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
-        let mut memory = method.memory(&system, &bodies);
-        if let Some(numbers) = remembered.and_then(|remembered| remembered.by(&method))
+    ) -> Result<Self, Error> {
+        let before = bodies.saved();
+        let mut memory = method.memory(view(&method, &system)?, &bodies);
+        if let Some(Remembered { method: whose, system: of, numbers }) = remembered
+            && *whose == method.identity()
             && numbers.len() == memory.as_ref().len()
+            && of.is(&Identity::of_system(&system, &bodies))
         {
             memory.as_mut().copy_from_slice(numbers);
         }
@@ -153,7 +176,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             reversal: None,
         };
         simulation.start_energy = simulation.energy();
-        simulation
+        Ok(simulation)
     }
 
     /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
@@ -203,7 +226,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             return Err(Error::NeedsSymmetricMethod { what, method });
         }
         let backwards = self.method.with_step(-self.method.step_size());
-        let memory = backwards.memory(&self.system, &self.bodies);
+        let memory = backwards.memory(view(&backwards, &self.system)?, &self.bodies);
         let (after, blank) = (self.before.clone(), memory.clone());
         self.reversal = Some(Box::new(Reversal { tolerance, backwards, after, blank, memory }));
         Ok(self)
@@ -346,9 +369,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     #[inline(always)]
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
-        self.before.copy_from(&self.bodies);
+        let system = view(&self.method, &self.system)?;
+        self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        match self.method.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness) {
+        match self.method.step(system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -377,7 +401,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.put_back();
         let halvings = if self.method.momentum_delay() == 0.0 { self.halvings } else { 0 };
         for halved in 1..=halvings {
-            let taken = self.parts(1 << halved, witness).map_err(Trouble::Failed);
+            let taken = self.parts(1 << halved, witness);
             match taken.and_then(|()| self.take_back(1 << halved)) {
                 Ok(()) => return Ok(()),
                 Err(again) => trouble = again,
@@ -387,6 +411,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let (step, time) = (self.steps + 1, self.time());
         Err(match (trouble, halvings) {
+            (Trouble::Refused(error), _) => error,
             (Trouble::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
             (Trouble::Failed(Failure { body, cause }), _) => {
                 Error::Retried { step, time, body, halvings, cause }
@@ -398,16 +423,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Takes a step in so many parts.
-    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Failure> {
+    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Trouble> {
         let method = self.method.with_step(self.method.step_size() / f64::from(parts));
-        let mut memory = method.memory(&self.system, &self.bodies);
+        let system = view(&method, &self.system)?;
+        let mut memory = method.memory(system, &self.bodies);
         for _ in 0..parts {
-            method.step(&self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            method.step(system, &mut self.bodies, memory.as_mut(), witness)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
         }
-        self.memory = self.method.memory(&self.system, &self.bodies);
+        self.memory = self.method.memory(system, &self.bodies);
         Ok(())
     }
 
@@ -416,12 +442,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[inline(never)]
     fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
-        reversal.after.copy_from(&self.bodies);
+        let system = view(&self.method, &self.system)?;
+        self.bodies.save(&mut reversal.after);
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
-        let back =
-            (0..parts).try_for_each(|_| backwards.step(&self.system, &mut self.bodies, memory, &mut ()));
+        let back = (0..parts).try_for_each(|_| backwards.step(system, &mut self.bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));
@@ -432,8 +458,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         if back.is_ok() && worst <= reversal.tolerance * size {
-            self.bodies.copy_from(&reversal.after);
-            self.system.refresh(&mut self.bodies);
+            self.system.put_back(&mut self.bodies, &reversal.after);
             return Ok(());
         }
         let off = if back.is_ok() { worst / size } else { f64::NAN };
@@ -442,9 +467,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Everything as it was before the step under way.
     fn put_back(&mut self) {
-        self.bodies.copy_from(&self.before);
+        self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
-        self.system.refresh(&mut self.bodies);
     }
 }
 

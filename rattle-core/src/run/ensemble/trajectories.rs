@@ -139,7 +139,7 @@ impl<const D: usize> Ensemble<D> {
                 let trajectory = ensemble.len + scenes.len();
                 let simulation = match beyond(most, &start) {
                     Some(error) => Err(error),
-                    None => scene.simulate(start.clone(), method.clone()),
+                    None => scene.trajectory(start.clone(), &method, trajectory as u64),
                 };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
                 simulations.push(simulation.map_err(error)?);

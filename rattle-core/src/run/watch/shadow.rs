@@ -14,6 +14,7 @@
 //! constraints, of the leapfrog; momenta do not enter. H₂ is that of momenta along the constraints, of RATTLE alone.
 //! A composition's inner steps are not even, and neither holds for it.
 
+use crate::motion::capability::Rates;
 use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, scaled, sum};
@@ -24,7 +25,8 @@ use nalgebra::SVector;
 use std::collections::VecDeque;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h².
+    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h². NaN in phase space, where no
+    /// masses are known.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -35,8 +37,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub fn shadow_energy(&self) -> f64 {
         let (system, h) = (self.system(), self.method().step_size());
         let mut accelerations = vec![[0.0; D]; self.bodies()];
-        system.accelerations(&self.bodies, &mut accelerations);
-        let square = |(body, a)| system.mass_product(body, a, a);
+        let (Ok(masses), Ok(())) = (system.rates(), system.accelerations(&self.bodies, &mut accelerations))
+        else {
+            return f64::NAN;
+        };
+        let square = |(body, a)| masses.mass_product(body, a, a);
         let acceleration_square: f64 = accelerations.iter().enumerate().map(square).sum();
 
         // Ü by differences of fourth order along q + v s + a s²/2.
