@@ -103,7 +103,7 @@ impl Artist {
         let times: Vec<f64> = (0..samples).map(|i| i as f64).collect();
         let file = self.folder.path().join("page.html");
         Page::new(name)
-            .scene(Scene3::new(name).surface(&mesh).particles(&times, &padded).trail(3 * samples))
+            .scene(Scene3::new(name).surface(&mesh).bodies(&times, &padded).trail(3 * samples))
             .write(&file)?;
         self.browser.open(&file);
         self.browser.wait("window.rattle !== undefined && rattle.frame() > 0");

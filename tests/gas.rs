@@ -73,7 +73,7 @@ const BODIES: usize = 100;
 
 /// A repelling gas on a sphere: bodies on a spiral, each moving its own way.
 fn scene() -> Scene<Sphere, impl Effects<3>, Many, 3> {
-    Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Gaussian { height: 0.02, width: 0.5 })
+    Scene::on(Sphere { r: 1.0 }).bodies(BODIES).with(Gaussian { height: 0.02, width: 0.5 })
 }
 
 fn start() -> State<3> {
@@ -141,7 +141,7 @@ fn runs_and_restarts_are_the_same_to_the_bit_and_do_not_allocate() {
 /// Two of many bodies at one place, where a force has a pole.
 #[test]
 fn a_force_that_is_no_number_is_found_and_named() {
-    let scene = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Gaussian { height: 0.1, width: 0.5 });
+    let scene = Scene::on(Sphere { r: 1.0 }).bodies(BODIES).with(Gaussian { height: 0.1, width: 0.5 });
     let scene = scene.with(Screened { strength: 0.3, length: 0.4 });
     let mut places: Vec<_> = start().positions().collect();
     places[70] = places[3];

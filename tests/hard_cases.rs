@@ -336,7 +336,7 @@ fn two_particles_at_one_point() {
     assert!((PairPotential::value(&ricker, 0.0) / (0.25 * 1.5_f64.exp()) - 1.0).abs() < 1e-15);
 
     let together = State::of([[0.0, 0.0, SURFACE.r]; 2]).moving([0.3, 0.4, 0.0]);
-    let scene = Scene::on(SURFACE).particles(2);
+    let scene = Scene::on(SURFACE).bodies(2);
     let mut simulation = scene.with(ricker).simulate(together.clone(), Rattle::new(0.01)).unwrap();
     simulation.run(100).unwrap();
     let positions: Vec<_> = simulation.positions().collect();
@@ -507,8 +507,11 @@ fn setups_that_make_no_sense_are_refused() {
     for h in [0.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(scene.simulate(billiard(0.0), Rattle::new(h)), Err(Error::StepSize(_))));
     }
-    let mismatch = scene.particles(3).simulate(billiard(0.0), Rattle::new(0.01)).unwrap_err();
+    let mismatch = scene.bodies(3).simulate(billiard(0.0), Rattle::new(0.01)).unwrap_err();
     assert_eq!(mismatch, Error::BodyCount { scene: 3, state: 1 });
+    assert!(mismatch.to_string().starts_with("the scene has 3 bodies and the state has 1;"), "{mismatch}");
+    let reversed = Error::BodyCount { scene: 1, state: 3 };
+    assert!(reversed.to_string().starts_with("the scene has 1 body and the state has 3;"), "{reversed}");
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let position = State::at([0.0, bad, SURFACE.r]);
         let momentum = State::at([0.0, 0.0, SURFACE.r]).moving([bad, 0.0, 0.0]);

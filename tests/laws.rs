@@ -69,7 +69,7 @@ fn one_particle_alone_or_among_many_moves_the_same() {
     let starts = [0.3, 0.7, 2.0].map(billiard);
     let together = State::of(starts.iter().flat_map(State::positions))
         .with_momenta(starts.iter().flat_map(State::momenta));
-    let mut many = one.particles(3).simulate(together, Rattle::new(0.01)).unwrap();
+    let mut many = one.bodies(3).simulate(together, Rattle::new(0.01)).unwrap();
     many.run(300).unwrap();
     for (i, start) in starts.into_iter().enumerate() {
         let mut alone = one.simulate(start, Rattle::new(0.01)).unwrap();
@@ -107,10 +107,8 @@ fn a_step_takes_few_evaluations() {
 fn a_step_does_not_allocate() {
     let mut one =
         Scene::on(SURFACE).with(Gravity { g: 1.0 }).simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
-    let scene = Scene::on(SURFACE)
-        .with(Gravity { g: 1.0 })
-        .particles(2)
-        .with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let scene =
+        Scene::on(SURFACE).with(Gravity { g: 1.0 }).bodies(2).with(Ricker { depth: 0.5, radius: SURFACE.r });
     let pair = scene.project(&State::of([[0.0, 0.0, 0.2], [0.1, 0.0, 0.2]])).unwrap();
     let mut two = scene.simulate(pair, Composition::new(SUZUKI_1990_ORDER_4, 0.01)).unwrap();
     let allocated = allocation_counter::measure(|| {
@@ -156,7 +154,7 @@ fn gas_energy_is_second_order_with_the_right_sign_of_force() {
         path.run(100).unwrap();
         points.push(path.position());
     }
-    let gas = Scene::on(SURFACE).particles(21).with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let gas = Scene::on(SURFACE).bodies(21).with(Ricker { depth: 0.5, radius: SURFACE.r });
     let deviation = |h: f64, steps: u64| {
         let mut simulation = gas.simulate(State::of(points.clone()), Rattle::new(h)).unwrap();
         let (mut largest, mut kinetic) = (0.0_f64, 0.0_f64);
@@ -223,7 +221,7 @@ where
 
 #[test]
 fn a_failed_step_leaves_no_trace() {
-    let sphere = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let sphere = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).bodies(3);
     let error = failure_leaves_no_trace(sphere, last_one_fails(), Rattle::new(0.1));
     let Error::Step { step: 1, body: 2, cause: StepFailure::StepTooLong { reach, longest, h, .. }, .. } =
         error
@@ -255,7 +253,7 @@ fn two_effects_add_up() {
 
 #[test]
 fn trajectory_has_one_row_per_step() {
-    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).bodies(3);
     let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]).with_momenta([
         [0.0, 1.0, 0.0],
         [0.0, 0.0, 1.0],
@@ -274,7 +272,7 @@ fn trajectory_has_one_row_per_step() {
     assert_eq!((multipliers.position.len(), multipliers.momentum.len()), (33, 33));
 
     // A failed step leaves no half row.
-    let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).bodies(3);
     let mut simulation = scene.simulate(last_one_fails(), Rattle::new(0.1)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
     simulation.observe(1, 1, &mut trajectory).unwrap_err();

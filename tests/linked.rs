@@ -121,7 +121,7 @@ fn spherical_pendulum_with_its_multiplier() {
 
 #[test]
 fn two_ricker_particles_in_a_network() {
-    let surface = Scene::on(SURFACE).particles(2).with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let surface = Scene::on(SURFACE).bodies(2).with(Ricker { depth: 0.5, radius: SURFACE.r });
     let network = surface.mass(1.0);
     let f = 0.1_f64.powi(4) - 0.1_f64.powi(2);
     let start = State::of([[0.0, 0.0, SURFACE.r], [0.1, 0.0, (1.0 / 36.0 - f * f).sqrt()]])

@@ -135,7 +135,7 @@ fn starts_that_do_not_fit() {
 
     let off = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.001]]);
     let error = simulate(off.clone());
-    says(&error, &["particle 1", "Rod 1 (bodies 1, 2)", "off by 7.0", "g = 2.0", "`scene.project(state)`"]);
+    says(&error, &["body 1", "Rod 1 (bodies 1, 2)", "off by 7.0", "g = 2.0", "`scene.project(state)`"]);
     let StartFailure::OffConstraint { distance, value, .. } = start_cause(error).1 else { panic!() };
     // |g|/|∇g| with ∇g on both bodies: 2.001e-3 / (2·1.001·√2).
     assert!(
@@ -150,14 +150,14 @@ fn starts_that_do_not_fit() {
     scene.simulate(scene.project(&bent).unwrap(), method).unwrap();
 
     let error = simulate(State::of([[0.0, 0.1], [1.0, 0.0], [1.0, 1.0]]));
-    says(&error, &["particle 0", "pinned at [0.0, 0.0]", "[0.0, 0.1]"]);
+    says(&error, &["body 0", "pinned at [0.0, 0.0]", "[0.0, 0.1]"]);
     let error = simulate(double_pendulum().moving([0.0, 1.0]));
-    says(&error, &["particle 0", "pinned", "momentum [0.0, 1.0]"]);
+    says(&error, &["body 0", "pinned", "momentum [0.0, 1.0]"]);
     for bad in [f64::NAN, f64::INFINITY] {
         let error = simulate(State::of([[0.0, 0.0], [1.0, bad], [1.0, 1.0]]));
-        says(&error, &["particle 1", "position[1]", "finite"]);
+        says(&error, &["body 1", "position[1]", "finite"]);
         let error = simulate(double_pendulum().with_momenta([[0.0, 0.0], [0.0, 0.0], [bad, 0.0]]));
-        says(&error, &["particle 2", "momentum[0]", "finite"]);
+        says(&error, &["body 2", "momentum[0]", "finite"]);
         assert!(
             scene.clone().pin(0, [bad, 0.0]).simulate(double_pendulum(), method).is_err(),
             "pin at {bad}"
@@ -297,10 +297,7 @@ fn a_multiplier_that_cannot_act() {
     let mut simulation = scene.simulate(State::of([[1.0, 0.0]]), Rattle::new(0.01)).unwrap();
     let error = fails(&mut simulation, 1000);
     println!("{error}");
-    says(
-        &error,
-        &["particle 0", "Pendulum 0 (body 0)", "no longer hold", "share", "let it act on the others"],
-    );
+    says(&error, &["body 0", "Pendulum 0 (body 0)", "no longer hold", "share", "let it act on the others"]);
     let [x, y] = simulation.position_of(0);
     assert!(x.abs() < 0.25 && y < -0.96, "{x}, {y}");
     assert!(matches!(step_cause(error), StepFailure::CannotAct { share, .. } if share < 0.25));
@@ -327,15 +324,7 @@ fn a_step_too_long_says_what_passes() {
         assert_eq!(fails(&mut simulation, 1), error);
         says(
             &error,
-            &[
-                "step ",
-                "particle ",
-                "Rod ",
-                "(bodies ",
-                "residuals as lengths [",
-                "|∇g| = 2.",
-                "h·|∇²g v|/|∇g|",
-            ],
+            &["step ", "body ", "Rod ", "(bodies ", "residuals as lengths [", "|∇g| = 2.", "h·|∇²g v|/|∇g|"],
         );
         let StepFailure::NotSolved {
             passing: Passing(Some(short)),
@@ -379,13 +368,13 @@ fn forces_that_are_not_finite() {
     let start = double_pendulum().with_momenta([[0.0, 0.0], [0.0, 0.0], [-1.0, 0.0]]);
     let mut simulation = edge.simulate(start, Rattle::new(0.05)).unwrap();
     let error = fails(&mut simulation, 100);
-    says(&error, &["particle 2", "Edge", "check the potential's domain"]);
+    says(&error, &["body 2", "Edge", "check the potential's domain"]);
     assert!(matches!(step_cause(error), StepFailure::ForceNotFinite { .. }));
     assert!(simulation.position_of(2)[0] >= 0.0);
 
     let left = State::of([[0.0, 0.0], [-1.0, 0.0], [-1.0, 1.0]]);
     let error = edge.simulate(left, Rattle::new(0.05)).map(drop).unwrap_err();
-    says(&error, &["particle 2", "Edge", "domain"]);
+    says(&error, &["body 2", "Edge", "domain"]);
 
     // Too strong to be squared.
     let strong = scene.with(PlanarGravity { g: 1e200 });

@@ -483,6 +483,8 @@ fn bad_masses_are_refused() {
         mistake(rods.clone().masses([Matrix2::identity(), asymmetric, Matrix2::identity()])),
         &asymmetric,
     );
+    let counted = mistake(rods.clone().masses([1.0])).unwrap_err();
+    assert_eq!(counted.to_string(), "1 mass was given for 3 bodies");
     let counted = mistake(rods.masses([1.0, 1.0])).unwrap_err();
     assert_eq!(counted.to_string(), "2 masses were given for 3 bodies");
 }

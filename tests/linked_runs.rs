@@ -66,7 +66,7 @@ fn scenes() -> Vec<(&'static str, Box<dyn Run>)> {
         .pin(0, [0.0, 0.0])
         .with(PlanarGravity { g: 1.0 });
     let grown = growing.project(&double_pendulum().at_time(0.3)).unwrap();
-    let surfaces = Scene::on(SURFACE).particles(2).with(Ricker { depth: 0.5, radius: SURFACE.r }).mass(2.0);
+    let surfaces = Scene::on(SURFACE).bodies(2).with(Ricker { depth: 0.5, radius: SURFACE.r }).mass(2.0);
     let f = 0.1_f64.powi(4) - 0.1_f64.powi(2);
     let two = State::of([[0.0, 0.0, SURFACE.r], [0.1, 0.0, (1.0 / 36.0 - f * f).sqrt()]])
         .with_momenta([[0.3, 0.4, 0.0], [0.0; 3]]);

@@ -362,8 +362,8 @@ potential! {
 }
 
 #[test]
-fn errors_name_the_particle() {
-    let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
+fn errors_name_the_body() {
+    let scene = Scene::on(Sphere { r: 1.0 }).bodies(3);
     let still = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
     let fast = State::of(still).with_momenta([[0.0; 3], [0.0; 3], [1000.0, 0.0, 0.0]]);
     let error = scene.simulate(fast, Lobatto::<5>::new(0.1)).unwrap().step().unwrap_err();
@@ -371,5 +371,5 @@ fn errors_name_the_particle() {
     let scene = scene.with(Edge {});
     let over = State::of(still).with_momenta([[0.0; 3], [0.0; 3], [3.0, 0.0, 0.0]]);
     let error = scene.simulate(over, Lobatto::<5>::new(0.1)).unwrap().run(100).unwrap_err();
-    assert!(error.to_string().contains("particle 2") && error.to_string().contains("Edge"), "{error}");
+    assert!(error.to_string().contains("body 2") && error.to_string().contains("Edge"), "{error}");
 }

@@ -53,13 +53,10 @@ fn billiards() -> Page {
     let mesh = Mesh::of(tube, [-1.2, -0.6, -0.3], [1.2, 0.6, 0.3], 112).unwrap();
     let fan = Scene3::new("25 trajectories")
         .surface(&mesh)
-        .particles(&times, &fan)
+        .bodies(&times, &fan)
         .caption("From the middle of the saddle in 25 directions. </script> & <b>not bold</b>");
-    let crowd = Scene3::new("Gas of 21")
-        .surface(&mesh)
-        .particles(&times, &crowd)
-        .trail(50)
-        .caption("Each on its own.");
+    let crowd =
+        Scene3::new("Gas of 21").surface(&mesh).bodies(&times, &crowd).trail(50).caption("Each on its own.");
     Page::new("Billiards on a surface of <genus> two & more").scene(fan).scene(crowd)
 }
 
@@ -224,7 +221,7 @@ fn without_webgl_the_page_says_so() {
 }
 
 fn flight() -> Scene3 {
-    Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]])
+    Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]])
 }
 
 /// The stage once damping has come to rest: two screenshots in a row that agree.
@@ -244,7 +241,7 @@ fn settled(page: &mut Browser) -> Vec<[u8; 3]> {
 #[test]
 fn scenes_that_cannot_be_drawn_are_errors() {
     let path = [[0.0; 3], [1.0; 3]];
-    let scene = |times: &[f64], paths: &[Vec<[f64; 3]>]| Scene3::new("flight").particles(times, paths);
+    let scene = |times: &[f64], paths: &[Vec<[f64; 3]>]| Scene3::new("flight").bodies(times, paths);
     let far = vec![[0.0; 3], [1e39, 0.0, 0.0]];
     #[rustfmt::skip]
     let cases = [
@@ -253,8 +250,8 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("backwards", scene(&[0.0, -1.0], &[path.to_vec()]),                    "time 1 is -1"),
         ("NaN time",  scene(&[f64::NAN, 1.0], &[path.to_vec()]),                "time 1 is 1"),
         ("as one",    scene(&[1.0, 1.0 + 1e-12], &[path.to_vec()]),             "does not follow"),
-        ("short",     scene(&[0.0, 1.0, 2.0], &[path.to_vec()]),                "particle 0 has 2 positions for 3 times"),
-        ("NaN",       scene(&[0.0, 1.0], &[path.to_vec(), vec![[0.0; 3], [0.0, f64::NAN, 0.0]]]), "particle 1 is at [0.0, NaN, 0.0] at time 1"),
+        ("short",     scene(&[0.0, 1.0, 2.0], &[path.to_vec()]),                "body 0 has 2 positions for 3 times"),
+        ("NaN",       scene(&[0.0, 1.0], &[path.to_vec(), vec![[0.0; 3], [0.0, f64::NAN, 0.0]]]), "body 1 is at [0.0, NaN, 0.0] at time 1"),
         ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
     ];
     for (name, scene, words) in cases {

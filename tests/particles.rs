@@ -71,7 +71,7 @@ where
     let mut worst = 0.0_f64;
     for number in [7, 8, 9, 16, 17, 24, 25, 32, 33, 63, 64, 65, 130] {
         let starts = starts(surface, number, size);
-        let mut many = (*scene).particles(number).simulate(together(&starts), method.clone()).unwrap();
+        let mut many = (*scene).bodies(number).simulate(together(&starts), method.clone()).unwrap();
         let mut of_many = Multipliers::default();
         many.observe(40, 1, &mut of_many).unwrap();
         for (body, start) in starts.into_iter().enumerate() {
@@ -160,7 +160,7 @@ fn hard_steps_end_alike<C: Constraint<3, 1> + Copy>(surface: C, size: f64) -> [u
         }
         let crowd: Vec<State<3>> = starts.iter().map(|(start, ..)| start.clone()).collect();
         let mut many =
-            Scene::on(surface).particles(crowd.len()).simulate(together(&crowd), Rattle::new(1.0)).unwrap();
+            Scene::on(surface).bodies(crowd.len()).simulate(together(&crowd), Rattle::new(1.0)).unwrap();
         many.step().unwrap();
         for (i, (_, q, p)) in starts.iter().enumerate() {
             let (q_of, p_of) = (many.positions().nth(i).unwrap(), many.momenta().nth(i).unwrap());
@@ -172,7 +172,7 @@ fn hard_steps_end_alike<C: Constraint<3, 1> + Copy>(surface: C, size: f64) -> [u
             let mut crowd = crowd.clone();
             crowd.insert(place, start.clone());
             crowd.push(refused[0].0.clone()); // a later one, which is not told
-            let scene = Scene::on(surface).particles(crowd.len());
+            let scene = Scene::on(surface).bodies(crowd.len());
             let mut many = scene.simulate(together(&crowd), Rattle::new(1.0)).unwrap();
             let before = bits(&many.state());
             let Err(Error::Step { body, cause: found, .. }) = many.step() else { panic!("{cause}") };
@@ -200,7 +200,7 @@ fn hard_steps_end_as_alone_and_are_refused_for_the_same_reason() {
 #[test]
 fn a_start_that_is_gone_on_from_gives_the_same_bits() {
     let ring = TorusByDistance { major: 1.0, minor: 0.3 };
-    let scene = Scene::on(ring).with(Gravity { g: 1.0 }).particles(40);
+    let scene = Scene::on(ring).with(Gravity { g: 1.0 }).bodies(40);
     let start = || together(&starts(ring, 40, 1.5));
     macro_rules! check {
         ($($method:expr),*) => {$({
@@ -232,7 +232,7 @@ fn who_rests_stays_at_rest() {
         for number in [7, 8, 64, 200] {
             let still: Vec<_> =
                 starts(surface, number, 1.5).iter().map(|start| start.clone().moving([0.0; 3])).collect();
-            let (scene, still) = (Scene::on(surface).particles(number), together(&still));
+            let (scene, still) = (Scene::on(surface).bodies(number), together(&still));
             let mut simulation = scene.simulate(still.clone(), Rattle::new(0.02)).unwrap();
             simulation.run(10).unwrap();
             // A start may be some roundings off, and is put right: a way of 1e-16, of which momenta keep the rounding.
@@ -253,7 +253,7 @@ fn rounding_does_not_add_up() {
     // Great circles: RATTLE keeps their energy, and what is left is rounding, of compensated sums.
     let sphere = rattle::surfaces::Sphere { r: 1.3 };
     let starts: Vec<_> = starts(sphere, 64, 1.0).iter().map(unit_speed).collect();
-    let mut many = Scene::on(sphere).particles(64).simulate(together(&starts), Rattle::new(0.02)).unwrap();
+    let mut many = Scene::on(sphere).bodies(64).simulate(together(&starts), Rattle::new(0.02)).unwrap();
     let mut worst = 0.0_f64;
     many.run_with(50_000, |now| worst = worst.max((now.energy_error() / 32.0).abs())).unwrap();
     println!("energy off by {worst:e}");
@@ -272,7 +272,7 @@ fn a_force_that_stops_being_a_number_is_told_with_the_particle() {
         struct Edge {}
         |x, y, z| (0.9 - x)^(3/2)
     }
-    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Edge {}).particles(70);
+    let scene = Scene::on(rattle::surfaces::Sphere { r: 1.0 }).with(Edge {}).bodies(70);
     // Particle 67 goes over the edge.
     let starts = State::of((0..70).map(|_| [0.6, 0.8, 0.0]));
     let starts = starts.with_momenta((0..70).map(|i| if i == 67 { [4.0, -3.0, 0.0] } else { [0.0; 3] }));

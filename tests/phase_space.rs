@@ -424,7 +424,7 @@ fn constraints_on_positions_are_moved_by_rattle() {
 
 #[test]
 fn bodies_do_not_see_each_other_and_steps_do_not_allocate() {
-    let scene = hopf().particles(2);
+    let scene = hopf().bodies(2);
     let (b, c) = (start("B"), start("C"));
     let both = State::of([b.positions().next().unwrap(), c.positions().next().unwrap()])
         .with_momenta([b.momenta().next().unwrap(), c.momenta().next().unwrap()]);

@@ -134,7 +134,7 @@ fn pendulum_against_elliptic_functions() {
 /// Two interacting particles: also the sign of the pair force, which the notebook's code has reversed.
 #[test]
 fn two_ricker_particles() {
-    let scene = Scene::on(SURFACE).particles(2).with(Ricker { depth: 0.5, radius: SURFACE.r });
+    let scene = Scene::on(SURFACE).bodies(2).with(Ricker { depth: 0.5, radius: SURFACE.r });
     let f = 0.1_f64.powi(4) - 0.1_f64.powi(2);
     let start = State::of([[0.0, 0.0, SURFACE.r], [0.1, 0.0, (1.0 / 36.0 - f * f).sqrt()]])
         .with_momenta([[0.3, 0.4, 0.0], [0.0; 3]]);

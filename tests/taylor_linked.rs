@@ -204,7 +204,7 @@ fn rigid_bodies() {
     let p = simulation.momentum();
     assert!(distance([p[0], p[1], p[2]], row.numbers(["m1", "m2", "m3"])) <= 2e-15);
 
-    let tops = Scene::rigid(Rigid::new([0.6, 0.6, 0.4])).particles(2).with(TopWeight { g: 1.0 });
+    let tops = Scene::rigid(Rigid::new([0.6, 0.6, 0.4])).bodies(2).with(TopWeight { g: 1.0 });
     let tops = tops.with(Ricker { depth: 0.5, radius: 0.8 });
     let turned = rattle::nalgebra::Rotation3::from_euler_angles(0.4, 0.2, 0.0);
     let coordinates = [turned.matrix(), &Matrix3::identity()].map(Rigid::coordinates);

@@ -56,7 +56,7 @@ fn gas() {
 
 /// Particles on a surface.
 fn particles() {
-    let scene = Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }).particles(100);
+    let scene = Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }).bodies(100);
     let places = (0..100).map(f64::from).map(|i| [i.cos(), i.sin(), 0.1]);
     let start = scene.project(&State::of(places)).unwrap();
     scene.simulate(start, Rattle::new(0.01)).unwrap().run(2).unwrap();

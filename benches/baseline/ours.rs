@@ -167,7 +167,7 @@ struct Gas<Y: System<f64, 3>>(Simulation<Y, Rattle, 3>);
 
 /// The gas that starts at rest in these positions.
 pub(crate) fn gas(h: f64, positions: &[[f64; 3]]) -> Box<dyn Run> {
-    let scene: Scene<_, _, Many, 3> = Scene::on(SURFACE).particles(positions.len()).with(RICKER);
+    let scene: Scene<_, _, Many, 3> = Scene::on(SURFACE).bodies(positions.len()).with(RICKER);
     let start = State::of(positions.iter().copied());
     Box::new(Gas(scene.simulate(start, Rattle::new(h)).expect("a start on the surface")))
 }

@@ -113,8 +113,7 @@ fn fall(h: f64, steps: u64, progress: &ProgressBar) -> Result<Vec<Run>, rattle::
 }
 
 fn gas(starts: &[[f64; 3]], h: f64, steps: u64) -> Result<Run, rattle::Error> {
-    let scene =
-        Scene::on(SURFACE).particles(starts.len()).with(Ricker { depth: 0.5, radius: SURFACE.a / 6.0 });
+    let scene = Scene::on(SURFACE).bodies(starts.len()).with(Ricker { depth: 0.5, radius: SURFACE.a / 6.0 });
     Run::of(scene.simulate(State::of(starts.iter().copied()), Rattle::new(h))?, steps)
 }
 

@@ -26,7 +26,7 @@ use std::marker::PhantomData;
 ///
 /// Only effects that are named are simulated; a scene without any is free motion along geodesics.
 ///
-/// A function that takes a scene of one particle in space:
+/// A function that takes a scene of one body in space:
 ///
 /// ```
 /// use rattle::{bodies::One, effect::Effects, scene::{Hold, Scene}};
@@ -39,7 +39,7 @@ pub struct Scene<C, E, N, const D: usize> {
     pub(crate) count: N,
 }
 
-/// What a scene can begin with: one constraint, on one particle. A single equation makes a surface; several a
+/// What a scene can begin with: one constraint, on one body. A single equation makes a surface; several a
 /// [`Network`]. Up to 64 are listed; for more, `Scene::point().link(constraint, [[0]])`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no constraint",
@@ -48,7 +48,7 @@ pub struct Scene<C, E, N, const D: usize> {
     note = "constraints between bodies are links: `Scene::points(n).link(constraint, members)`"
 )]
 pub trait Begin<const D: usize, const M: usize> {
-    /// What holds the particle.
+    /// What holds the body.
     type Hold: Hold<D>;
     /// The constraint as what holds it.
     fn begin(self) -> Self::Hold;
@@ -75,7 +75,7 @@ begin_with_several!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24
     38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64);
 
 impl Scene<(), (), One, 0> {
-    /// One particle of unit mass on the surface g(q) = 0, or under several equations at once, and nothing else.
+    /// One body of unit mass on the surface g(q) = 0, or under several equations at once, and nothing else.
     pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
@@ -131,11 +131,11 @@ impl Scene<(), (), One, 0> {
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// This many particles, each under its own copy of the constraint. From eight on they go several at a time where the
+    /// This many bodies, each under its own copy of the constraint. From eight on they go several at a time where the
     /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::number::lanes) of their own, and in
     /// half to a fourth of the time.
-    pub fn particles(self, number: usize) -> Scene<C, E, Many, D> {
-        Scene { constraint: self.constraint.particles(number), effects: self.effects, count: Many(number) }
+    pub fn bodies(self, number: usize) -> Scene<C, E, Many, D> {
+        Scene { constraint: self.constraint.bodies(number), effects: self.effects, count: Many(number) }
     }
 }
 
@@ -257,8 +257,8 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with one more effect: a potential on each particle, or one between every two (which does nothing
-    /// to a particle alone).
+    /// The same scene with one more effect: a potential on each body, or one between every two (which does nothing
+    /// to a body alone).
     pub fn with<P: Effect<D, Kind>, Kind>(self, effect: P) -> Scene<C, With<E, P, Kind>, N, D> {
         let effects = With { others: self.effects, effect, kind: PhantomData };
         Scene { constraint: self.constraint, effects, count: self.count }

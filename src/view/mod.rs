@@ -1,4 +1,4 @@
-//! Pictures in space: the surface as a mesh, and a web page on which particles move on it.
+//! Pictures in space: the surface as a mesh, and a web page on which bodies move on it.
 //!
 //! ```
 //! use rattle::view::{Mesh, Page, Scene3};
@@ -9,7 +9,7 @@
 //!
 //! let times: Vec<f64> = (0..=100).map(|i| 0.1 * f64::from(i)).collect();
 //! let equator: Vec<[f64; 3]> = times.iter().map(|t| [t.cos(), t.sin(), 0.0]).collect();
-//! let scene = Scene3::new("Equator").surface(&mesh).particles(&times, &[equator]).caption("One free particle.");
+//! let scene = Scene3::new("Equator").surface(&mesh).bodies(&times, &[equator]).caption("One free body.");
 //! Page::new("Motion on a sphere").scene(scene).write(&path)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -1,4 +1,4 @@
-//! One HTML file without a network: scenes with a surface and particles that leave fading trails.
+//! One HTML file without a network: scenes with a surface and bodies that leave fading trails.
 //!
 //! ```text
 //! page.html  ◀── page.css, three.min.js (made by bundle.sh), page.js
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// Positions of all particles of a scene that a page takes; every WebGL 2 has a texture that holds them.
+/// Positions of all bodies of a scene that a page takes; every WebGL 2 has a texture that holds them.
 const MAX_POINTS: usize = 2048 * 2048;
 
 /// A page with scenes to switch between.
@@ -39,7 +39,7 @@ impl Page {
     ///
     /// ```
     /// use rattle::view::{Page, Scene3};
-    /// let scene = |title| Scene3::new(title).particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
+    /// let scene = |title| Scene3::new(title).bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
     /// let html = Page::new("Two scenes").scene(scene("slow")).scene(scene("fast")).to_html()?;
     /// assert!(html.contains("slow") && html.contains("fast"));
     /// # Ok::<(), rattle::view::PageError>(())
@@ -57,9 +57,9 @@ impl Page {
     ///
     /// ```
     /// use rattle::view::{Page, PageError, Scene3};
-    /// let scene = Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [f64::NAN; 3]]]);
+    /// let scene = Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [f64::NAN; 3]]]);
     /// let error = Page::new("Flight").scene(scene).to_html().unwrap_err();
-    /// assert!(matches!(error, PageError::NotFinite { particle: 0, frame: 1, .. }));
+    /// assert!(matches!(error, PageError::NotFinite { body: 0, frame: 1, .. }));
     /// ```
     pub fn to_html(&self) -> Result<String, PageError> {
         if self.scenes.is_empty() {
@@ -97,7 +97,7 @@ impl Page {
     /// ```
     /// use rattle::view::{Page, Scene3};
     /// # let folder = tempfile::tempdir()?;
-    /// let scene = Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
+    /// let scene = Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
     /// Page::new("Flight").scene(scene).write(folder.path().join("out/flight.html"))?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -109,7 +109,7 @@ impl Page {
     }
 }
 
-/// A scene of a [`Page`]: particles, and the surface they move on if there is one.
+/// A scene of a [`Page`]: bodies, and the surface they move on if there is one.
 #[derive(Clone, Debug)]
 pub struct Scene3 {
     title: String,
@@ -122,7 +122,7 @@ pub struct Scene3 {
 }
 
 impl Scene3 {
-    /// A scene that still lacks its particles.
+    /// A scene that still lacks its bodies.
     ///
     /// ```
     /// use rattle::view::{Page, PageError, Scene3};
@@ -147,7 +147,7 @@ impl Scene3 {
     /// use rattle::view::{Mesh, Page, Scene3};
     /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
     /// let mesh = Mesh::of(sphere, [-1.2; 3], [1.2; 3], 12)?;
-    /// let scene = Scene3::new("at the pole").surface(&mesh).particles(&[0.0, 1.0], &[[[0.0, 0.0, 1.0]; 2]]);
+    /// let scene = Scene3::new("at the pole").surface(&mesh).bodies(&[0.0, 1.0], &[[[0.0, 0.0, 1.0]; 2]]);
     /// assert!(Page::new("Rest").scene(scene).to_html().is_ok());
     /// # Ok::<(), rattle::view::MeshError>(())
     /// ```
@@ -156,16 +156,16 @@ impl Scene3 {
         self
     }
 
-    /// The motion: increasing times, and for each particle its position at each of them (arrays or nalgebra's
-    /// vectors). Particles get colours around the hue circle in their order.
+    /// The motion: increasing times, and for each body its position at each of them (arrays or nalgebra's
+    /// vectors). Bodies get colours around the hue circle in their order.
     ///
     /// ```
     /// use nalgebra::{Vector3, vector};
     /// let path: Vec<Vector3<f64>> = vec![vector![0.0, 0.0, 0.0], vector![1.0, 0.0, 0.0]];
-    /// let scene = rattle::view::Scene3::new("flight").particles(&[0.0, 1.0], &[path]);
+    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[path]);
     /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html().is_ok());
     /// ```
-    pub fn particles<P, Q>(mut self, times: &[f64], positions: &[P]) -> Self
+    pub fn bodies<P, Q>(mut self, times: &[f64], positions: &[P]) -> Self
     where
         P: AsRef<[Q]>,
         Q: Copy + Into<[f64; 3]>,
@@ -213,7 +213,7 @@ impl Scene3 {
     /// ```
     /// let times: Vec<f64> = (0..60).map(f64::from).collect();
     /// let path: Vec<[f64; 3]> = times.iter().map(|&t| [t, 0.0, 0.0]).collect();
-    /// let scene = rattle::view::Scene3::new("flight").particles(&times, &[path]).trail(25);
+    /// let scene = rattle::view::Scene3::new("flight").bodies(&times, &[path]).trail(25);
     /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html()?.contains(r#""trail":25"#));
     /// # Ok::<(), rattle::view::PageError>(())
     /// ```
@@ -225,7 +225,7 @@ impl Scene3 {
     /// How many seconds the whole motion takes on the page at speed 1; 30 unless told.
     ///
     /// ```
-    /// let scene = rattle::view::Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]).seconds(10.0);
+    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]).seconds(10.0);
     /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html()?.contains(r#""seconds":10.0"#));
     /// # Ok::<(), rattle::view::PageError>(())
     /// ```
@@ -242,7 +242,7 @@ impl Scene3 {
     /// A sentence or two under the title.
     ///
     /// ```
-    /// let scene = rattle::view::Scene3::new("flight").particles(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
+    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
     /// let html = rattle::view::Page::new("Flight").scene(scene.caption("Straight on.")).to_html()?;
     /// assert!(html.contains("Straight on."));
     /// # Ok::<(), rattle::view::PageError>(())
@@ -264,14 +264,14 @@ impl Scene3 {
         if let Some(frame) = (1..self.times.len()).find(|i| !increasing(i)) {
             return Err(PageError::Times { scene: scene(), frame, time: self.times[frame] });
         }
-        for (particle, path) in self.positions.iter().enumerate() {
+        for (body, path) in self.positions.iter().enumerate() {
             if path.len() != self.times.len() {
                 let (positions, times) = (path.len(), self.times.len());
-                return Err(PageError::Length { scene: scene(), particle, positions, times });
+                return Err(PageError::Length { scene: scene(), body, positions, times });
             }
             let finite = |point: &[f64; 3]| point.iter().all(|&x| (x as f32).is_finite());
             if let Some(frame) = path.iter().position(|point| !finite(point)) {
-                return Err(PageError::NotFinite { scene: scene(), particle, frame, position: path[frame] });
+                return Err(PageError::NotFinite { scene: scene(), body, frame, position: path[frame] });
             }
         }
         let points = self.positions.len() * self.times.len();
@@ -355,8 +355,8 @@ pub enum PageError {
     /// The page has no scene.
     #[error("the page has no scene")]
     NoScene,
-    /// A scene has no particle, or less than two times.
-    #[error("scene `{scene}`: nothing moves; give at least one particle and two times")]
+    /// A scene has no body, or less than two times.
+    #[error("scene `{scene}`: nothing moves; give at least one body and two times")]
     NoMotion {
         /// The scene.
         scene: String,
@@ -371,25 +371,25 @@ pub enum PageError {
         /// The time.
         time: f64,
     },
-    /// A particle has not as many positions as there are times.
-    #[error("scene `{scene}`: particle {particle} has {positions} positions for {times} times")]
+    /// A body has not as many positions as there are times.
+    #[error("scene `{scene}`: body {body} has {positions} positions for {times} times")]
     Length {
         /// The scene.
         scene: String,
-        /// The particle.
-        particle: usize,
+        /// The body.
+        body: usize,
         /// Its positions.
         positions: usize,
         /// The times.
         times: usize,
     },
     /// A position is NaN, infinite or beyond f32.
-    #[error("scene `{scene}`: particle {particle} is at {position:?} at time {frame}")]
+    #[error("scene `{scene}`: body {body} is at {position:?} at time {frame}")]
     NotFinite {
         /// The scene.
         scene: String,
-        /// The particle.
-        particle: usize,
+        /// The body.
+        body: usize,
         /// The time's number.
         frame: usize,
         /// The position.
@@ -400,7 +400,7 @@ pub enum PageError {
     TooMany {
         /// The scene.
         scene: String,
-        /// Particles × times.
+        /// Bodies × times.
         points: usize,
     },
     /// The file can't be written.

@@ -12,6 +12,7 @@ pub use phase::PhaseMistake;
 pub use start::StartFailure;
 pub use step::StepFailure;
 
+use numbers::many;
 use std::fmt;
 
 /// Why a scene could not be set up or a step could not be taken.
@@ -28,7 +29,8 @@ pub enum Error {
 
     /// The state has another number of bodies than the scene.
     #[error(
-        "the scene has {scene} particle(s) and the state has {state}; see `Scene::particles` and `State::of`"
+        "the scene has {} and the state has {state}; see `Scene::points`, `Scene::bodies` and `State::of`",
+        many(*scene, "body", "bodies")
     )]
     BodyCount {
         /// Bodies of the scene.
@@ -103,7 +105,11 @@ pub enum Error {
     },
 
     /// The state was given more momenta than it has bodies.
-    #[error("the state has {bodies} bodies and was given {momenta} momenta")]
+    #[error(
+        "the state has {} and was given {}",
+        many(*bodies, "body", "bodies"),
+        many(*momenta, "momentum", "momenta")
+    )]
     MomentumCount {
         /// Bodies of the state.
         bodies: usize,
@@ -113,7 +119,8 @@ pub enum Error {
 
     /// A method for free bodies was given constraints.
     #[error(
-        "{method} is for free bodies, and the scene has {equations} equation(s); `Shake` and `Rattle` are for constraints"
+        "{method} is for free bodies, and the scene has {}; `Shake` and `Rattle` are for constraints",
+        many(*equations, "equation", "equations")
     )]
     NeedsFreeBodies {
         /// The method.
@@ -127,7 +134,7 @@ pub enum Error {
     Network(NetworkMistake),
 
     /// A start that cannot be simulated.
-    #[error("start of particle {body}: {cause}")]
+    #[error("start of body {body}: {cause}")]
     Start {
         /// Which body, counted from 0.
         body: usize,
@@ -146,7 +153,7 @@ pub enum Error {
     },
 
     /// A step that cannot be taken.
-    #[error("step {step} (t = {time}), particle {body}: {cause}")]
+    #[error("step {step} (t = {time}), body {body}: {cause}")]
     Step {
         /// The step that failed; the first step is 1.
         step: u64,
@@ -160,7 +167,7 @@ pub enum Error {
 
     /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
     #[error(
-        "step {step} (t = {time}), particle {body}: halved {halvings} times, and its parts still fail: {cause}"
+        "step {step} (t = {time}), body {body}: halved {halvings} times, and its parts still fail: {cause}"
     )]
     Retried {
         /// Which step, counted from 1.
@@ -177,7 +184,7 @@ pub enum Error {
 
     /// A step that does not lead back: see [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
     #[error(
-        "step {step} (t = {time}), particle {body}: {}; try a smaller step",
+        "step {step} (t = {time}), body {body}: {}; try a smaller step",
         missed(*off, *tolerance)
     )]
     NotReversed {

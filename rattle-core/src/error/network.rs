@@ -1,5 +1,6 @@
 //! Links, masses and pins, and how messages name an equation.
 
+use crate::error::numbers::many;
 use std::fmt;
 
 /// What is wrong with links, masses or pins.
@@ -29,7 +30,7 @@ pub enum NetworkMistake {
         body: usize,
     },
     /// As many masses as bodies are needed.
-    #[error("{masses} masses were given for {bodies} bodies")]
+    #[error("{} given for {}", many(*masses, "mass was", "masses were"), many(*bodies, "body", "bodies"))]
     MassCount {
         /// Masses given.
         masses: usize,

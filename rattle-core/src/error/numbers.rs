@@ -52,3 +52,8 @@ impl fmt::Display for History {
         f.write_str(if self.0.len() > 8 { ", …]" } else { "]" })
     }
 }
+
+/// So many of them, in words.
+pub(crate) fn many(number: usize, one: &str, more: &str) -> String {
+    format!("{number} {}", if number == 1 { one } else { more })
+}

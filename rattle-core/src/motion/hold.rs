@@ -36,9 +36,9 @@ pub trait Hold<const D: usize>: Sized {
         *force
     }
 
-    /// The same for so many particles, each under its own copy.
+    /// The same for so many bodies, each under its own copy.
     #[must_use]
-    fn particles(self, number: usize) -> Self;
+    fn bodies(self, number: usize) -> Self;
 
     /// The state moved onto the constraints.
     ///

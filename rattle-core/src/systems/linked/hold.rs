@@ -31,7 +31,7 @@ impl<const D: usize> Hold<D> for Network<D> {
         self.pins.iter().any(|&(pinned, _)| pinned == body)
     }
 
-    fn particles(self, number: usize) -> Self {
+    fn bodies(self, number: usize) -> Self {
         let each = |group: Arc<dyn Group<D>>| group.for_each(number).map_or(group, Arc::from);
         Self { groups: self.groups.into_iter().map(each).collect(), ..self }
     }

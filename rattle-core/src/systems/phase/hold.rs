@@ -49,7 +49,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         Ok(system)
     }
 
-    fn particles(self, _: usize) -> Self {
+    fn bodies(self, _: usize) -> Self {
         self
     }
 

@@ -27,7 +27,7 @@ pub(crate) const CROOKED: f64 = 1e-14;
 pub(crate) const HALVINGS: i32 = 40;
 
 /// Rigid bodies with these moments of inertia, turning about their centres of mass: one, or with
-/// [`particles`](crate::scene::Scene::particles) several alike, with effects on each or [over](crate::kernel::over::Over) several.
+/// [`bodies`](crate::scene::Scene::bodies) several alike, with effects on each or [over](crate::kernel::over::Over) several.
 /// Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
 ///
 /// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's frame,

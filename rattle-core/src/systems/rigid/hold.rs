@@ -39,7 +39,7 @@ impl Hold<9> for Rigid {
         spread(&turning_part(&Self::attitude(q), &Self::attitude(force)))
     }
 
-    fn particles(self, _: usize) -> Self {
+    fn bodies(self, _: usize) -> Self {
         self
     }
 

@@ -30,7 +30,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
     }
 
-    fn particles(self, _: usize) -> Self {
+    fn bodies(self, _: usize) -> Self {
         self
     }
 
