@@ -19,9 +19,6 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
 
-    /// Which entries of the Jacobian can be other than zero.
-    const SPARSITY: [[bool; D]; M] = [[true; D]; M];
-
     /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
@@ -189,10 +186,6 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
-    /// U(q) and ∇U(q), sharing their subexpressions.
-    fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
-        (self.value(q), self.gradient(q))
-    }
 
     /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
     const SERIES: Option<usize> = None;
