@@ -348,13 +348,14 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let gradient = self.0.gradient(q);
-        from_fn(|d| if K::ACTS_ALONG[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
+        let along = self.0.acts_along();
+        from_fn(|d| if along[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * K::SERIES?)
+        Some(bodies * self.0.series()?)
     }
     #[inline(always)]
     fn add_series<const FIRST: bool>(
@@ -427,7 +428,7 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
         energy
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + K::SERIES?))
+        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + self.kernel.series()?))
     }
     fn add_series<const FIRST: bool>(
         &self,
@@ -514,16 +515,21 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
 }
 
 impl<X, const K: usize, const A: usize> Among<X, K, A> {
+    #[inline(always)]
+    fn kernel(&self, member: usize) -> &X {
+        &self.kernels[if self.kernels.len() == 1 { 0 } else { member }]
+    }
+
     /// Each member's kernel and bodies, and its variables.
     #[inline(always)]
     fn each<'a, T: Real, const D: usize>(
         &'a self,
         positions: &'a [[T; D]],
     ) -> impl Iterator<Item = (&'a X, &'a [usize; A], [T; K])> + 'a {
-        self.members.iter().enumerate().map(|(i, member)| {
-            let kernel = &self.kernels[if self.kernels.len() == 1 { 0 } else { i }];
-            (kernel, member, from_fn(|k| positions[member[k / D]][k % D]))
-        })
+        self.members
+            .iter()
+            .enumerate()
+            .map(|(i, member)| (self.kernel(i), member, from_fn(|k| positions[member[k / D]][k % D])))
     }
 }
 
@@ -543,7 +549,7 @@ impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A:
         energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
     }
     fn series_blocks(&self, _: usize) -> Option<usize> {
-        Some(self.members.len() * X::SERIES?)
+        (0..self.members.len()).map(|member| self.kernel(member).series()).sum()
     }
     fn add_series<const FIRST: bool>(
         &self,

@@ -96,7 +96,12 @@ impl Kernel<'_> {
         };
         let acts = gradient.roots.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
         let d = Literal::usize_unsuffixed(self.sizes.variables);
-        quote!(const ACTS_ALONG: [bool; #d] = [#(#acts),*];)
+        quote! {
+            #[inline(always)]
+            fn acts_along(&self) -> [bool; #d] {
+                [#(#acts),*]
+            }
+        }
     }
 
     /// Where equations are not smooth.
@@ -108,14 +113,13 @@ impl Kernel<'_> {
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
         let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
         quote! {
-            const KINKS: usize = #count;
-
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> usize {
                 #statements
                 let __values = [#(#values),*];
                 let __count = if __found.len() < #count { __found.len() } else { #count };
                 __found[..__count].copy_from_slice(&__values[..__count]);
+                #count
             }
         }
     }
@@ -132,7 +136,10 @@ impl Kernel<'_> {
         let result = method.result.filled(&mut results.into_iter());
         let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
         quote! {
-            const SERIES: Option<usize> = Some(#blocks);
+            #[inline(always)]
+            fn series(&self) -> Option<usize> {
+                Some(#blocks)
+            }
 
             #[inline(always)]
             #signature {
