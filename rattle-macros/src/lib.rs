@@ -3,7 +3,7 @@
 //! The work is done by `rattle-symbolic`; this crate only hands tokens over.
 
 use proc_macro::TokenStream;
-use rattle_symbolic::expand::{Macro, expand};
+use rattle_symbolic::{Macro, expand};
 
 /// Equations g(q) = 0 that hold during the motion.
 ///

@@ -7,7 +7,7 @@
 //!
 //! Seconds for 5 000 operations, measured on one core of two: see `LARGE` in `src/routine.rs`.
 
-use rattle_symbolic::expand::{Macro, expand};
+use rattle_symbolic::{Macro, expand};
 use std::error::Error;
 use std::time::Instant;
 

@@ -5,7 +5,8 @@
 //! common factors, `f·m + 2·f·x² → f·(m + 2x²)`; products merge powers of one base. Nothing is
 //! ever multiplied out: expansion is what makes derivatives long and inaccurate.
 
-use crate::graph::{Graph, Id, Node, exact_product, exact_quotient, exact_sum};
+use crate::graph::{Graph, exact_product, exact_quotient, exact_sum};
+use crate::node::{Id, Node};
 use std::collections::BTreeMap;
 
 /// Longer products and sums are nested, not flattened: keeps every pass near linear.
@@ -104,6 +105,11 @@ impl Graph {
             terms = self.factored(terms);
         }
         self.sum_of(terms)
+    }
+
+    /// 1/x
+    pub(crate) fn reciprocal(&mut self, x: Id) -> Scaled {
+        self.power(x, -2).into()
     }
 
     /// The node that holds c·x.

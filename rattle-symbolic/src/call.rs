@@ -1,34 +1,39 @@
-//! Calls and powers: which functions there are, and what they take.
+//! Calls and powers: which functions there are, and what they make of the values of their arguments.
 
+use crate::arithmetic::Arithmetic;
 use crate::functions::{Binary, Function};
-use crate::graph::Id;
-use crate::lower::{Lowering, Value, described};
+use crate::graph::Graph;
+use crate::node::Id;
 use crate::problems::{Extent, nearest};
-use crate::syntax::Expr;
+use crate::ratio::Ratio;
+use crate::value::{Value, described};
 use proc_macro2::Ident;
 
-/// A function that the table of one-argument functions does not hold.
+/// What a name calls.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Special {
+pub(crate) enum Callee {
+    One(Function),
+    Two(Binary),
     Min,
     Max,
-    Two(Binary),
+    /// The operator `^` as a function.
     Pow,
     Dot,
     Norm,
+    /// Of two indices.
     Delta,
 }
 
-/// Name, what it is, fewest and most arguments, how it is written.
-const SPECIAL: [(&str, Special, usize, usize, &str); 8] = [
-    ("min", Special::Min, 2, 16, "min(a, b)"),
-    ("max", Special::Max, 2, 16, "max(a, b)"),
-    ("atan2", Special::Two(Binary::Atan2), 2, 2, "atan2(y, x)"),
-    ("hypot", Special::Two(Binary::Hypot), 2, 2, "hypot(x, y)"),
-    ("pow", Special::Pow, 2, 2, "pow(x, 2)"),
-    ("dot", Special::Dot, 2, 2, "dot(a, b)"),
-    ("norm", Special::Norm, 1, 16, "norm(a)"),
-    ("delta", Special::Delta, 2, 2, "delta(i, j)"),
+/// Beside the functions of one argument: name, what it is, fewest and most arguments, how it is written.
+const SPECIAL: [(&str, Callee, usize, usize, &str); 8] = [
+    ("min", Callee::Min, 2, 16, "min(a, b)"),
+    ("max", Callee::Max, 2, 16, "max(a, b)"),
+    ("atan2", Callee::Two(Binary::Atan2), 2, 2, "atan2(y, x)"),
+    ("hypot", Callee::Two(Binary::Hypot), 2, 2, "hypot(x, y)"),
+    ("pow", Callee::Pow, 2, 2, "pow(x, 2)"),
+    ("dot", Callee::Dot, 2, 2, "dot(a, b)"),
+    ("norm", Callee::Norm, 1, 16, "norm(a)"),
+    ("delta", Callee::Delta, 2, 2, "delta(i, j)"),
 ];
 
 /// What other languages say, and what is said here.
@@ -62,74 +67,73 @@ const ALIASES: [(&str, &str); 24] = [
 /// The largest whole exponent.
 const STEEPEST: i64 = 1024;
 
-impl Lowering<'_> {
-    pub(crate) fn is_function(&self, name: &str) -> bool {
-        Function::named(name).is_some() || SPECIAL.iter().any(|row| row.0 == name)
+/// An exponent: an exact fraction where it is made of numbers and indices alone.
+pub(crate) enum Exponent {
+    Exact(Ratio),
+    Value(Value),
+}
+
+impl Callee {
+    /// What is called so here.
+    pub(crate) fn named(name: &str) -> Option<Callee> {
+        let special = || SPECIAL.iter().find(|row| row.0 == name).map(|row| row.1);
+        Function::named(name).map(Callee::One).or_else(special)
     }
 
-    pub(crate) fn call(&mut self, name: &Ident, arguments: &[Expr], at: Extent) -> Value {
-        let text = name.to_string();
-        if let Some(function) = Function::named(&text) {
-            return match self.arguments(name, arguments, (1, 1), &format!("{text}(x)")) {
-                Some(values) => self.one(function, &values[0], arguments[0].extent, at),
-                None => Value::Unknown,
-            };
-        }
-        if let Some(&(_, special, fewest, most, written)) = SPECIAL.iter().find(|row| row.0 == text) {
-            if special == Special::Pow && arguments.len() == 2 {
-                return self.power(&arguments[0], &arguments[1]);
-            }
-            if special == Special::Delta && arguments.len() == 2 {
-                return self.delta(&arguments[0], &arguments[1]);
-            }
-            return match self.arguments(name, arguments, (fewest, most), written) {
-                Some(values) => self.special(special, &values, at),
-                None => Value::Unknown,
-            };
-        }
-        for argument in arguments {
-            self.expression(argument);
-        }
-        let at = self.problems.extent(name.span());
-        if let Some((_, instead)) = ALIASES.iter().find(|(alias, _)| *alias == text) {
-            return self.wrong(at, format!("unknown function `{text}`; write {instead}"));
-        }
-        if self.is_known(&text) {
-            let message = format!("`{text}` is no function; a product is written `{text} * (…)`");
-            return self.wrong(at, message);
-        }
+    /// What to write for a name that nothing has here, but something has elsewhere.
+    pub(crate) fn instead_of(name: &str) -> Option<&'static str> {
+        ALIASES.iter().find(|(alias, _)| *alias == name).map(|&(_, instead)| instead)
+    }
+
+    /// The message for a name that nothing has.
+    pub(crate) fn unknown(name: &str) -> String {
         let names = Function::ALL.iter().map(|function| function.name());
         let names: Vec<&str> =
             names.chain(SPECIAL.iter().map(|row| row.0)).chain(["sum", "product"]).collect();
-        self.unreadable = true; // whatever seems unused may have been meant
-        match nearest(&text, names.iter().copied()) {
-            Some(near) => self.wrong(at, format!("unknown function `{text}`; did you mean `{near}`?")),
-            None => {
-                self.wrong(at, format!("unknown function `{text}`, expected one of {}", names.join(", ")))
-            }
+        match nearest(name, names.iter().copied()) {
+            Some(near) => format!("unknown function `{name}`; did you mean `{near}`?"),
+            None => format!("unknown function `{name}`, expected one of {}", names.join(", ")),
         }
     }
 
-    /// The values of the arguments, if their number is right and all are known.
-    fn arguments(
-        &mut self,
-        name: &Ident,
-        arguments: &[Expr],
-        (fewest, most): (usize, usize),
-        written: &str,
-    ) -> Option<Vec<Value>> {
-        let values: Vec<Value> = arguments.iter().map(|argument| self.expression(argument)).collect();
-        if (fewest..=most).contains(&values.len()) {
-            return values.iter().all(|value| !matches!(value, Value::Unknown)).then_some(values);
+    /// Fewest and most arguments, and how it is written.
+    fn arity(self, name: &Ident) -> (usize, usize, String) {
+        match SPECIAL.iter().find(|row| row.1 == self) {
+            Some(&(_, _, fewest, most, written)) => (fewest, most, written.to_owned()),
+            None => (1, 1, format!("{name}(x)")),
         }
-        let expected = match (fewest, most) {
-            (1, 1) => "1 argument".to_owned(),
-            (a, b) if a == b => format!("{a} arguments"),
-            (a, _) => format!("at least {a} arguments"),
-        };
-        let at = self.problems.extent(name.span());
-        self.wrong(at, format!("`{name}` takes {expected}, found {}; write `{written}`", values.len()));
-        None
+    }
+}
+
+impl Arithmetic<'_> {
+    /// A function of values, each with where it is written.
+    pub(crate) fn call(
+        &mut self,
+        callee: Callee,
+        name: &Ident,
+        arguments: &[(Value, Extent)],
+        at: Extent,
+    ) -> Value {
+        let (fewest, most, written) = callee.arity(name);
+        if !(fewest..=most).contains(&arguments.len()) {
+            let expected = match (fewest, most) {
+                (1, 1) => "1 argument".to_owned(),
+                (a, b) if a == b => format!("{a} arguments"),
+                (a, _) => format!("at least {a} arguments"),
+            };
+            let at = self.problems.extent(name.span());
+            let found = arguments.len();
+            return self.wrong(at, format!("`{name}` takes {expected}, found {found}; write `{written}`"));
+        }
+        if arguments.iter().any(|(value, _)| matches!(value, Value::Unknown)) {
+            return Value::Unknown;
+        }
+        match (callee, arguments) {
+            (Callee::One(function), [(x, inside)]) => self.one(function, x, *inside, at),
+            (Callee::Dot, [(a, _), (b, _)]) => self.dot(a, b, at),
+            (Callee::Norm, _) => self.norm(arguments),
+            _ => self.reduced(callee, arguments, at),
+        }
     }
 
     fn one(&mut self, function: Function, argument: &Value, inside: Extent, at: Extent) -> Value {
@@ -158,54 +162,28 @@ impl Lowering<'_> {
         Value::Number(self.graph.call(function, x))
     }
 
-    fn special(&mut self, special: Special, values: &[Value], at: Extent) -> Value {
+    fn dot(&mut self, a: &Value, b: &Value, at: Extent) -> Value {
+        if a.shape() != b.shape() || a.shape().is_none_or(|shape| shape.is_empty()) {
+            let of = |value: &Value| described(&value.shape().unwrap_or_default());
+            let (a, b) = (of(a), of(b));
+            return self.wrong(at, format!("`dot` takes two arrays of one shape, found {a} and {b}"));
+        }
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        a.numbers(&mut left);
+        b.numbers(&mut right);
+        let products = left.into_iter().zip(right).map(|(a, b)| self.graph.mul(a, b)).collect();
+        self.total(products)
+    }
+
+    fn norm(&mut self, arguments: &[(Value, Extent)]) -> Value {
         let mut numbers = Vec::new();
-        match (special, values) {
-            (Special::Dot, [a, b]) => {
-                let mut others = Vec::new();
-                if a.shape() != b.shape() || a.shape().is_none_or(|shape| shape.is_empty()) {
-                    let of = |value: &Value| described(&value.shape().unwrap_or_default());
-                    let (a, b) = (of(a), of(b));
-                    return self.wrong(at, format!("`dot` takes two arrays of one shape, found {a} and {b}"));
-                }
-                a.numbers(&mut numbers);
-                b.numbers(&mut others);
-                let products = numbers.into_iter().zip(others).map(|(a, b)| self.graph.mul(a, b)).collect();
-                self.total(products)
-            }
-            (Special::Norm, _) => {
-                for value in values {
-                    value.numbers(&mut numbers);
-                }
-                let squares = numbers.into_iter().map(|x| self.graph.power(x, 4)).collect();
-                match self.total(squares) {
-                    Value::Number(sum) => Value::Number(self.graph.call(Function::Sqrt, sum)),
-                    other => other,
-                }
-            }
-            _ => {
-                for value in values {
-                    match value {
-                        Value::Number(id) => numbers.push(*id),
-                        _ => {
-                            return self.wrong(
-                                at,
-                                "these arguments must be numbers, found an array; use its components",
-                            );
-                        }
-                    }
-                }
-                let combine = |lowering: &mut Self, a: Id, b: Id| match special {
-                    Special::Min => lowering.graph.min(a, b),
-                    Special::Max => lowering.graph.max(a, b),
-                    Special::Two(binary) => lowering.graph.call2(binary, a, b),
-                    _ => a,
-                };
-                match numbers.into_iter().reduce(|a, b| combine(self, a, b)) {
-                    Some(result) => Value::Number(result),
-                    None => Value::Unknown,
-                }
-            }
+        for (value, _) in arguments {
+            value.numbers(&mut numbers);
+        }
+        let squares = numbers.into_iter().map(|x| self.graph.power(x, 4)).collect();
+        match self.total(squares) {
+            Value::Number(sum) => Value::Number(self.graph.call(Function::Sqrt, sum)),
+            other => other,
         }
     }
 
@@ -216,45 +194,57 @@ impl Lowering<'_> {
         }
     }
 
-    fn delta(&mut self, i: &Expr, j: &Expr) -> Value {
-        let (i, j) = (self.whole(i), self.whole(j));
-        match (i, j) {
-            (Some(i), Some(j)) => Value::Number(self.graph.constant(if i == j { 1.0 } else { 0.0 })),
-            _ => Value::Unknown,
+    /// A function of two numbers, of several by taking one after the other.
+    fn reduced(&mut self, callee: Callee, arguments: &[(Value, Extent)], at: Extent) -> Value {
+        let mut numbers = Vec::new();
+        for (value, _) in arguments {
+            match value {
+                Value::Number(id) => numbers.push(*id),
+                _ => {
+                    let message = "these arguments must be numbers, found an array; use its components";
+                    return self.wrong(at, message);
+                }
+            }
+        }
+        let combine = |graph: &mut Graph, a: Id, b: Id| match callee {
+            Callee::Min => graph.min(a, b),
+            Callee::Max => graph.max(a, b),
+            Callee::Two(binary) => graph.call2(binary, a, b),
+            _ => a,
+        };
+        match numbers.into_iter().reduce(|a, b| combine(self.graph, a, b)) {
+            Some(result) => Value::Number(result),
+            None => Value::Unknown,
         }
     }
 
     /// base ^ exponent: a chain of multiplications and roots where the exponent is a multiple of ½ or ⅓.
-    pub(crate) fn power(&mut self, base: &Expr, exponent: &Expr) -> Value {
-        let base_value = self.expression(base);
-        let ratio = self.ratio(exponent);
-        let exponent_value = match ratio {
-            Some(_) => None,
-            None => Some(self.expression(exponent)),
-        };
-        let x = match base_value {
+    pub(crate) fn power(
+        &mut self,
+        (base, base_at): (Value, Extent),
+        (exponent, exponent_at): (Exponent, Extent),
+    ) -> Value {
+        let x = match base {
             Value::Number(x) => x,
             Value::Unknown => return Value::Unknown,
             Value::Array(_) => {
-                return self.wrong(
-                    base.extent,
-                    "found an array, expected a number; a square is written `dot(a, a)`",
-                );
+                let message = "found an array, expected a number; a square is written `dot(a, a)`";
+                return self.wrong(base_at, message);
             }
         };
         let known = self.graph.number(x);
-        let (y, real) = match (ratio, exponent_value) {
-            (Some(ratio), _) => {
+        let (y, real) = match exponent {
+            Exponent::Exact(ratio) => {
                 if ratio.value().abs() > STEEPEST as f64 {
                     let message = format!("the exponent is {ratio}, expected at most {STEEPEST}");
-                    return self.wrong(exponent.extent, message);
+                    return self.wrong(exponent_at, message);
                 }
                 if known == Some(0.0) && ratio.value() < 0.0 {
-                    return self.wrong(base.extent, "division by zero: this is 0 and the exponent negative");
+                    return self.wrong(base_at, "division by zero: this is 0 and the exponent negative");
                 }
                 if known.is_some_and(|x| x < 0.0) && ratio.whole().is_none() && ratio.parts(3).is_none() {
                     return self.wrong(
-                        base.extent,
+                        base_at,
                         format!("the power {ratio} of the negative {} is not real", known.unwrap_or(0.0)),
                     );
                 }
@@ -267,17 +257,17 @@ impl Lowering<'_> {
                 }
                 (self.graph.constant(ratio.value()), ratio.value())
             }
-            (None, Some(Value::Number(y))) => (y, self.graph.number(y).unwrap_or(f64::NAN)),
-            (None, Some(Value::Array(_))) => {
-                return self.wrong(exponent.extent, "found an array, expected a number as the exponent");
+            Exponent::Value(Value::Number(y)) => (y, self.graph.number(y).unwrap_or(f64::NAN)),
+            Exponent::Value(Value::Array(_)) => {
+                return self.wrong(exponent_at, "found an array, expected a number as the exponent");
             }
-            _ => return Value::Unknown,
+            Exponent::Value(Value::Unknown) => return Value::Unknown,
         };
         if let Some(x) = known
             && real.is_finite()
             && !x.powf(real).is_finite()
         {
-            let at = base.extent.to(exponent.extent);
+            let at = base_at.to(exponent_at);
             return self.wrong(at, format!("`{x}^{real}` is {}", named(x.powf(real))));
         }
         Value::Number(self.graph.call2(Binary::Powf, x, y))

@@ -11,8 +11,10 @@
 //! the adjoint stops at a branch, and the arms are swept forwards, to one derivative per variable.
 
 use crate::algebra::Scaled;
-use crate::functions::Function;
-use crate::graph::{Graph, Id, Input, Node};
+use crate::functions::{Binary, Function};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Input, Node};
+use crate::rules::{derivative, derivatives};
 use std::collections::BTreeMap;
 
 /// One entry of the derivative table, for the tests that plant a wrong one.
@@ -28,11 +30,8 @@ pub enum Rule {
     Denominator,
     Power,
     Call(Function),
-    PowfBase,
-    PowfExponent,
-    Atan2Above,
-    Atan2Beside,
-    Hypot,
+    /// By the first argument, or by the second.
+    Call2(Binary, usize),
     Branch,
 }
 
@@ -149,14 +148,7 @@ impl<'a> Calculus<'a> {
         }
     }
 
-    fn branch(
-        &mut self,
-        comparison: crate::graph::Comparison,
-        a: Id,
-        b: Id,
-        then: Scaled,
-        other: Scaled,
-    ) -> Scaled {
+    fn branch(&mut self, comparison: Comparison, a: Id, b: Id, then: Scaled, other: Scaled) -> Scaled {
         if then == other {
             return then;
         }
@@ -210,15 +202,10 @@ impl<'a> Calculus<'a> {
                 };
                 vec![(Rule::Power, a, power)]
             }
-            Node::Call(function, a) => vec![(Rule::Call(function), a, function.derivative(g, a, f))],
+            Node::Call(function, a) => vec![(Rule::Call(function), a, derivative(function, g, a, f))],
             Node::Call2(function, a, b) => {
-                let [first, second] = function.derivatives(g, a, b, f);
-                let rules = match function {
-                    crate::functions::Binary::Powf => [Rule::PowfBase, Rule::PowfExponent],
-                    crate::functions::Binary::Atan2 => [Rule::Atan2Above, Rule::Atan2Beside],
-                    crate::functions::Binary::Hypot => [Rule::Hypot, Rule::Hypot],
-                };
-                vec![(rules[0], a, first), (rules[1], b, second)]
+                let [first, second] = derivatives(function, g, a, b, f);
+                vec![(Rule::Call2(function, 0), a, first), (Rule::Call2(function, 1), b, second)]
             }
             Node::Sum(terms) => {
                 terms.iter().map(|&(bits, a)| (Rule::Sum, a, Scaled::number(f64::from_bits(bits)))).collect()

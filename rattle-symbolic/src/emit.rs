@@ -11,7 +11,8 @@
 //! Which product that is depends on the sum alone, so that functions with common parts agree bit for bit.
 
 use crate::functions::Function;
-use crate::graph::{Comparison, Graph, Id, Input, Node};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Input, Node};
 use crate::routine::Routines;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};

@@ -1,7 +1,8 @@
 //! Formulas for the generated documentation: as written, and the gradient as found.
 
 use crate::algebra::Scaled;
-use crate::graph::{Comparison, Graph, Id, Input, Node};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Input, Node};
 use crate::syntax::{Binder, Expr, Item, Kind, Operator};
 use std::collections::HashMap;
 

@@ -1,21 +1,69 @@
 //! The functions of the language, one row each.
 //!
-//! A row holds the name (which is also the method of `Real` that evaluates it), how many arguments
-//! it takes, its value for `f64`, and its derivative as an expression in the argument `x` and the
-//! result `f`, which is already known. At the edge of its domain a derivative follows these rules:
-//!
 //! ```text
-//! abs′(0) = +1     sign′ = 0      sqrt′(0) = cbrt′(0) = 0      norm′(0) = hypot′(0, 0) = atan2′(0, 0) = 0
+//! name        how the user writes it; the methods of `Real` and of `Recurrences` (power series) have the same name
+//! value       f(x) for f64
+//! products    how many products its power series takes; the compiler holds this against the method of `Recurrences`
+//! derivative  from the argument x and the result f, which is already known; g is the graph that it is written into
 //! ```
 //!
-//! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.
+//! The table is a macro that hands its rows to another macro. So each module reads its own columns: this one reads
+//! names, values and products, and `rules` reads derivatives; that column uses the names of `rules`.
+//!
+//! A row is all that most functions need in this crate. Two kinds need one more line: functions that are not smooth are
+//! listed in `routine::kinks`, and two that are computed together (sine and cosine) in `recurrence::pair`.
 
-use crate::algebra::Scaled;
-use crate::graph::{Comparison, Graph, Id, Node};
-use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
+/// Hands the rows of the functions of one argument to the macro `$columns`.
+macro_rules! functions_of_one {
+    ($columns:ident) => {
+        $columns! {
+        //  variant name   value    products  derivative
+            Sqrt  "sqrt",  f64::sqrt,  1,  |g, _, f| g.guarded_reciprocal(f).times(0.5);
+            Cbrt  "cbrt",  f64::cbrt,  2,  |g, _, f| { let d = g.power(f, 4); g.guarded_reciprocal(d).times(THIRD) };
+            Exp   "exp",   f64::exp,   1,  |_, _, f| f.into();
+            Ln    "ln",    f64::ln,    1,  |g, x, _| g.reciprocal(x);
+            Log10 "log10", f64::log10, 1,  |g, x, _| g.reciprocal(x).times(LOG10_E);
+            Log2  "log2",  f64::log2,  1,  |g, x, _| g.reciprocal(x).times(LOG2_E);
+            Sin   "sin",   f64::sin,   2,  |g, x, _| g.call(Function::Cos, x).into();
+            Cos   "cos",   f64::cos,   2,  |g, x, _| Scaled::from(g.call(Function::Sin, x)).times(-1.0);
+            Tan   "tan",   f64::tan,   2,  |g, _, f| g.shifted_square(1.0, f, 1.0);
+            Asin  "asin",  f64::asin,  3,  |g, x, _| g.reciprocal_root(Graph::one_minus_square, x);
+            Acos  "acos",  f64::acos,  3,  |g, x, _| g.reciprocal_root(Graph::one_minus_square, x).times(-1.0);
+            Atan  "atan",  f64::atan,  2,  |g, x, _| { let d = g.shifted_square(1.0, x, 1.0); g.reciprocal_of(d) };
+            Sinh  "sinh",  f64::sinh,  2,  |g, x, _| g.call(Function::Cosh, x).into();
+            Cosh  "cosh",  f64::cosh,  2,  |g, x, _| g.call(Function::Sinh, x).into();
+            Tanh  "tanh",  f64::tanh,  2,  |g, _, f| g.one_minus_square(f);
+            Asinh "asinh", f64::asinh, 3,  |g, x, _| g.reciprocal_root(|g, x| g.shifted_square(1.0, x, 1.0), x);
+            Acosh "acosh", f64::acosh, 3,  |g, x, _| g.reciprocal_root(Graph::square_minus_one, x);
+            Atanh "atanh", f64::atanh, 2,  |g, x, _| { let d = g.one_minus_square(x); g.reciprocal_of(d) };
+            Abs   "abs",   f64::abs,   1,  |g, x, _| g.signum(x);
+            Sign  "sign",  sign,       1,  |_, _, _| Scaled::ZERO;
+            Erf   "erf",   libm::erf,  3,  |g, x, _| g.bell(x).times(FRAC_2_SQRT_PI);
+        }
+    };
+}
+pub(crate) use functions_of_one;
 
-macro_rules! table {
-    ($($variant:ident $name:literal $evaluate:expr, $derivative:expr;)*) => {
+/// Hands the rows of the functions of two arguments to the macro `$columns`.
+///
+/// `powf` takes its two products where the exponent stays; see `recurrence` for one that moves.
+macro_rules! functions_of_two {
+    ($columns:ident) => {
+        $columns! {
+        //  variant name   value    products  derivatives by a and by b
+            Powf  "powf",  f64::powf,  2,  |g, a, b, f| g.slopes_of_power(a, b, f),
+                "xʸ for an exponent that is no constant multiple of ½ or ⅓.";
+            Atan2 "atan2", f64::atan2, 5,  |g, a, b, _| g.slopes_of_angle(a, b),
+                "The angle of the point (x, y), written `atan2(y, x)`.";
+            Hypot "hypot", f64::hypot, 3,  |g, a, b, f| g.slopes_of_distance(a, b, f),
+                "√(x² + y²) without overflow on the way.";
+        }
+    };
+}
+pub(crate) use functions_of_two;
+
+macro_rules! names_and_values {
+    ($($variant:ident $name:literal, $value:expr, $products:literal, $derivative:expr;)*) => {
         /// A function of one argument.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         #[allow(missing_docs, reason = "the name says it")]
@@ -31,41 +79,17 @@ macro_rules! table {
             }
             /// f(x)
             pub fn evaluate(self, x: f64) -> f64 {
-                let evaluate: fn(f64) -> f64 = match self { $(Function::$variant => $evaluate),* };
-                evaluate(x)
+                let value: fn(f64) -> f64 = match self { $(Function::$variant => $value),* };
+                value(x)
             }
-            pub(crate) fn derivative(self, graph: &mut Graph, x: Id, f: Id) -> Scaled {
-                let rule: fn(&mut Graph, Id, Id) -> Scaled = match self { $(Function::$variant => $derivative),* };
-                rule(graph, x, f)
+            /// How many products its power series takes.
+            pub(crate) fn products(self) -> usize {
+                match self { $(Function::$variant => $products),* }
             }
         }
     };
 }
-
-table! {
-//  variant name    value       derivative
-    Sqrt  "sqrt"  f64::sqrt,  |g, _, f| g.guarded_reciprocal(f).times(0.5);
-    Cbrt  "cbrt"  f64::cbrt,  |g, _, f| { let square = g.power(f, 4); g.guarded_reciprocal(square).times(1.0 / 3.0) };
-    Exp   "exp"   f64::exp,   |_, _, f| f.into();
-    Ln    "ln"    f64::ln,    |g, x, _| g.reciprocal(x);
-    Log10 "log10" f64::log10, |g, x, _| g.reciprocal(x).times(LOG10_E);
-    Log2  "log2"  f64::log2,  |g, x, _| g.reciprocal(x).times(LOG2_E);
-    Sin   "sin"   f64::sin,   |g, x, _| g.call(Function::Cos, x).into();
-    Cos   "cos"   f64::cos,   |g, x, _| Scaled::from(g.call(Function::Sin, x)).times(-1.0);
-    Tan   "tan"   f64::tan,   |g, _, f| g.shifted_square(1.0, f, 1.0);
-    Asin  "asin"  f64::asin,  |g, x, _| g.reciprocal_root(Graph::one_minus_square, x);
-    Acos  "acos"  f64::acos,  |g, x, _| g.reciprocal_root(Graph::one_minus_square, x).times(-1.0);
-    Atan  "atan"  f64::atan,  |g, x, _| { let d = g.shifted_square(1.0, x, 1.0); g.reciprocal_of(d) };
-    Sinh  "sinh"  f64::sinh,  |g, x, _| g.call(Function::Cosh, x).into();
-    Cosh  "cosh"  f64::cosh,  |g, x, _| g.call(Function::Sinh, x).into();
-    Tanh  "tanh"  f64::tanh,  |g, _, f| g.one_minus_square(f);
-    Asinh "asinh" f64::asinh, |g, x, _| g.reciprocal_root(|g, x| g.shifted_square(1.0, x, 1.0), x);
-    Acosh "acosh" f64::acosh, |g, x, _| g.reciprocal_root(Graph::square_minus_one, x);
-    Atanh "atanh" f64::atanh, |g, x, _| { let d = g.one_minus_square(x); g.reciprocal_of(d) };
-    Abs   "abs"   f64::abs,   |g, x, _| g.signum(x);
-    Sign  "sign"  sign,       |_, _, _| Scaled::ZERO;
-    Erf   "erf"   libm::erf,  |g, x, _| g.bell(x).times(FRAC_2_SQRT_PI);
-}
+functions_of_one!(names_and_values);
 
 impl Function {
     /// The function of that name.
@@ -74,62 +98,33 @@ impl Function {
     }
 }
 
-/// A function of two arguments that is one operation of the scalar.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Binary {
-    /// xʸ for an exponent that is no constant multiple of ½ or ⅓.
-    Powf,
-    /// The angle of the point (x, y), written `atan2(y, x)`.
-    Atan2,
-    /// √(x² + y²) without overflow on the way.
-    Hypot,
-}
+macro_rules! names_and_values_of_two {
+    ($($variant:ident $name:literal, $value:expr, $products:literal, $derivatives:expr, $meaning:literal;)*) => {
+        /// A function of two arguments that is one operation of the scalar.
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum Binary { $(#[doc = $meaning] $variant),* }
 
-impl Binary {
-    /// All of them.
-    pub const ALL: &[Binary] = &[Binary::Powf, Binary::Atan2, Binary::Hypot];
+        impl Binary {
+            /// All of them, in the order of the table.
+            pub const ALL: &[Binary] = &[$(Binary::$variant),*];
 
-    /// The method of `Real` that evaluates it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Binary::Powf => "powf",
-            Binary::Atan2 => "atan2",
-            Binary::Hypot => "hypot",
-        }
-    }
-    /// f(a, b)
-    pub fn evaluate(self, a: f64, b: f64) -> f64 {
-        match self {
-            Binary::Powf => a.powf(b),
-            Binary::Atan2 => a.atan2(b),
-            Binary::Hypot => a.hypot(b),
-        }
-    }
-    /// (∂f/∂a, ∂f/∂b)
-    pub(crate) fn derivatives(self, g: &mut Graph, a: Id, b: Id, f: Id) -> [Scaled; 2] {
-        match self {
-            Binary::Powf => {
-                let one = g.constant(1.0);
-                let less = g.sub(b, one);
-                let power = g.call2(Binary::Powf, a, less);
-                let by_base = g.product(&[b.into(), power.into()]);
-                let by_base = g.unless_zero(b, by_base);
-                let by_exponent = if g.moving(b) { g.growth(a, f) } else { Scaled::ZERO };
-                [by_base, by_exponent]
+            /// The method of `Real` that evaluates it.
+            pub fn name(self) -> &'static str {
+                match self { $(Binary::$variant => $name),* }
             }
-            Binary::Atan2 => {
-                let (squares, a, b) = (g.sum_of_squares(a, b), Scaled::from(a), Scaled::from(b));
-                let squares = g.node_of(squares);
-                let q = g.guarded_reciprocal(squares);
-                [g.product(&[b, q]), g.product(&[a, q]).times(-1.0)]
+            /// f(a, b)
+            pub fn evaluate(self, a: f64, b: f64) -> f64 {
+                let value: fn(f64, f64) -> f64 = match self { $(Binary::$variant => $value),* };
+                value(a, b)
             }
-            Binary::Hypot => {
-                let q = g.guarded_reciprocal(f);
-                [g.product(&[a.into(), q]), g.product(&[b.into(), q])]
+            /// How many products its power series takes.
+            pub(crate) fn products(self) -> usize {
+                match self { $(Binary::$variant => $products),* }
             }
         }
-    }
+    };
 }
+functions_of_two!(names_and_values_of_two);
 
 /// −1, 0 or 1; NaN for NaN, as `Real::sign`.
 fn sign(x: f64) -> f64 {
@@ -139,74 +134,5 @@ fn sign(x: f64) -> f64 {
         -1.0
     } else {
         x * 0.0
-    }
-}
-
-/// The pieces that derivatives are made of.
-impl Graph {
-    /// 1/x, and 0 where x ≤ 0: for roots, whose slope at the tip is set to 0.
-    pub(crate) fn guarded_reciprocal(&mut self, x: Id) -> Scaled {
-        let zero = self.constant(0.0);
-        let reciprocal = self.power(x, -2);
-        self.select(Comparison::LessOrEqual, x, zero, zero, reciprocal).into()
-    }
-    pub(crate) fn reciprocal(&mut self, x: Id) -> Scaled {
-        self.power(x, -2).into()
-    }
-    pub(crate) fn reciprocal_of(&mut self, x: Scaled) -> Scaled {
-        let x = self.node_of(x);
-        self.reciprocal(x)
-    }
-    /// 1/√(of x)
-    fn reciprocal_root(&mut self, of: fn(&mut Graph, Id) -> Scaled, x: Id) -> Scaled {
-        let inside = of(self, x);
-        let inside = self.node_of(inside);
-        self.power(inside, -1).into()
-    }
-    /// shift + scale·x²
-    fn shifted_square(&mut self, shift: f64, x: Id, scale: f64) -> Scaled {
-        let square = self.product(&[x.into(), x.into()]).times(scale);
-        self.sum(&[Scaled::number(shift), square])
-    }
-    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters.
-    fn one_minus_square(&mut self, x: Id) -> Scaled {
-        let one = Scaled::number(1.0);
-        let (less, more) = (self.sum(&[one, Scaled::from(x).times(-1.0)]), self.sum(&[one, x.into()]));
-        self.product(&[less, more])
-    }
-    /// x² − 1, as (x − 1)(x + 1).
-    fn square_minus_one(&mut self, x: Id) -> Scaled {
-        self.one_minus_square(x).times(-1.0)
-    }
-    fn sum_of_squares(&mut self, a: Id, b: Id) -> Scaled {
-        let (a, b) = (self.product(&[a.into(), a.into()]), self.product(&[b.into(), b.into()]));
-        self.sum(&[a, b])
-    }
-    /// ±1 by the sign of x, +1 at zero.
-    fn signum(&mut self, x: Id) -> Scaled {
-        let (zero, one, minus) = (self.constant(0.0), self.constant(1.0), self.constant(-1.0));
-        self.select(Comparison::Less, x, zero, minus, one).into()
-    }
-    /// exp(−x²)
-    fn bell(&mut self, x: Id) -> Scaled {
-        let square = self.product(&[x.into(), x.into()]).times(-1.0);
-        let square = self.node_of(square);
-        self.call(Function::Exp, square).into()
-    }
-    /// `slope`, and 0 where the exponent is 0: the power is constant there, though 0·0⁻¹ is NaN.
-    fn unless_zero(&mut self, exponent: Id, slope: Scaled) -> Scaled {
-        if matches!(self.node(exponent), Node::Constant(_)) {
-            return slope;
-        }
-        let square = self.product(&[exponent.into(), exponent.into()]);
-        let (square, slope, zero) = (self.node_of(square), self.node_of(slope), self.constant(0.0));
-        self.select(Comparison::LessOrEqual, square, zero, zero, slope).into()
-    }
-    /// ∂(xʸ)/∂y = f ln x, and 0 where x ≤ 0.
-    fn growth(&mut self, x: Id, f: Id) -> Scaled {
-        let logarithm = self.call(Function::Ln, x);
-        let product = self.product(&[f.into(), logarithm.into()]);
-        let (product, zero) = (self.node_of(product), self.constant(0.0));
-        self.select(Comparison::LessOrEqual, x, zero, zero, product).into()
     }
 }

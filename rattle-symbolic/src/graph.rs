@@ -11,86 +11,9 @@
 //!   will do, as long as it is always the same one. They use the n-ary `Sum` and `Product`.
 
 use crate::functions::{Binary, Function};
+use crate::node::{Comparison, Id, Input, Node};
+use crate::operation::{Number, operation};
 use std::collections::HashMap;
-
-/// A node of a [`Graph`].
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub struct Id(pub(crate) u32);
-
-impl Id {
-    pub(crate) fn index(self) -> usize {
-        self.0 as usize
-    }
-}
-
-/// Where a number comes from when the expression is evaluated.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Input {
-    /// A field of the user's struct.
-    Parameter(u32),
-    /// A coordinate q.
-    Variable(u32),
-    /// A component of the direction v.
-    Direction(u32),
-    /// A weight λ, one per equation.
-    Weight(u32),
-}
-
-/// How a branch compares.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
-pub enum Comparison {
-    /// `a < b`
-    Less,
-    /// `a ≤ b`
-    LessOrEqual,
-}
-
-/// One operation.
-#[derive(Clone, PartialEq, Eq, Hash, Debug)]
-pub enum Node {
-    /// A number, by its bits: +0 and −0 differ.
-    Constant(u64),
-    /// A number that is given.
-    Input(Input),
-    /// −a
-    Neg(Id),
-    /// a + b
-    Add(Id, Id),
-    /// a − b
-    Sub(Id, Id),
-    /// a · b
-    Mul(Id, Id),
-    /// a / b
-    Div(Id, Id),
-    /// a^(n/2) with the given n, neither 0, 1 nor 2.
-    Power(Id, i32),
-    /// f(a)
-    Call(Function, Id),
-    /// f(a, b)
-    Call2(Binary, Id, Id),
-    /// The fourth where the first two compare, else the fifth.
-    Select(Comparison, Id, Id, Id, Id),
-    /// Σ cᵢ aᵢ, the coefficients by their bits. Only in derivatives.
-    Sum(Box<[(u64, Id)]>),
-    /// Π aᵢ^nᵢ. Only in derivatives.
-    Product(Box<[(Id, u32)]>),
-}
-
-impl Node {
-    /// The nodes this one is computed from.
-    pub fn children(&self) -> Vec<Id> {
-        match *self {
-            Node::Constant(_) | Node::Input(_) => vec![],
-            Node::Neg(a) | Node::Power(a, _) | Node::Call(_, a) => vec![a],
-            Node::Add(a, b) | Node::Sub(a, b) | Node::Mul(a, b) | Node::Div(a, b) | Node::Call2(_, a, b) => {
-                vec![a, b]
-            }
-            Node::Select(_, a, b, then, other) => vec![a, b, then, other],
-            Node::Sum(ref terms) => terms.iter().map(|&(_, a)| a).collect(),
-            Node::Product(ref factors) => factors.iter().map(|&(a, _)| a).collect(),
-        }
-    }
-}
 
 /// A set of expressions that share their common parts.
 #[derive(Clone, Default, Debug)]
@@ -155,6 +78,15 @@ impl Graph {
             }
         }
         (0..self.len() as u32).map(Id).filter(|id| seen[id.index()]).collect()
+    }
+
+    /// The values of the roots: the reference that generated code is held against.
+    pub fn evaluate<N: Number>(&self, roots: &[Id], input: impl Fn(Input) -> N) -> Vec<N> {
+        let mut values = vec![N::from_f64(0.0); self.len()];
+        for id in self.reachable(roots) {
+            values[id.index()] = operation(self.node(id), |id| values[id.index()], &input);
+        }
+        roots.iter().map(|root| values[root.index()]).collect()
     }
 
     pub(crate) fn insert(&mut self, node: Node) -> Id {
@@ -268,11 +200,7 @@ impl Graph {
     fn compute(&self, node: &Node) -> Option<f64> {
         match node {
             Node::Input(_) => None,
-            _ => Some(crate::interpret::operation(
-                node,
-                |id| self.number(id).unwrap_or(f64::NAN),
-                |_| f64::NAN,
-            )),
+            _ => Some(operation(node, |id| self.number(id).unwrap_or(f64::NAN), |_| f64::NAN)),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The traits that the macros implement: which functions with which arguments and results.
 
-use crate::expand::{Macro, Sizes};
-use crate::graph::Input;
+use crate::macros::{Macro, Sizes};
+use crate::node::Input;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
@@ -143,7 +143,6 @@ impl Macro {
                 vec![
                     method("value", &[("q", &q)], number.clone()),
                     method("gradient", &[("q", &q)], q.clone()),
-                    method("value_and_gradient", &[("q", &q)], tuple(&[&number, &q])),
                 ]
             }
             Macro::PairPotential => {

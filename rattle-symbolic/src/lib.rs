@@ -8,39 +8,66 @@
 //!
 //! Parsing and lowering may find mistakes; every later stage is a total function. The same input
 //! always gives the same tokens.
+//!
+//! # Floors
+//!
+//! A module uses modules of lower floors only, and no module of its own floor.
+//!
+//! ```text
+//! expand
+//! kernel
+//! recurrence
+//! emit
+//! routine
+//! parity
+//! lower  differentiate
+//! call  rules  schedule  formula
+//! arithmetic  algebra
+//! names  parse  graph  interface
+//! value  parse_expression  macros  operation
+//! syntax  node
+//! problems  tokens  ratio  functions
+//! ```
+//!
+//! Mistakes are found by `parse` and `lower`. A new function of the language is a row in `functions`. Neither tokens nor
+//! Rust are known to the mathematics: `operation`, `graph`, `algebra`, `rules`, `differentiate`, `parity`, `schedule`,
+//! `routine`.
 
-pub mod expand;
+pub use expand::expand;
+pub use macros::Macro;
 
+mod expand;
+
+// Reading: tokens to a graph.
+mod macros;
 mod parse;
 mod parse_expression;
+mod problems;
 mod syntax;
+mod tokens;
 
+mod arithmetic;
 mod call;
 mod lower;
 mod names;
-mod problems;
 mod ratio;
+mod value;
 
-pub mod graph;
-
-pub mod functions;
-
-pub mod differentiate;
-
+// Mathematics: a graph to the graphs of all functions of a kernel.
 pub mod algebra;
-
-pub mod parity;
-
+pub mod differentiate;
+pub mod functions;
+pub mod graph;
+pub mod node;
+pub mod operation;
+mod parity;
 pub mod routine;
-
+mod rules;
 pub mod schedule;
 
+// Writing: graphs to Rust.
 mod emit;
-
-mod recurrence;
-
-mod interface;
-
 mod formula;
-
-pub mod interpret;
+mod interface;
+mod kernel;
+mod recurrence;

@@ -1,78 +1,32 @@
 //! Syntax to graph, checking everything on the way.
 //!
-//! Arrays live only here: indices, loops and `sum` are worked out, and what reaches the graph are
-//! numbers. A problem is noted and the value becomes [`Value::Unknown`], which is silent wherever it
-//! goes, so that one mistake makes one message and the rest is still checked.
+//! Names, indices and loops live only here: they are worked out, and what reaches the graph are numbers.
 
-use crate::graph::{Comparison, Graph, Id, Input};
+use crate::arithmetic::{Arithmetic, Condition};
+use crate::call::{Callee, Exponent};
+use crate::graph::Graph;
+use crate::macros::Expectation;
 use crate::names::{CONSTANTS, Role, Scope};
-use crate::parse::UNKNOWN;
+use crate::node::{Comparison, Id, Input};
 use crate::problems::{Extent, Problems};
 use crate::ratio::Ratio;
-use crate::syntax::{Binder, Expr, Item, Kind, Operator, Shape};
+use crate::syntax::{Binder, Expr, Item, Kind, Let, Operator, UNKNOWN};
+use crate::value::{Value, described};
 use proc_macro2::Ident;
 use std::rc::Rc;
-
-/// What an expression stands for.
-#[derive(Clone, Debug)]
-pub(crate) enum Value {
-    /// Wrong, and reported already.
-    Unknown,
-    Number(Id),
-    Array(Rc<[Value]>),
-}
-
-impl Value {
-    /// The lengths of the nested arrays; none if they differ or are not known.
-    pub(crate) fn shape(&self) -> Option<Shape> {
-        match self {
-            Value::Unknown => None,
-            Value::Number(_) => Some(vec![]),
-            Value::Array(list) => {
-                let mut shape = list.first()?.shape()?;
-                if list.iter().any(|element| element.shape().as_ref() != Some(&shape)) {
-                    return None;
-                }
-                shape.insert(0, list.len());
-                Some(shape)
-            }
-        }
-    }
-    /// The numbers in it, row by row.
-    pub(crate) fn numbers(&self, into: &mut Vec<Id>) -> bool {
-        match self {
-            Value::Unknown => false,
-            Value::Number(id) => {
-                into.push(*id);
-                true
-            }
-            Value::Array(list) => list.iter().all(|element| element.numbers(into)),
-        }
-    }
-}
-
-/// What the macro at hand expects.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Expectation {
-    /// Whether there may be several equations.
-    pub(crate) several: bool,
-    /// Whether a variable that is not used is a mistake.
-    pub(crate) every_variable: bool,
-    /// What the expression is, for messages.
-    pub(crate) noun: &'static str,
-}
 
 /// The size where an expression is no longer one: half a million operations.
 const LARGEST: usize = 1 << 19;
 
-pub(crate) struct Lowering<'a> {
-    pub(crate) graph: &'a mut Graph,
-    pub(crate) problems: &'a mut Problems,
+struct Lowering<'a> {
+    graph: &'a mut Graph,
+    problems: &'a mut Problems,
     scope: Scope,
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
     rounds: usize,
-    pub(crate) unreadable: bool,
+    /// Whether something could not be read, so that what seems unused may have been meant.
+    unreadable: bool,
     exhausted: bool,
 }
 
@@ -145,13 +99,12 @@ impl Lowering<'_> {
         self.scope.define(self.problems, name, role, value, exact);
     }
 
-    pub(crate) fn is_known(&mut self, name: &str) -> bool {
-        self.scope.find(name).is_some()
+    fn arithmetic(&mut self) -> Arithmetic<'_> {
+        Arithmetic { graph: self.graph, problems: self.problems }
     }
 
-    pub(crate) fn wrong(&mut self, at: Extent, message: impl std::fmt::Display) -> Value {
-        self.problems.note(at, message);
-        Value::Unknown
+    fn wrong(&mut self, at: Extent, message: impl std::fmt::Display) -> Value {
+        self.arithmetic().wrong(at, message)
     }
 
     /// Where equations may stand: the body, the end of its blocks, families and lists.
@@ -203,7 +156,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn lets(&mut self, lets: &[crate::syntax::Let]) -> usize {
+    fn lets(&mut self, lets: &[Let]) -> usize {
         let start = self.scope.len();
         for binding in lets {
             let value = self.expression(&binding.value);
@@ -236,7 +189,7 @@ impl Lowering<'_> {
     }
 
     /// A whole number known when the macro runs.
-    pub(crate) fn whole(&mut self, expr: &Expr) -> Option<i64> {
+    fn whole(&mut self, expr: &Expr) -> Option<i64> {
         match self.ratio(expr) {
             Some(ratio) => match ratio.whole() {
                 Some(whole) => Some(whole),
@@ -257,7 +210,7 @@ impl Lowering<'_> {
     }
 
     /// An exact constant of numbers and indices alone.
-    pub(crate) fn ratio(&mut self, expr: &Expr) -> Option<Ratio> {
+    fn ratio(&mut self, expr: &Expr) -> Option<Ratio> {
         match &expr.kind {
             Kind::Number(_, digits) => Ratio::parse(digits),
             Kind::Name(name) => {
@@ -288,7 +241,7 @@ impl Lowering<'_> {
         }
     }
 
-    pub(crate) fn expression(&mut self, expr: &Expr) -> Value {
+    fn expression(&mut self, expr: &Expr) -> Value {
         if self.graph.len() > LARGEST {
             if !self.exhausted {
                 self.wrong(expr.extent, TOO_LARGE);
@@ -305,7 +258,7 @@ impl Lowering<'_> {
             Kind::Name(name) => self.name(name, expr.extent),
             Kind::Negative(inner) => {
                 let inner = self.expression(inner);
-                self.map(&inner, &mut |lowering, id| lowering.graph.neg(id))
+                self.arithmetic().map(&inner, &|graph, id| graph.neg(id))
             }
             Kind::Chain(first, rest) => self.chain(first, rest, expr.extent),
             Kind::Power(base, exponent) => self.power(base, exponent),
@@ -342,32 +295,55 @@ impl Lowering<'_> {
         if let Some((_, value, _)) = CONSTANTS.iter().find(|(constant, ..)| *constant == text) {
             return Value::Number(self.graph.constant(*value));
         }
-        self.unreadable = true; // whatever seems unused may have been meant
-        let is_function = self.is_function(&text);
-        self.scope.unknown(self.problems, at, &text, is_function);
+        self.unreadable = true;
+        self.scope.unknown(self.problems, at, &text, Callee::named(&text).is_some());
         Value::Unknown
     }
 
-    /// Applies an operation to every number in the value.
-    pub(crate) fn map(&mut self, value: &Value, operation: &mut dyn FnMut(&mut Self, Id) -> Id) -> Value {
-        match value {
-            Value::Unknown => Value::Unknown,
-            Value::Number(id) => Value::Number(operation(self, *id)),
-            Value::Array(list) => {
-                Value::Array(list.iter().map(|element| self.map(element, operation)).collect())
-            }
+    fn call(&mut self, name: &Ident, arguments: &[Expr], at: Extent) -> Value {
+        let text = name.to_string();
+        let callee = Callee::named(&text);
+        match (callee, arguments) {
+            (Some(Callee::Pow), [base, exponent]) => return self.power(base, exponent),
+            (Some(Callee::Delta), [i, j]) => return self.delta(i, j),
+            _ => {}
+        }
+        let values: Vec<(Value, Extent)> =
+            arguments.iter().map(|argument| (self.expression(argument), argument.extent)).collect();
+        match callee {
+            Some(callee) => self.arithmetic().call(callee, name, &values, at),
+            None => self.unknown_function(name, &text),
         }
     }
 
-    /// Applies an operation to the numbers of two values of one shape.
-    fn zip(&mut self, a: &Value, b: &Value, operation: &mut dyn FnMut(&mut Self, Id, Id) -> Id) -> Value {
-        match (a, b) {
-            (Value::Number(a), Value::Number(b)) => Value::Number(operation(self, *a, *b)),
-            (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
-                Value::Array(a.iter().zip(b.iter()).map(|(a, b)| self.zip(a, b, operation)).collect())
-            }
+    fn unknown_function(&mut self, name: &Ident, text: &str) -> Value {
+        let at = self.problems.extent(name.span());
+        if let Some(instead) = Callee::instead_of(text) {
+            return self.wrong(at, format!("unknown function `{text}`; write {instead}"));
+        }
+        if self.scope.find(text).is_some() {
+            let message = format!("`{text}` is no function; a product is written `{text} * (…)`");
+            return self.wrong(at, message);
+        }
+        self.unreadable = true;
+        self.wrong(at, Callee::unknown(text))
+    }
+
+    fn delta(&mut self, i: &Expr, j: &Expr) -> Value {
+        let (i, j) = (self.whole(i), self.whole(j));
+        match (i, j) {
+            (Some(i), Some(j)) => Value::Number(self.graph.constant(if i == j { 1.0 } else { 0.0 })),
             _ => Value::Unknown,
         }
+    }
+
+    fn power(&mut self, base: &Expr, exponent: &Expr) -> Value {
+        let value = self.expression(base);
+        let power = match self.ratio(exponent) {
+            Some(ratio) => Exponent::Exact(ratio),
+            None => Exponent::Value(self.expression(exponent)),
+        };
+        self.arithmetic().power((value, base.extent), (power, exponent.extent))
     }
 
     fn chain(&mut self, first: &Expr, rest: &[(Operator, Expr)], at: Extent) -> Value {
@@ -375,58 +351,9 @@ impl Lowering<'_> {
         for (operator, operand) in rest {
             let right = self.expression(operand);
             let extent = first.extent.to(operand.extent);
-            left = self.combine(*operator, left, right, operand.extent, extent, at);
+            left = self.arithmetic().combine(*operator, left, right, operand.extent, extent, at);
         }
         left
-    }
-
-    fn combine(
-        &mut self,
-        operator: Operator,
-        left: Value,
-        right: Value,
-        operand: Extent,
-        extent: Extent,
-        at: Extent,
-    ) -> Value {
-        use Operator::{Add, Div, Mul, Sub};
-        if !matches!(operator, Add | Sub | Mul | Div) {
-            let message = format!("`{}` belongs between `if` and `{{`, not into a number", operator.symbol());
-            return self.wrong(at, message);
-        }
-        let (Some(a), Some(b)) = (left.shape(), right.shape()) else { return Value::Unknown };
-        let operation = |lowering: &mut Self, a: Id, b: Id| match operator {
-            Add => lowering.graph.add(a, b),
-            Sub => lowering.graph.sub(a, b),
-            Mul => lowering.graph.mul(a, b),
-            _ => lowering.graph.div(a, b),
-        };
-        if operator == Div
-            && let Value::Number(divisor) = right
-            && self.graph.number(divisor) == Some(0.0)
-        {
-            return self.wrong(operand, "division by zero");
-        }
-        match (&left, &right) {
-            (Value::Array(_), Value::Array(_)) if matches!(operator, Mul | Div) => {
-                let advice = "use `dot(a, b)` or indices";
-                self.wrong(
-                    extent,
-                    format!("`{}` of two arrays has no one meaning; {advice}", operator.symbol()),
-                )
-            }
-            (Value::Array(_), Value::Number(number)) if matches!(operator, Mul | Div) => {
-                self.map(&left, &mut |lowering, element| operation(lowering, element, *number))
-            }
-            (Value::Number(number), Value::Array(_)) if operator == Mul => {
-                self.map(&right, &mut |lowering, element| operation(lowering, *number, element))
-            }
-            _ if a == b => self.zip(&left, &right, &mut |lowering, a, b| operation(lowering, a, b)),
-            _ => {
-                let (a, b) = (described(&a), described(&b));
-                self.wrong(extent, format!("`{}` of {a} and {b}; the shapes must agree", operator.symbol()))
-            }
-        }
     }
 
     fn index(&mut self, array: &Expr, index: &Expr) -> Value {
@@ -456,7 +383,7 @@ impl Lowering<'_> {
             let extent = body.extent;
             total = Some(match total.take() {
                 None => next,
-                Some(sum) => lowering.combine(operator, sum, next, extent, extent, extent),
+                Some(sum) => lowering.arithmetic().combine(operator, sum, next, extent, extent, extent),
             });
         });
         match total {
@@ -479,9 +406,7 @@ impl Lowering<'_> {
         }
         match condition {
             None => Value::Unknown,
-            Some(condition) => {
-                self.zip(&then, &other, &mut |lowering, then, other| lowering.select(&condition, then, other))
-            }
+            Some(condition) => self.arithmetic().choose(&condition, &then, &other),
         }
     }
 
@@ -559,40 +484,11 @@ impl Lowering<'_> {
         self.unreadable = true;
         None
     }
-
-    /// One selection per comparison, nested: `a && b && c` chooses by c inside b inside a.
-    fn select(&mut self, condition: &Condition, then: Id, other: Id) -> Id {
-        match condition {
-            Condition::Compare(comparison, a, b) => self.graph.select(*comparison, *a, *b, then, other),
-            Condition::All(parts) => {
-                parts.iter().rev().fold(then, |then, part| self.select(part, then, other))
-            }
-            Condition::Any(parts) => {
-                parts.iter().rev().fold(other, |other, part| self.select(part, then, other))
-            }
-        }
-    }
-}
-
-/// A condition on numbers that are known at run time only.
-enum Condition {
-    Compare(Comparison, Id, Id),
-    All(Vec<Condition>),
-    Any(Vec<Condition>),
 }
 
 /// The operands of a chain.
 fn parts<'a>(first: &'a Expr, rest: &'a [(Operator, Expr)]) -> impl Iterator<Item = &'a Expr> {
     std::iter::once(first).chain(rest.iter().map(|(_, part)| part))
-}
-
-pub(crate) fn described(shape: &[usize]) -> String {
-    match shape {
-        [] => "a number".to_owned(),
-        [n] => format!("an array of {n}"),
-        [m, n] => format!("a matrix of {m} × {n}"),
-        _ => format!("an array of {}", shape.iter().map(|n| n.to_string()).collect::<Vec<_>>().join(" × ")),
-    }
 }
 
 const TOO_LARGE: &str = "the expression has more than half a million operations; write it with fewer terms";

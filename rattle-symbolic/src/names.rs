@@ -1,9 +1,9 @@
 //! Names in scope, and what they stand for.
 
-use crate::graph::Id;
-use crate::lower::Value;
+use crate::node::Id;
 use crate::problems::{Extent, Problems, nearest};
 use crate::ratio::Ratio;
+use crate::value::Value;
 use proc_macro2::Ident;
 use std::collections::{HashMap, HashSet};
 

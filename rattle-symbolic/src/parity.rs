@@ -12,27 +12,26 @@
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
 use crate::functions::Function;
-use crate::graph::{Comparison, Graph, Id, Input, Node};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Input, Node};
 
 /// Value and slope as functions of s, the only variable of the graph that holds them.
-pub struct OfSquare {
+pub(crate) struct OfSquare {
     /// The graph.
-    pub graph: Graph,
+    pub(crate) graph: Graph,
     /// U
-    pub value: Id,
+    pub(crate) value: Id,
     /// dU/ds
-    pub slope: Scaled,
-    /// Whether this needs no root.
-    pub even: bool,
+    pub(crate) slope: Scaled,
 }
 
 /// Rewrites a function of r, the only variable of `source`.
-pub fn of_square(source: &mut Graph, root: Id) -> OfSquare {
+pub(crate) fn of_square(source: &mut Graph, root: Id) -> OfSquare {
     let mut graph = Graph::new();
     let s = graph.input(Input::Variable(0));
     if let Some(Half { odd: false, rest: value }) = halves(source, root, &mut graph, s) {
         let slope = Calculus::new(&mut graph).gradient(&[(Scaled::ONE, value)], 1)[0];
-        return OfSquare { graph, value, slope, even: true };
+        return OfSquare { graph, value, slope };
     }
     let mut calculus = Calculus::new(source);
     let by_r = |_: &mut Graph, input| match input {
@@ -51,7 +50,7 @@ pub fn of_square(source: &mut Graph, root: Id) -> OfSquare {
     let apart = graph.product(&[slope.into(), reciprocal]);
     let apart = graph.node_of(apart);
     let slope = graph.select(Comparison::LessOrEqual, s, zero, bend, apart);
-    OfSquare { graph, value, slope: Scaled { factor: 0.5, node: Some(slope) }, even: false }
+    OfSquare { graph, value, slope: Scaled { factor: 0.5, node: Some(slope) } }
 }
 
 /// E, or r·E.

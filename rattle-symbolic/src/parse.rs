@@ -9,7 +9,8 @@
 
 use crate::parse_expression::Parser;
 use crate::problems::Problems;
-use crate::syntax::{Item, Parameter, Shape, Variable};
+use crate::syntax::{Item, Parameter, Shape, UNKNOWN, Variable};
+use crate::tokens::drain;
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::parse::{ParseStream, Parser as _, Result};
@@ -31,17 +32,6 @@ pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item
         problems.note_syntax(error); // what is left of a group is no news where the group was wrong
     }
     found
-}
-
-/// Takes the rest, so that `syn` does not report it on top of our own message.
-pub(crate) fn drain(input: ParseStream) {
-    let _ = input.step(|cursor| {
-        let mut rest = *cursor;
-        while let Some((_, next)) = rest.token_tree() {
-            rest = next;
-        }
-        Ok(((), rest))
-    });
 }
 
 fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
@@ -196,9 +186,6 @@ fn optional_shape(input: ParseStream, problems: &mut Problems) -> Shape {
     }
     shape
 }
-
-/// The shape of what could not be read: no array has length 0.
-pub(crate) const UNKNOWN: [usize; 1] = [0];
 
 /// More components than any one body has.
 const LARGEST: usize = 4096;

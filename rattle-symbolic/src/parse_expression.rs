@@ -10,10 +10,10 @@
 //! parentheses or its own `let`, not the whole expression.
 
 use crate::functions::Function;
-use crate::parse::drain;
 use crate::problems::{Extent, Problems};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
-use proc_macro2::{Delimiter, Ident, Span};
+use crate::tokens::{drain, error, found, invisible, starts_operand};
+use proc_macro2::{Ident, Span};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser as _, Result};
 use syn::{Lit, Token, braced, bracketed, parenthesized, token};
@@ -93,15 +93,23 @@ impl<'p> Parser<'p> {
         Err(error(input, message))
     }
 
-    pub(crate) fn expression(&mut self, input: ParseStream) -> Result<Expr> {
+    /// One level down.
+    fn nested(
+        &mut self,
+        input: ParseStream,
+        inside: impl FnOnce(&mut Self, ParseStream) -> Result<Expr>,
+    ) -> Result<Expr> {
         self.depth += 1;
-        let result = if self.depth > DEEPEST {
-            Err(error(input, TOO_DEEP))
-        } else {
-            self.level(input, 0).and_then(|left| self.equation(input, left))
-        };
+        let result = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { inside(self, input) };
         self.depth -= 1;
         result
+    }
+
+    fn expression(&mut self, input: ParseStream) -> Result<Expr> {
+        self.nested(input, |parser, input| {
+            let left = parser.level(input, 0)?;
+            parser.equation(input, left)
+        })
     }
 
     /// `left = right` and `left == right` are slips for `left - right`.
@@ -169,10 +177,7 @@ impl<'p> Parser<'p> {
         }
         let minus: Token![-] = input.parse()?;
         let start = self.problems.extent(minus.span);
-        self.depth += 1;
-        let inner = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.signed(input) };
-        self.depth -= 1;
-        let inner = inner?;
+        let inner = self.nested(input, Self::signed)?;
         let extent = start.to(inner.extent);
         Ok(self.make(Kind::Negative(Box::new(inner)), extent))
     }
@@ -190,10 +195,7 @@ impl<'p> Parser<'p> {
         } else {
             return Ok(base);
         }
-        self.depth += 1;
-        let exponent = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.signed(input) };
-        self.depth -= 1;
-        let exponent = exponent?;
+        let exponent = self.nested(input, Self::signed)?;
         let extent = base.extent.to(exponent.extent);
         Ok(self.make(Kind::Power(Box::new(base), Box::new(exponent)), extent))
     }
@@ -353,10 +355,7 @@ impl<'p> Parser<'p> {
         let next = if Function::named(&next).is_some() { "…" } else { &next };
         self.problems
             .note(start, format!("`{name}` needs its argument in parentheses; write `{name}({next})`"));
-        self.depth += 1;
-        let argument = if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.postfix(input) };
-        self.depth -= 1;
-        let argument = argument?;
+        let argument = self.nested(input, Self::postfix)?;
         let extent = start.to(argument.extent);
         Ok(self.make(Kind::Call(name, vec![argument]), extent))
     }
@@ -435,11 +434,7 @@ impl<'p> Parser<'p> {
     }
 
     fn branch(&mut self, input: ParseStream) -> Result<Expr> {
-        self.depth += 1;
-        let result =
-            if self.depth > DEEPEST { Err(error(input, TOO_DEEP)) } else { self.branch_inside(input) };
-        self.depth -= 1;
-        result
+        self.nested(input, Self::branch_inside)
     }
 
     fn branch_inside(&mut self, input: ParseStream) -> Result<Expr> {
@@ -563,36 +558,4 @@ const TOO_DEEP: &str = "nested too deeply; give the inner part a name with `let`
 fn is_type(suffix: &str) -> bool {
     ["f32", "f64", "i8", "i16", "i32", "i64", "i128", "isize", "u8", "u16", "u32", "u64", "u128", "usize"]
         .contains(&suffix)
-}
-
-fn starts_operand(input: ParseStream) -> bool {
-    input.peek(Lit) || input.peek(Ident::peek_any) || input.peek(token::Paren)
-}
-
-/// A problem at the next token; `syn`'s own puts "unexpected end of input" before it.
-fn error(input: ParseStream, message: impl std::fmt::Display) -> syn::Error {
-    syn::Error::new(input.span(), message)
-}
-
-/// The next token, for a message.
-fn found(input: ParseStream) -> String {
-    match input.cursor().token_tree() {
-        None => "nothing".to_owned(),
-        Some((proc_macro2::TokenTree::Group(group), _)) => match group.delimiter() {
-            Delimiter::Parenthesis => "`(`".to_owned(),
-            Delimiter::Brace => "`{`".to_owned(),
-            Delimiter::Bracket => "`[`".to_owned(),
-            Delimiter::None => "an expression".to_owned(),
-        },
-        Some((token, _)) => format!("`{token}`"),
-    }
-}
-
-/// The content of a group without delimiters, if one comes next.
-fn invisible(input: ParseStream) -> Option<proc_macro2::TokenStream> {
-    let step = input.step(|cursor| match cursor.group(Delimiter::None) {
-        Some((inside, _, rest)) => Ok((inside.token_stream(), rest)),
-        None => Err(cursor.error("no group")),
-    });
-    step.ok()
 }

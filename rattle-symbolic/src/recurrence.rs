@@ -11,24 +11,13 @@
 
 use crate::emit::{Emitter, Spelling, temporary};
 use crate::functions::{Binary, Function};
-use crate::graph::{Comparison, Graph, Id, Node};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Node};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 
 /// Products in a block, as in `rattle_core::series`.
 const WIDTH: usize = 8;
-
-/// How many products the series of a function takes. The methods of `rattle_core::series::Recurrences` take as many, as the
-/// compiler checks.
-fn products(function: Function) -> usize {
-    match function {
-        Function::Sqrt | Function::Exp | Function::Ln | Function::Log10 | Function::Log2 => 1,
-        Function::Abs | Function::Sign => 1,
-        Function::Cbrt | Function::Sin | Function::Cos | Function::Tan | Function::Atan => 2,
-        Function::Sinh | Function::Cosh | Function::Tanh | Function::Atanh => 2,
-        Function::Asin | Function::Acos | Function::Asinh | Function::Acosh | Function::Erf => 3,
-    }
-}
 
 /// The series of a function, line by line.
 pub(crate) struct Series {
@@ -119,7 +108,8 @@ impl Writer<'_> {
             None => quote!(_),
         });
         let [first, second] = names;
-        let (a, at, method) = (temporary(a), self.take(2), Ident::new(method, Span::call_site()));
+        let (a, at, method) =
+            (temporary(a), self.take(functions[0].products()), Ident::new(method, Span::call_site()));
         self.lines.push(quote!(let (#first, #second) = __series.#method(#at, #a);));
     }
 
@@ -178,7 +168,7 @@ impl Writer<'_> {
                 quote!(__series.reciprocal(#at, #a))
             }
             Node::Call(function, a) => {
-                let (a, at) = (t(a), self.take(products(function)));
+                let (a, at) = (t(a), self.take(function.products()));
                 let method = Ident::new(function.name(), Span::call_site());
                 quote!(__series.#method(#at, #a))
             }
@@ -187,14 +177,10 @@ impl Writer<'_> {
                 quote!(__series.power(#at, #a, #b))
             }
             Node::Call2(function, a, b) => {
-                let (method, products) = match function {
-                    Binary::Powf => (quote!(powf), 2),
-                    Binary::Atan2 => (quote!(atan2), 5),
-                    Binary::Hypot => (quote!(hypot), 3),
-                };
                 let name = t(b);
                 let b = if function == Binary::Powf { quote!(#name) } else { series(b) };
-                let (a, at) = (series(a), self.take(products));
+                let (a, at) = (series(a), self.take(function.products()));
+                let method = Ident::new(function.name(), Span::call_site());
                 quote!(__series.#method(#at, #a, #b))
             }
             Node::Select(comparison, a, b, then, other) => {

@@ -7,7 +7,8 @@
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
 use crate::functions::Function;
-use crate::graph::{Graph, Id, Input, Node};
+use crate::graph::Graph;
+use crate::node::{Id, Input, Node};
 use crate::parity::of_square;
 use crate::schedule::schedule;
 
@@ -55,6 +56,12 @@ impl Routines {
     fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) {
         let roots = schedule(source, roots, &mut self.graph);
         self.list.push(Routine { name, roots });
+    }
+
+    /// A function that shares what it can with `others`, as if one function had the results of both.
+    fn add_beside(&mut self, name: &'static str, source: &Graph, others: &[Scaled], roots: &[Scaled]) {
+        let both = schedule(source, &[others, roots].concat(), &mut self.graph);
+        self.list.push(Routine { name, roots: both[others.len()..].to_vec() });
     }
 
     /// The last function again, with the results from `skip` on.
@@ -173,8 +180,7 @@ pub fn potential(mut source: Graph, root: Id, variables: u32) -> Routines {
     let mut routines = Routines::empty();
     let gradient = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
     routines.add("value", &source, &[root.into()]);
-    routines.add("value_and_gradient", &source, &[&[root.into()][..], &gradient].concat());
-    routines.rest("gradient", 1);
+    routines.add_beside("gradient", &source, &[root.into()], &gradient);
     routines.gradients = (source, gradient);
     routines
 }

@@ -7,8 +7,10 @@
 //! rest is combined shallowest first, for short chains of dependent operations.
 
 use crate::algebra::Scaled;
-use crate::graph::{Graph, Id, Node};
-use crate::interpret::chain;
+use crate::functions::Function;
+use crate::graph::Graph;
+use crate::node::{Id, Node};
+use crate::operation::chain;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -549,7 +551,7 @@ pub(crate) fn expand(target: &mut Graph, a: Id, halves: i32) -> Id {
         target,
         a,
         &mut |target, a, b| target.mul(a, b),
-        &mut |target, a| target.call(crate::functions::Function::Sqrt, a),
+        &mut |target, a| target.call(Function::Sqrt, a),
         &mut |target, a| target.power(a, -2),
     )
 }

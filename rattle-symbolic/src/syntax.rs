@@ -33,6 +33,9 @@ pub(crate) struct Variable {
 /// The lengths of nested arrays, outermost first; none for a plain number.
 pub(crate) type Shape = Vec<usize>;
 
+/// The shape of what could not be read: no array has length 0.
+pub(crate) const UNKNOWN: [usize; 1] = [0];
+
 /// An expression and where it is written.
 #[derive(Debug)]
 pub(crate) struct Expr {

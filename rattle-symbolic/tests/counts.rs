@@ -11,9 +11,10 @@
 
 use rattle_symbolic::algebra::Scaled;
 use rattle_symbolic::differentiate::Calculus;
-use rattle_symbolic::expand::{Macro, expand};
-use rattle_symbolic::graph::{Graph, Id, Input, Node};
+use rattle_symbolic::graph::Graph;
+use rattle_symbolic::node::{Id, Input, Node};
 use rattle_symbolic::schedule::schedule;
+use rattle_symbolic::{Macro, expand};
 
 fn lemniscate(g: &mut Graph) -> Id {
     let [x, y, z] = [0, 1, 2].map(|i| g.input(Input::Variable(i)));

@@ -1,6 +1,7 @@
 //! What the generated documentation says.
 
-use rattle_symbolic::expand::{Macro, expand};
+use rattle_symbolic::functions::Function;
+use rattle_symbolic::{Macro, expand};
 
 #[test]
 fn formula_gradient_and_counts() {
@@ -34,5 +35,17 @@ fn derivatives_by_component() {
         "∂g[2]/∂q[0] = 2 * q[0] * z",
     ] {
         assert!(output.contains(&format!("\"{line}")), "{line} in {}", &output[..1200]);
+    }
+}
+
+/// The page of `constraint!` lists every function of the table.
+#[test]
+fn every_function_is_listed() {
+    let page = include_str!("../../rattle-macros/src/lib.rs");
+    let (_, list) = page.split_once("functions    ").expect("the list of functions");
+    let (list, _) = list.split_once("also as methods").expect("its end");
+    let listed: Vec<&str> = list.split_whitespace().filter(|word| *word != "///").collect();
+    for function in Function::ALL {
+        assert!(listed.contains(&function.name()), "`{}` is missing among {listed:?}", function.name());
     }
 }

@@ -1,7 +1,7 @@
 //! Inputs that are too deep or too long end in an error, never in a stack overflow.
 
 use proc_macro2::{TokenStream, TokenTree};
-use rattle_symbolic::expand::{Macro, expand};
+use rattle_symbolic::{Macro, expand};
 
 fn expanded(expression: &str) -> String {
     let input: TokenStream = format!("pub struct A {{}} |x, y| {expression}").parse().expect("tokens");

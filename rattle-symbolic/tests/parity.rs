@@ -2,8 +2,9 @@
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle_symbolic::functions::{Binary, Function};
-use rattle_symbolic::graph::{Comparison, Graph, Id, Input, Node};
-use rattle_symbolic::interpret::{Number, evaluate};
+use rattle_symbolic::graph::Graph;
+use rattle_symbolic::node::{Comparison, Id, Input, Node};
+use rattle_symbolic::operation::Number;
 use rattle_symbolic::routine::pair;
 
 /// a + b ε with ε² = 0, and the largest number that an operation met.
@@ -112,7 +113,7 @@ fn random_functions() {
             .any(|&id| matches!(target.node(id), Node::Call(Function::Sqrt, _)));
         for r in [0.25_f64, 0.7, 1.0, 1.9] {
             let k = random.random_range(0.5..2.0);
-            let over = evaluate(&g, &all, |input| match input {
+            let over = g.evaluate(&all, |input| match input {
                 Input::Variable(_) => Dual::new(r, 1.0, 1.0),
                 _ => Dual::new(k, 0.0, 1.0),
             });
@@ -133,7 +134,7 @@ fn random_functions() {
                 continue;
             }
             let at = |root| {
-                evaluate(target, &[root], |input| match input {
+                target.evaluate(&[root], |input| match input {
                     Input::Variable(_) => r * r,
                     _ => k,
                 })[0]

@@ -6,8 +6,8 @@
 //! there are at most, with room.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use rattle_symbolic::expand::{Macro, expand};
 use rattle_symbolic::functions::{Binary, Function};
+use rattle_symbolic::{Macro, expand};
 use std::cell::Cell;
 use std::collections::HashMap;
 use syn::{Expr, ImplItem, Item, Lit, Pat, Stmt};

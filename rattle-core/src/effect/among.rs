@@ -45,16 +45,19 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
 }
 
 impl<X, const K: usize, const A: usize> Among<X, K, A> {
+    #[inline(always)]
+    fn kernel(&self, member: usize) -> &X {
+        &self.kernels[if self.kernels.len() == 1 { 0 } else { member }]
+    }
+
     /// Each member's kernel and bodies, and its variables.
     #[inline(always)]
     fn each<'a, T: Real, const D: usize>(
         &'a self,
         positions: &'a [[T; D]],
     ) -> impl Iterator<Item = (&'a X, &'a [usize; A], [T; K])> + 'a {
-        self.members.iter().enumerate().map(|(i, member)| {
-            let kernel = &self.kernels[if self.kernels.len() == 1 { 0 } else { i }];
-            (kernel, member, from_fn(|k| positions[member[k / D]][k % D]))
-        })
+        let members = self.members.iter().enumerate();
+        members.map(|(i, member)| (self.kernel(i), member, from_fn(|k| positions[member[k / D]][k % D])))
     }
 }
 
@@ -74,7 +77,7 @@ impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A:
         energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
     }
     fn series_blocks(&self, _: usize) -> Option<usize> {
-        Some(self.members.len() * X::SERIES?)
+        (0..self.members.len()).map(|member| self.kernel(member).series()).sum()
     }
     fn add_series<const FIRST: bool>(
         &self,

@@ -70,7 +70,7 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
         energy
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + K::SERIES?))
+        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + self.kernel.series()?))
     }
     fn add_series<const FIRST: bool>(
         &self,

@@ -38,13 +38,14 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let gradient = self.0.gradient(q);
-        from_fn(|d| if K::ACTS_ALONG[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
+        let along = self.0.acts_along();
+        from_fn(|d| if along[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
     }
     fn energy(&self, positions: &[[T; D]]) -> T {
         positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * K::SERIES?)
+        Some(bodies * self.0.series()?)
     }
     #[inline(always)]
     fn add_series<const FIRST: bool>(

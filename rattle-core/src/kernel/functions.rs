@@ -19,9 +19,6 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
 
-    /// Which entries of the Jacobian can be other than zero.
-    const SPARSITY: [[bool; D]; M] = [[true; D]; M];
-
     /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
@@ -124,7 +121,10 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
 
     /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series, for
     /// functions of more than 2000 operations.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of ∂g/∂q along a curve as a power series in time, from that of q; lower ones are known.
     fn jacobian_series<const FIRST: bool>(
         &self,
@@ -134,11 +134,12 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// How many numbers [`kinks`](Self::kinks) writes.
-    const KINKS: usize = 0;
     /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
-    /// differences that `min`, `max` and `if` compare. A step across which one changes sign saw a kink.
-    fn kinks(&self, _q: &[T; D], _found: &mut [T]) {}
+    /// differences that `min`, `max` and `if` compare. If one has another sign at another point, g has a kink between the
+    /// two points. Writes as many as `found` has room for, and returns how many there are.
+    fn kinks(&self, _q: &[T; D], _found: &mut [T]) -> usize {
+        0
+    }
 }
 
 /// A potential energy U(q) of one body with D coordinates. Written by `potential!`.
@@ -183,19 +184,21 @@ pub trait Potential<const D: usize>: Sized {
 /// The functions of a [`Potential`] over the scalar `T`.
 pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Which components of ∇U can be other than zero.
-    const ACTS_ALONG: [bool; D] = [true; D];
+    #[inline(always)]
+    fn acts_along(&self) -> [bool; D] {
+        [true; D]
+    }
 
     /// U(q).
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
-    /// U(q) and ∇U(q), sharing their subexpressions.
-    fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
-        (self.value(q), self.gradient(q))
-    }
 
     /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of ∇U along a curve as a power series in time, from that of q; lower ones are known.
     fn gradient_series<const FIRST: bool>(&self, _q: &[T; D], _order: &mut Order<'_, T, FIRST>) -> [T; D] {
         [T::from_f64(f64::NAN); D]
@@ -238,7 +241,10 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     fn slope(&self, s: T) -> T;
 
     /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of dU/ds as a power series in time, from that of s; lower ones are known.
     fn slope_series<const FIRST: bool>(&self, _s: T, _order: &mut Order<'_, T, FIRST>) -> T {
         T::from_f64(f64::NAN)

@@ -28,7 +28,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let shape = &*self.shape;
         let runs = shape.components.iter().flat_map(|component| &component.rows.runs);
         let links: Option<usize> =
-            runs.map(|run| Some(run.members.len() * shape.groups[run.group].series_blocks()?)).sum();
+            runs.map(|run| shape.groups[run.group].series_blocks(run.members.clone())).sum();
         Some(links? + self.field.series_blocks(self.count.number())?)
     }
 

@@ -32,7 +32,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Field<T, D>,
     {
         let n = self.count.number();
-        let blocks = n * (K::SERIES? + blocks(2 * D)) + self.field.series_blocks(n)?;
+        let blocks = n * (self.constraint.series()? + blocks(2 * D)) + self.field.series_blocks(n)?;
         let products = Products::new(blocks, orders);
         Some(Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] }))
     }

@@ -164,7 +164,7 @@ where
     }
 
     fn refuses(&self, need: Need) -> Option<&'static str> {
-        let without = K::SERIES.and(self.field.series_blocks(self.count.number())).is_none();
+        let without = self.constraint.series().and(self.field.series_blocks(self.count.number())).is_none();
         (need == Need::Series && without).then_some(NO_SERIES)
     }
 

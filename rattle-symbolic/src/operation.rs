@@ -1,7 +1,9 @@
-//! The value of a graph for given numbers: the reference that generated code is held against.
+//! What each operation computes, over any kind of number.
+//!
+//! A graph folds its constants and evaluates its roots by this one definition.
 
 use crate::functions::{Binary, Function};
-use crate::graph::{Comparison, Graph, Id, Input, Node};
+use crate::node::{Comparison, Id, Input, Node};
 
 /// What a graph can be evaluated over.
 pub trait Number: Copy {
@@ -56,15 +58,6 @@ impl Number for f64 {
             Comparison::LessOrEqual => self <= b,
         }
     }
-}
-
-/// The values of the roots.
-pub fn evaluate<N: Number>(graph: &Graph, roots: &[Id], input: impl Fn(Input) -> N) -> Vec<N> {
-    let mut values = vec![N::from_f64(0.0); graph.len()];
-    for id in graph.reachable(roots) {
-        values[id.index()] = operation(graph.node(id), |id| values[id.index()], &input);
-    }
-    roots.iter().map(|root| values[root.index()]).collect()
 }
 
 /// The value of one node from those of its children.

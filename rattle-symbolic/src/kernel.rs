@@ -1,0 +1,201 @@
+//! The kernel that a macro writes: its type, and the traits of the struct and of the kernel.
+
+use crate::emit::{Emitter, Frame};
+use crate::interface::Method;
+use crate::macros::{Macro, Sizes};
+use crate::node::Input;
+use crate::recurrence::Series;
+use crate::routine::{LARGE, Routines};
+use crate::syntax::Item;
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{format_ident, quote};
+
+/// The implementation of the kernel's trait.
+pub(crate) struct Kernel<'a> {
+    pub(crate) item: &'a Item,
+    pub(crate) emitter: &'a Emitter<'a>,
+    pub(crate) routines: &'a Routines,
+    pub(crate) sizes: &'a Sizes,
+}
+
+impl Kernel<'_> {
+    pub(crate) fn implementation(&self, which: Macro) -> TokenStream {
+        let name = &self.item.name;
+        let kernel = self.name();
+        let (owner, interface) = which.traits(self.sizes);
+        // What a trait provides by itself has no routine where it is large; a stub has none at all.
+        let written = |name| self.routines.list.is_empty() || self.routines.named(name).is_some();
+        let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
+        let functions = functions.map(|method| self.function(&method, which));
+        let (acts_along, kinks) = (self.acts_along(which), self.kinks(which));
+        let series = self.series(which);
+        let map = self.map(which);
+        let declarations = self.emitter.declarations();
+        let parameters = self.parameters();
+        let construction = self.emitter.construction(&kernel, &|input| match input {
+            Input::Parameter(k) => parameters.get(k as usize).cloned().unwrap_or_default(),
+            _ => TokenStream::new(), // a kernel's fields depend on parameters only
+        });
+        quote! {
+            #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
+            #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
+            const _: () = {
+                #[derive(Clone, Copy, Debug)]
+                pub struct #kernel<T> { #declarations }
+
+                #[automatically_derived]
+                impl ::rattle::kernel::#owner for #name {
+                    type Kernel<T: ::rattle::real::Real> = #kernel<T>;
+
+                    #[inline(always)]
+                    fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
+                        __lane: impl Fn(usize) -> &'a Self,
+                    ) -> #kernel<T>
+                    where
+                        Self: 'a,
+                    {
+                        #construction
+                    }
+
+                    #map
+                }
+
+                #[automatically_derived]
+                impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
+                    #(#functions)*
+                    #acts_along
+                    #kinks
+                    #series
+                }
+            };
+        }
+    }
+
+    /// The kernel number by number, for what goes in lanes.
+    fn map(&self, which: Macro) -> TokenStream {
+        if !matches!(which, Macro::Constraint | Macro::Potential) {
+            return TokenStream::new();
+        }
+        let kernel = self.name();
+        let fields = self.emitter.mapped(&quote!(__number), &quote!(__kernel));
+        quote! {
+            #[inline(always)]
+            fn map_kernel<T: ::rattle::real::Real, U: ::rattle::real::Real>(
+                __kernel: &#kernel<T>,
+                __number: impl Fn(&T) -> U,
+            ) -> #kernel<U> {
+                #kernel { #fields }
+            }
+        }
+    }
+
+    /// Which components of a potential's gradient can be other than zero.
+    fn acts_along(&self, which: Macro) -> TokenStream {
+        let (Macro::Potential, Some(gradient)) = (which, self.routines.named("gradient")) else {
+            return TokenStream::new();
+        };
+        let acts = gradient.roots.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
+        let d = Literal::usize_unsuffixed(self.sizes.variables);
+        quote! {
+            #[inline(always)]
+            fn acts_along(&self) -> [bool; #d] {
+                [#(#acts),*]
+            }
+        }
+    }
+
+    /// Where equations are not smooth.
+    fn kinks(&self, which: Macro) -> TokenStream {
+        let Some(kinks) = self.routines.named("kinks").filter(|kinks| !kinks.roots.is_empty()) else {
+            return TokenStream::new();
+        };
+        let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
+        let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
+        let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        quote! {
+            #[inline(always)]
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> usize {
+                #statements
+                let __values = [#(#values),*];
+                let __count = if __found.len() < #count { __found.len() } else { #count };
+                __found[..__count].copy_from_slice(&__values[..__count]);
+                #count
+            }
+        }
+    }
+
+    /// The recurrences of the derivatives along a curve, for functions that are not too large for it.
+    fn series(&self, which: Macro) -> TokenStream {
+        let Some((of, method)) = which.series(self.sizes) else { return TokenStream::new() };
+        let Some(routine) = self.routines.named(of) else { return TokenStream::new() };
+        if self.routines.operations(&routine.roots) > LARGE {
+            return TokenStream::new();
+        }
+        let Series { blocks, statements, results } =
+            Series::of(self.emitter, &routine.roots, &which.spelling(self.sizes));
+        let result = method.result.filled(&mut results.into_iter());
+        let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
+        quote! {
+            #[inline(always)]
+            fn series(&self) -> Option<usize> {
+                Some(#blocks)
+            }
+
+            #[inline(always)]
+            #signature {
+                #statements
+                #result
+            }
+        }
+    }
+
+    /// Each component of the parameters, as the scalar.
+    fn parameters(&self) -> Vec<TokenStream> {
+        let mut list = Vec::new();
+        for parameter in &self.item.parameters {
+            let name = &parameter.name;
+            components(quote!(__lane(__i).#name), &parameter.shape, &mut list);
+        }
+        list.into_iter().map(|component| quote!(T::from_lanes(|__i| #component))).collect()
+    }
+
+    fn function(&self, method: &Method, which: Macro) -> TokenStream {
+        let roots = self.routines.named(method.name).map_or(&[][..], |routine| &routine.roots);
+        let large = self.routines.operations(roots) > LARGE;
+        let kernel = self.name();
+        let arguments = method.arguments();
+        let frame = Frame { kernel: &kernel, arguments: &arguments };
+        let statements = self.emitter.body(roots, &which.spelling(self.sizes), large.then_some(&frame));
+        let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
+        let signature = method.signature();
+        let hint = if large {
+            quote!(#[inline]) // a copy at each call would cost the compiler more than the call
+        } else {
+            quote!(#[inline(always)])
+        };
+        quote! {
+            #hint
+            #signature {
+                #statements
+                #result
+            }
+        }
+    }
+
+    /// The kernel's type.
+    fn name(&self) -> Ident {
+        format_ident!("{}Kernel", self.item.name)
+    }
+}
+
+fn components(path: TokenStream, shape: &[usize], list: &mut Vec<TokenStream>) {
+    match shape.split_first() {
+        None => list.push(path),
+        Some((&length, inner)) => {
+            for i in 0..length {
+                let i = Literal::usize_unsuffixed(i);
+                components(quote!(#path[#i]), inner, list);
+            }
+        }
+    }
+}

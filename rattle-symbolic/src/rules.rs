@@ -1,0 +1,129 @@
+//! Derivatives of functions: that column of the table in [`functions`](crate::functions), and its pieces.
+//!
+//! At the edge of its domain a derivative follows these rules:
+//!
+//! ```text
+//! abs′(0) = +1     sign′ = 0      sqrt′(0) = cbrt′(0) = 0      norm′(0) = hypot′(0, 0) = atan2′(0, 0) = 0
+//! ```
+//!
+//! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.
+
+use crate::algebra::Scaled;
+use crate::functions::{Binary, Function, functions_of_one, functions_of_two};
+use crate::graph::Graph;
+use crate::node::{Comparison, Id, Node};
+use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
+
+const THIRD: f64 = 1.0 / 3.0;
+
+macro_rules! derivatives {
+    ($($variant:ident $name:literal, $value:expr, $products:literal, $derivative:expr;)*) => {
+        /// f′(x), where f(x) is known.
+        pub(crate) fn derivative(function: Function, graph: &mut Graph, x: Id, f: Id) -> Scaled {
+            let rule: fn(&mut Graph, Id, Id) -> Scaled = match function { $(Function::$variant => $derivative),* };
+            rule(graph, x, f)
+        }
+    };
+}
+functions_of_one!(derivatives);
+
+macro_rules! derivatives_of_two {
+    ($($variant:ident $name:literal, $value:expr, $products:literal, $derivatives:expr, $meaning:literal;)*) => {
+        /// (∂f/∂a, ∂f/∂b), where f(a, b) is known.
+        pub(crate) fn derivatives(function: Binary, graph: &mut Graph, a: Id, b: Id, f: Id) -> [Scaled; 2] {
+            let rules: fn(&mut Graph, Id, Id, Id) -> [Scaled; 2] =
+                match function { $(Binary::$variant => $derivatives),* };
+            rules(graph, a, b, f)
+        }
+    };
+}
+functions_of_two!(derivatives_of_two);
+
+/// The pieces that derivatives are made of.
+impl Graph {
+    /// 1/x, and 0 where x ≤ 0: for roots, whose slope at the tip is set to 0.
+    fn guarded_reciprocal(&mut self, x: Id) -> Scaled {
+        let zero = self.constant(0.0);
+        let reciprocal = self.power(x, -2);
+        self.select(Comparison::LessOrEqual, x, zero, zero, reciprocal).into()
+    }
+    fn reciprocal_of(&mut self, x: Scaled) -> Scaled {
+        let x = self.node_of(x);
+        self.reciprocal(x)
+    }
+    /// 1/√(of x)
+    fn reciprocal_root(&mut self, of: fn(&mut Graph, Id) -> Scaled, x: Id) -> Scaled {
+        let inside = of(self, x);
+        let inside = self.node_of(inside);
+        self.power(inside, -1).into()
+    }
+    /// shift + scale·x²
+    fn shifted_square(&mut self, shift: f64, x: Id, scale: f64) -> Scaled {
+        let square = self.product(&[x.into(), x.into()]).times(scale);
+        self.sum(&[Scaled::number(shift), square])
+    }
+    /// 1 − x², as (1 − x)(1 + x): exact near ±1, where it matters.
+    fn one_minus_square(&mut self, x: Id) -> Scaled {
+        let one = Scaled::number(1.0);
+        let (less, more) = (self.sum(&[one, Scaled::from(x).times(-1.0)]), self.sum(&[one, x.into()]));
+        self.product(&[less, more])
+    }
+    /// x² − 1, as (x − 1)(x + 1).
+    fn square_minus_one(&mut self, x: Id) -> Scaled {
+        self.one_minus_square(x).times(-1.0)
+    }
+    fn sum_of_squares(&mut self, a: Id, b: Id) -> Scaled {
+        let (a, b) = (self.product(&[a.into(), a.into()]), self.product(&[b.into(), b.into()]));
+        self.sum(&[a, b])
+    }
+    /// ±1 by the sign of x, +1 at zero.
+    fn signum(&mut self, x: Id) -> Scaled {
+        let (zero, one, minus) = (self.constant(0.0), self.constant(1.0), self.constant(-1.0));
+        self.select(Comparison::Less, x, zero, minus, one).into()
+    }
+    /// exp(−x²)
+    fn bell(&mut self, x: Id) -> Scaled {
+        let square = self.product(&[x.into(), x.into()]).times(-1.0);
+        let square = self.node_of(square);
+        self.call(Function::Exp, square).into()
+    }
+    /// `slope`, and 0 where the exponent is 0: the power is constant there, though 0·0⁻¹ is NaN.
+    fn unless_zero(&mut self, exponent: Id, slope: Scaled) -> Scaled {
+        if matches!(self.node(exponent), Node::Constant(_)) {
+            return slope;
+        }
+        let square = self.product(&[exponent.into(), exponent.into()]);
+        let (square, slope, zero) = (self.node_of(square), self.node_of(slope), self.constant(0.0));
+        self.select(Comparison::LessOrEqual, square, zero, zero, slope).into()
+    }
+    /// ∂(xʸ)/∂y = f ln x, and 0 where x ≤ 0.
+    fn growth(&mut self, x: Id, f: Id) -> Scaled {
+        let logarithm = self.call(Function::Ln, x);
+        let product = self.product(&[f.into(), logarithm.into()]);
+        let (product, zero) = (self.node_of(product), self.constant(0.0));
+        self.select(Comparison::LessOrEqual, x, zero, zero, product).into()
+    }
+
+    /// ∂(aᵇ)/∂a and ∂(aᵇ)/∂b
+    fn slopes_of_power(&mut self, a: Id, b: Id, f: Id) -> [Scaled; 2] {
+        let one = self.constant(1.0);
+        let less = self.sub(b, one);
+        let power = self.call2(Binary::Powf, a, less);
+        let by_base = self.product(&[b.into(), power.into()]);
+        let by_base = self.unless_zero(b, by_base);
+        let by_exponent = if self.moving(b) { self.growth(a, f) } else { Scaled::ZERO };
+        [by_base, by_exponent]
+    }
+    /// The slopes of `atan2(a, b)`: b/(a² + b²) and −a/(a² + b²).
+    fn slopes_of_angle(&mut self, a: Id, b: Id) -> [Scaled; 2] {
+        let (squares, a, b) = (self.sum_of_squares(a, b), Scaled::from(a), Scaled::from(b));
+        let squares = self.node_of(squares);
+        let q = self.guarded_reciprocal(squares);
+        [self.product(&[b, q]), self.product(&[a, q]).times(-1.0)]
+    }
+    /// The slopes of `hypot(a, b)`: a/f and b/f.
+    fn slopes_of_distance(&mut self, a: Id, b: Id, f: Id) -> [Scaled; 2] {
+        let q = self.guarded_reciprocal(f);
+        [self.product(&[a.into(), q]), self.product(&[b.into(), q])]
+    }
+}
