@@ -79,7 +79,7 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub p_low: N::Of<[T; D]>,
     /// The time; only a system with moving constraints looks at it.
     pub time: f64,
-    /// Work done by moving constraints since the start.
+    /// Work done by moving constraints and by flows of momenta since the start.
     pub work: T,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
@@ -110,10 +110,10 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     ) -> R {
         let length = vectors * self.q.as_ref().len();
         let mut room = std::mem::take(&mut self.room);
-        if room.len() != length {
+        if room.len() < length {
             room = vec![[T::from_f64(0.0); D]; length];
         }
-        let done = work(self, &mut room);
+        let done = work(self, &mut room[..length]);
         self.room = room;
         done
     }

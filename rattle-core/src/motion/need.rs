@@ -1,5 +1,8 @@
 //! What a method asks of a system.
 
+/// A system whose forces change with time, as messages name it.
+pub(crate) const FORCES_CHANGE: &str = "bodies under forces that change with time";
+
 /// What a method asks of a system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -10,7 +13,7 @@ pub enum Need {
     PositionEquation,
     /// Inner stages solved together.
     Stages,
-    /// Momenta that are mass times velocity, and constraints that do not move.
+    /// Momenta that are mass times velocity; constraints that do not move, and forces that do not change with time.
     Differences,
     /// The motion as a power series in time.
     Series,

@@ -16,7 +16,8 @@ use crate::motion::iteration::{Iteration, Newton};
 use crate::motion::need::Need;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{sum, two_sum};
 use std::array::from_fn;
 use std::fmt::Debug;
 
@@ -98,6 +99,58 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
         witness: &mut W,
     ) -> Result<(), Failure>;
+
+    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    #[inline(always)]
+    fn flows(&self) -> usize {
+        0
+    }
+    /// Writes what the momenta change by in a time h by the flow of this number, at the present places and time.
+    fn flow(
+        &self,
+        _number: usize,
+        _h: f64,
+        _bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+        _velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        changes.fill([T::from_f64(0.0); D]);
+    }
+
+    /// Has a flow change the momenta for a time h, and makes them those of motion along the constraints again. Positions, and what is
+    /// kept there, stay. The change of kinetic energy counts as work. Allocates only where [`Bodies::room`] has not
+    /// two vectors per body.
+    ///
+    /// # Errors
+    /// As [`settle`](Self::settle).
+    fn stir(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut Bodies<Self::Count, T, Self::Kept, D>,
+    ) -> Result<(), Failure> {
+        let (before, work) = (self.kinetic_energy(bodies), bodies.work);
+        bodies.with_room(2, |bodies, room| {
+            let n = bodies.q.as_ref().len();
+            let (velocities, changes) = room.split_at_mut(n);
+            for (body, velocity) in velocities.iter_mut().enumerate() {
+                *velocity = self.velocity(bodies, body);
+            }
+            self.flow(number, h, bodies, velocities, changes);
+            for (body, change) in changes.iter().enumerate() {
+                let ones = [T::from_f64(1.0); D];
+                let pinned = self.mass_product(body, &ones, &ones).le(T::from_f64(0.0)).all();
+                let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+                if !pinned {
+                    (*p, *p_low) = two_sum(p, &sum(p_low, change));
+                }
+            }
+        });
+        self.settle(0.0, h, bodies, &mut ())?;
+        // Links that move book what they do to make momenta fit; that is in the change of energy too.
+        bodies.work = work + (self.kinetic_energy(bodies) - before);
+        Ok(())
+    }
 
     /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there. Places
     /// and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t. `witness` is

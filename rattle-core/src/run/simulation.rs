@@ -1,19 +1,17 @@
 //! A scene under way.
 
 use crate::effect::force::Force;
-use crate::effect::list::Effects;
-use crate::effect::list::Field;
-use crate::error::Error;
-use crate::error::NetworkMistake;
-use crate::error::StartFailure;
-use crate::motion::bodies::Body;
-use crate::motion::bodies::{Bodies, Count, One};
+use crate::effect::list::{Effects, Forces};
+use crate::effect::moment::Moment;
+use crate::error::{Error, NetworkMistake, StartFailure};
+use crate::motion::bodies::{Bodies, Body, Count, One};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
 use crate::motion::method::Method;
 use crate::motion::method::check_step_size;
 use crate::motion::need::Need;
 use crate::motion::state::{Remembered, State};
+use crate::motion::stir::{FLOW, step};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::clock::after_steps;
@@ -98,24 +96,30 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if let Some(system) = system.refuses(method.need()) {
             return Err(Error::CannotMove { method: method.name(), system });
         }
-        self.check_forces(&start.bodies)?;
+        let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
+        if system.flows() > 0 && !divided {
+            return Err(Error::CannotMove { method: method.name(), system: FLOW });
+        }
+        self.check_forces(&start.bodies, start.time)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         match method.need() {
             Need::Series => system.reserve_series(&mut bodies, method.stages()),
             _ => system.reserve(&mut bodies, method.stages()),
         }
-        bodies.room = vec![[0.0; D]; method.room() * self.count.number()];
+        let vectors = method.room().max(if system.flows() > 0 { 2 } else { 0 });
+        bodies.room = vec![[0.0; D]; vectors * self.count.number()];
         let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
         Ok(Simulation::new(system, self.count, bodies, clock, remembered, method))
     }
 
-    fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies).iter().enumerate() {
+    fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
+        for (body, force) in self.forces(bodies, time).iter().enumerate() {
             let force = force.components();
             if !force.iter().all(|f| f.is_finite()) {
                 let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
-                let field = self.effects.field::<f64>();
-                let effect = field.culprit(&positions, body).map_or("sum of effects", |(name, _)| name);
+                let at = Moment { time, positions: &positions };
+                let effect =
+                    self.effects.forces::<f64>().culprit(at, body).map_or("sum of effects", |(name, _)| name);
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });
             }
@@ -264,7 +268,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
         self.before.copy_from(&self.bodies);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        match self.method.step(&self.system, &mut self.bodies, self.memory.as_mut(), witness) {
+        match step(&self.method, &self.system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -318,7 +322,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let method = self.method.with_step(self.method.step_size() / f64::from(parts));
         let mut memory = method.memory(&self.system, &self.bodies);
         for _ in 0..parts {
-            method.step(&self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            step(&method, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
@@ -337,7 +341,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
         let back =
-            (0..parts).try_for_each(|_| backwards.step(&self.system, &mut self.bodies, memory, &mut ()));
+            (0..parts).try_for_each(|_| step(&backwards, &self.system, &mut self.bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));
@@ -458,13 +462,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
     }
 
-    /// Work that moving constraints have done on the bodies since the start, −∫ λᵀ ∂g/∂t dt, to the order of the
-    /// method; 0 where none moves.
+    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, and by
+    /// [flows](crate::effect::Flow) of momenta; 0 where there are none.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
+    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the
+    /// energy too, by ∂U/∂t; that is no work here.
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }
@@ -505,7 +510,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-impl<F: Field<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
+impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
     /// What the position equations have cost since the start.
     pub fn counts(&self) -> Counts {
         self.system.counts(&self.bodies)

@@ -1,13 +1,14 @@
 //! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::need::Need;
+use crate::motion::need::{FORCES_CHANGE, Need};
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -23,9 +24,9 @@ use crate::systems::linked::kept::along;
 use crate::systems::linked::kept::along_and_size;
 use crate::systems::linked::room::Stages;
 
-impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
     type Count = N;
-    type Kept = Kept<F::Force, D>;
+    type Kept = Kept<F, D>;
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<F, N, D> {
         let (shape, n) = (&self.shape, self.count.number());
@@ -52,6 +53,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
+            of_effects: self.effects.room(n),
             blocks: vec![[0.0; D]; shape.blocks],
             rates: vec![0.0; shape.equations],
             solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
@@ -77,14 +79,15 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         let acting = self.shape.components.iter().any(|component| component.rows.acting);
         match need {
             Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
-            Need::Differences => self.moves_with_time().then_some("a network whose links move"),
+            Need::Differences if self.links_move() => Some("a network whose links move"),
+            Need::Differences => self.effects.changes_with_time().then_some(FORCES_CHANGE),
             Need::Series => self.series_blocks().is_none().then_some(NO_SERIES),
             Need::Verbs | Need::PositionEquation => None,
         }
     }
 
     fn moves_with_time(&self) -> bool {
-        self.shape.components.iter().any(|component| component.rows.moving)
+        self.links_move() || self.effects.changes_with_time()
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -93,7 +96,26 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
                 bodies.kept.normals(&self.shape, c, time, bodies.q.as_ref());
             }
+            if self.effects.changes_with_time() {
+                self.evaluate_forces(bodies);
+            }
         }
+    }
+
+    fn flows(&self) -> usize {
+        self.effects.flows()
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        velocities: &[[f64; D]],
+        changes: &mut [[f64; D]],
+    ) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
+        self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -167,7 +189,9 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
-        self.forces(bodies.q.as_ref(), &mut bodies.kept.force);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let Kept { of_effects, force, .. } = &mut bodies.kept;
+        self.forces(at, of_effects, force);
     }
 
     fn settle<W: Witness<f64>>(
@@ -312,8 +336,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
-        let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
-        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
+        let room = || Box::new(Stages::new(stages, self.count.number(), &self.shape, &self.effects));
+        bodies.kept.stages = (stages > 0).then(room);
     }
 
     fn collocate<W: Witness<f64>, const S: usize>(
@@ -359,7 +383,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
 
     fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
         let mut forces = vec![F::Force::zero(); accelerations.len()];
-        self.forces(bodies.q.as_ref(), &mut forces);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.forces(at, &mut bodies.kept.of_effects.clone(), &mut forces);
         let mut pulls = vec![[0.0; D]; bodies.q.as_ref().len()];
         self.constraint_forces(bodies, &mut pulls);
         for (body, a) in accelerations.iter_mut().enumerate() {
@@ -395,7 +420,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        self.field.energy(bodies.q.as_ref())
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
     fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
@@ -416,7 +441,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     fn multipliers(&self, bodies: &BodiesOf<F, N, D>, multipliers: &mut [f64]) {
         let velocity = self.velocities(bodies);
         let mut forces = vec![F::Force::zero(); velocity.len()];
-        self.forces(bodies.q.as_ref(), &mut forces);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.forces(at, &mut bodies.kept.of_effects.clone(), &mut forces);
         let pulls: Vec<_> =
             forces.iter().zip(&self.shape.roots).map(|(f, root)| root.velocity(&f.components())).collect();
         self.for_rows(multipliers, |c, out| {

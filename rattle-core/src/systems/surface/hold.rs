@@ -13,7 +13,8 @@ use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::start;
 
 impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
-    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N, C::Kernel<Fused<f64>>>;
+    type System<E: Effects<D>, N: Count> =
+        OnSurface<C::Kernel<f64>, E::Forces<f64>, N, C::Kernel<Fused<f64>>>;
 
     fn system<E: Effects<D>, N: Count>(
         &self,
@@ -28,7 +29,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
             start::check(&constraint, state, path, start.must_be_tangent(method))
                 .map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
+        Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))
     }
 
     fn particles(self, _: usize) -> Self {

@@ -8,7 +8,7 @@
 //!
 //! nₖ is known from q₀ … qₖ, so that the second sum gives λₖ₋₁. No second derivative of g is needed.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::{Products, blocks};
@@ -29,10 +29,10 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     ) -> Option<Box<SeriesRoom<T, D>>>
     where
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let n = self.count.number();
-        let blocks = n * (self.constraint.series()? + blocks(2 * D)) + self.field.series_blocks(n)?;
+        let blocks = n * (self.constraint.series()? + blocks(2 * D)) + self.effects.series_blocks(n)?;
         let products = Products::new(blocks, orders);
         Some(Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] }))
     }
@@ -47,7 +47,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
         W: Witness<T>,
     {
         let (n, zero) = (self.count.number(), T::from_f64(0.0));
@@ -68,7 +68,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
         }
         force.fill([zero; D]);
-        self.field.contribute_series(&series[..n], force, order);
+        self.effects.contribute_series(&series[..n], force, order);
 
         let last = series.len() / n - 1;
         for k in 1..last {
@@ -98,7 +98,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             if k + 1 < last {
                 force.fill([zero; D]);
-                self.field.contribute_series(&series[k * n..][..n], force, order);
+                self.effects.contribute_series(&series[k * n..][..n], force, order);
             }
         }
         Ok(())

@@ -3,13 +3,14 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::need::Need;
+use crate::motion::need::{FORCES_CHANGE, Need};
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -36,17 +37,18 @@ impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Field<T, D>,
+    F: Forces<T, D>,
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {
     type Count = N;
-    type Kept = Kept<N, T, F::Force, D>;
+    type Kept = Kept<N, T, F, D>;
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
+    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, series: None };
-        let mut bodies = Bodies::new(self.count, kept, place, 0.0);
+        let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
+        let kept = Kept { normal, force, of_effects, stages: None, series: None };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
         bodies
     }
@@ -73,7 +75,9 @@ where
         if X::KIND == Kind::Newton
             && let Some(set) = entry::<T, L, N, D>(self.count)
         {
-            return self.drift_in_tiles(set, kick, h, guess, bodies, witness);
+            self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
+            self.pass(h, bodies);
+            return Ok(());
         }
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for body in 0..bodies.q.as_ref().len() {
@@ -92,12 +96,14 @@ where
             }
         }
         self.fuse_normals(bodies);
+        self.pass(h, bodies);
         Ok(())
     }
 
     #[inline(always)]
     fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
-        self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
     }
 
     #[inline(always)]
@@ -114,8 +120,9 @@ where
         for body in 0..bodies.q.as_ref().len() {
             let finite = settle(kick, h, bodies, body, witness);
             if !finite.all() {
-                let (q, kept) = (bodies.q.as_ref(), &bodies.kept);
-                return Err(FailureAt::of(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
+                let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+                let normals = bodies.kept.normal.as_ref();
+                return Err(FailureAt::of(body, finite).not_finite(&self.effects, at, normals));
             }
         }
         Ok(())
@@ -147,7 +154,8 @@ where
     }
 
     fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
-        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
+        bodies.kept.stages =
+            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
     }
 
     fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
@@ -164,8 +172,42 @@ where
     }
 
     fn refuses(&self, need: Need) -> Option<&'static str> {
-        let without = self.constraint.series().and(self.field.series_blocks(self.count.number())).is_none();
-        (need == Need::Series && without).then_some(NO_SERIES)
+        let series = || self.constraint.series().and(self.effects.series_blocks(self.count.number()));
+        match need {
+            Need::Series => series().is_none().then_some(NO_SERIES),
+            Need::Differences => self.moves_with_time().then_some(FORCES_CHANGE),
+            Need::Verbs | Need::PositionEquation | Need::Stages => None,
+        }
+    }
+
+    #[inline(always)]
+    fn moves_with_time(&self) -> bool {
+        self.effects.changes_with_time()
+    }
+
+    #[inline(always)]
+    fn set_time(&self, bodies: &mut BodiesOf<N, T, F, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            self.evaluate_forces(bodies);
+        }
+    }
+
+    #[inline(always)]
+    fn flows(&self) -> usize {
+        self.effects.flows()
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
+        self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
     fn collocate<W: Witness<T>, const S: usize>(
@@ -196,7 +238,8 @@ where
         let mut multipliers = vec![T::from_f64(0.0); self.count.number()];
         <Self as System<T, D>>::multipliers(self, bodies, &mut multipliers);
         let mut forces = self.count.each(F::Force::zero());
-        self.field.evaluate(bodies.q.as_ref(), forces.as_mut());
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), forces.as_mut());
         for (i, a) in accelerations.iter_mut().enumerate() {
             let pull = scaled(multipliers[i], &bodies.kept.normal.as_ref()[i].gradient);
             *a = forces.as_ref()[i].add_to(pull, T::from_f64(1.0));
@@ -219,7 +262,7 @@ where
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
-        self.field.energy(bodies.q.as_ref())
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
     fn residuals(&self, bodies: &BodiesOf<N, T, F, D>, g: &mut [T]) {
@@ -238,7 +281,8 @@ where
     fn multipliers(&self, bodies: &BodiesOf<N, T, F, D>, multipliers: &mut [T]) {
         let (q, p) = (bodies.q.as_ref(), bodies.p.as_ref());
         let mut forces = self.count.each(F::Force::zero());
-        self.field.evaluate(q, forces.as_mut());
+        let at = Moment { time: bodies.time, positions: q };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), forces.as_mut());
         for (i, multiplier) in multipliers.iter_mut().enumerate() {
             let normal = &bodies.kept.normal.as_ref()[i];
             let [bend] = self.constraint.jet(&q[i], &p[i]).2;
