@@ -13,6 +13,7 @@ use crate::kernel::over::Over;
 use crate::kernel::series::Order;
 use crate::number::real::Real;
 use nalgebra::{SMatrix, SVector};
+use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
@@ -89,6 +90,25 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
+    /// g and ∂g/∂q at L places at once, number by number: the coordinates of place l are `q[0][l]`, `q[1][l]`, … A kernel that is not
+    /// compiled, such as a program that is read when it runs, can go through itself once for the whole block.
+    #[inline(always)]
+    fn value_and_jacobian_block<const L: usize>(
+        &self,
+        q: &[[T; L]; D],
+        values: &mut [[T; L]; M],
+        jacobians: &mut [[[T; L]; D]; M],
+    ) {
+        for l in 0..L {
+            let (value, jacobian) = self.value_and_jacobian(&from_fn(|d| q[d][l]));
+            for i in 0..M {
+                values[i][l] = value[i];
+                for d in 0..D {
+                    jacobians[i][d][l] = jacobian[i][d];
+                }
+            }
+        }
+    }
     /// Row i is vᵀ∇²gᵢ.
     fn hessian_vector(&self, q: &[T; D], v: &[T; D]) -> [[T; D]; M];
     /// g, G v and vᵀ∇²g v.
@@ -193,6 +213,16 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
+    /// ∇U at L places at once, number by number, as [`ConstraintKernel::value_and_jacobian_block`].
+    #[inline(always)]
+    fn gradient_block<const L: usize>(&self, q: &[[T; L]; D], gradients: &mut [[T; L]; D]) {
+        for l in 0..L {
+            let gradient = self.gradient(&from_fn(|d| q[d][l]));
+            for d in 0..D {
+                gradients[d][l] = gradient[d];
+            }
+        }
+    }
 
     /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
     #[inline(always)]
@@ -239,6 +269,13 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
     fn slope(&self, s: T) -> T;
+    /// dU/ds in place of each s of a block: what forces between many bodies are made of.
+    #[inline(always)]
+    fn slope_block<const L: usize>(&self, s: &mut [T; L]) {
+        for s in s {
+            *s = self.slope(*s);
+        }
+    }
 
     /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
     #[inline(always)]
