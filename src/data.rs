@@ -18,7 +18,8 @@
 //!
 //! In Python the same file is `numpy.load("run.npz")["q"]`.
 
-use npyz::{NpyFile, WriteOptions, WriterBuilder};
+mod npy;
+
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -108,10 +109,7 @@ impl Npz {
             zip::result::ZipError::InvalidArchive(_) => io::Error::from(io::ErrorKind::InvalidInput),
             other => other.into(),
         })?;
-        let shape: Vec<u64> = shape.iter().map(|&n| n as u64).collect();
-        let mut npy = WriteOptions::new().default_dtype().shape(&shape).writer(&mut self.zip).begin_nd()?;
-        npy.extend(data)?;
-        npy.finish()
+        npy::write(&mut self.zip, shape, data)
     }
 }
 
@@ -147,14 +145,9 @@ pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
         zip::result::ZipError::FileNotFound => DataError::Missing { path: path.into(), name: name.into() },
         other => failed(other.into()),
     })?;
-    let npy = NpyFile::new(member).map_err(failed)?;
-    let shape = npy.shape().iter().map(|&n| n as usize).collect();
-    let layout = || DataError::Layout { path: path.into(), name: name.into() };
-    if npy.order() != npyz::Order::C {
-        return Err(layout());
-    }
-    let values = npy.data::<f64>().map_err(|_| layout())?;
-    Ok(Array { shape, data: values.collect::<io::Result<_>>().map_err(failed)? })
+    let read = npy::read(member).map_err(failed)?;
+    let (shape, data) = read.ok_or_else(|| DataError::Layout { path: path.into(), name: name.into() })?;
+    Ok(Array { shape, data })
 }
 
 /// What can go wrong with an archive.

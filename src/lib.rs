@@ -44,8 +44,11 @@ extern crate self as rattle; // the macros write `::rattle`, also in here
 pub mod conventions;
 #[cfg(feature = "data")]
 pub mod data;
+pub mod links;
 #[cfg(feature = "plot")]
 pub mod plot;
+pub mod potentials;
+mod ready_made;
 pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;
@@ -114,4 +117,5 @@ pub mod prelude {
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
-struct Readme;
+#[doc = include_str!("../docs/programs.md")]
+struct Pages;

@@ -11,7 +11,7 @@
 //! assert_eq!(torus.value(&[2.0, 0.0, 0.0].into())[0], 0.0);
 //! ```
 
-use crate::constraint;
+use crate::ready_made::constraint;
 
 constraint! {
     /// A sphere (HOOMD-blue; LAMMPS `sphere`).

@@ -1,6 +1,7 @@
 //! Archives: what goes in comes out, bit for bit, in Rust and in NumPy.
 
 use rattle::data::{DataError, Npz, read};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -76,5 +77,80 @@ numpy.savez(sys.argv[1], a=numpy.arange(6.0).reshape(2, 3), turned=numpy.asfortr
     assert_eq!((array.shape, array.data), (vec![2, 3], vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0]));
     for name in ["turned", "whole"] {
         assert!(matches!(read(&path, name), Err(DataError::Layout { .. })), "{name}");
+    }
+}
+
+/// `tests/data/numpy.npz` was written by NumPy itself, so this needs no Python.
+#[test]
+fn files_of_numpy_are_read() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/numpy.npz");
+    let counted = |n: u32| (0..n).map(f64::from).collect::<Vec<_>>();
+    for (name, shape, data) in [
+        ("plain", vec![2, 3], counted(6).iter().map(|x| x / 3.0).collect()),
+        ("one", vec![3], vec![0.5, -0.0, 5e-324]),
+        ("scalar", vec![], vec![7.0]),
+        ("empty", vec![0, 3], vec![]),
+        ("wide", vec![1, 2, 3, 4], counted(24)),
+        ("second", vec![2], vec![1.0, 2.0]),
+        ("third", vec![1], vec![3.0]),
+        ("big", vec![2], vec![0.5, 1e300]),
+    ] {
+        let array = read(&path, name).unwrap();
+        assert_eq!((array.shape, array.data), (shape, data), "{name}");
+    }
+    for name in ["turned", "whole", "single", "fields"] {
+        assert!(matches!(read(&path, name), Err(DataError::Layout { .. })), "{name}");
+    }
+}
+
+/// The very bytes that `numpy.save` writes for these arrays.
+#[test]
+fn the_header_is_numpys() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    for (shape, tuple) in [(&[2, 3][..], "(2, 3)"), (&[6], "(6,)"), (&[0, 1_000_000], "(0, 1000000)")] {
+        let data = vec![0.5; shape.iter().product()];
+        Npz::create(&path).unwrap().array("q", shape, &data).unwrap().finish().unwrap();
+        let file = fs::read(&path).unwrap();
+        let text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {tuple}, }}");
+        let mut array = b"\x93NUMPY\x01\x00v\x00".to_vec();
+        array.extend(format!("{text:<117}\n").bytes());
+        assert_eq!(array.len(), 128);
+        array.extend(data.iter().flat_map(|x| x.to_le_bytes()));
+        assert!(
+            file.windows(array.len()).any(|window| window == array),
+            "{}",
+            String::from_utf8_lossy(&file)
+        );
+    }
+}
+
+#[test]
+fn damaged_files_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    Npz::create(&path).unwrap().array("q", &[2, 3], &[0.5; 6]).unwrap().finish().unwrap();
+    let whole = fs::read(&path).unwrap();
+    #[rustfmt::skip]
+    let cases: [(&[u8], &[u8], &str); 9] = [
+        (b"\x93NUMPY",      b"\x93NUMPX",      "does not begin like an .npy file"),
+        (b"NUMPY\x01",      b"NUMPY\x09",      "version 9"),
+        (b"'shape':",       b"'shapo':",       "no 'shape'"),
+        (b"'descr':",       b"'descr';",       "no 'descr'"),
+        (b"(2, 3), }",      b"(2, x), }",      "no tuple"),
+        (b"(2, 3), }",      b"(9, 9), }",      ""), // more values than there are
+        (b"(2, 3), }     ", b"(2, 30000000000),}", ""),
+        (b"v\x00{",         b"v\xff{",         ""), // a header longer than the file
+        (b"\x00\x00\xe0\x3f", b"\x00\x00\xf0\x3f", "checksum"), // 0.5 becomes 1
+    ];
+    for (from, to, words) in cases {
+        let at = whole.windows(from.len()).position(|window| window == from).unwrap();
+        let mut file = whole.clone();
+        file[at..at + to.len()].copy_from_slice(to);
+        fs::write(&path, file).unwrap();
+        let error = read(&path, "q").expect_err(&format!("{from:?} -> {to:?}"));
+        assert!(matches!(error, DataError::Io { .. }), "{error:?}");
+        let message = error.to_string();
+        assert!(message.contains("run.npz") && message.contains(words), "{message}: no `{words}`");
     }
 }

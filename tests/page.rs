@@ -63,11 +63,11 @@ fn billiards() -> Page {
     Page::new("Billiards on a surface of <genus> two & more").scene(fan).scene(crowd)
 }
 
-/// RATTLE_PICTURES=folder keeps the screenshots, to be looked at.
-fn keep(name: &str, png: &[u8]) {
+/// RATTLE_PICTURES=folder keeps screenshots, to be looked at.
+fn keep(page: &mut Browser, name: &str) {
     if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
         fs::create_dir_all(&folder).unwrap();
-        fs::write(Path::new(&folder).join(format!("{name}.png")), png).unwrap();
+        fs::write(Path::new(&folder).join(format!("{name}.png")), page.screenshot(None)).unwrap();
     }
 }
 
@@ -128,7 +128,7 @@ fn a_browser_plays_the_page() {
     thread::sleep(Duration::from_millis(300));
     assert_eq!(page.evaluate("[rattle.playing(), rattle.frame()]"), json!([false, 700]));
     assert_eq!(changed(&held, &stage(&mut page)), 0.0, "the picture moves while paused");
-    keep("frame-700", &page.screenshot(None));
+    keep(&mut page, "frame-700");
 
     // Coloured trails and heads are there.
     assert!(colourful(&held) > 0.005, "{} of the stage is in strong colours", colourful(&held));
@@ -139,7 +139,7 @@ fn a_browser_plays_the_page() {
     let later = settled(&mut page);
     assert!(changed(&held, &later) > 0.005, "frames 700 and 1500 look the same");
     assert_eq!(page.evaluate("clock.textContent"), "t = 15.00 1500 / 2000");
-    keep("frame-1500", &page.screenshot(None));
+    keep(&mut page, "frame-1500");
     page.key("ArrowRight", "ArrowRight", 39);
     assert_eq!(page.evaluate("rattle.frame()"), 1501);
     page.key("Home", "Home", 36);
@@ -158,7 +158,7 @@ fn a_browser_plays_the_page() {
     page.mouse("mouseReleased", 760.0, 280.0);
     let turned = settled(&mut page);
     assert!(changed(&held, &turned) > 0.1, "dragging changed {} of the picture", changed(&held, &turned));
-    keep("turned", &page.screenshot(None));
+    keep(&mut page, "turned");
     page.click("#reset");
     assert!(changed(&held, &settled(&mut page)) < 0.002, "the view did not come back");
 
@@ -168,7 +168,7 @@ fn a_browser_plays_the_page() {
     page.evaluate("rattle.seek(900)");
     let gas = settled(&mut page);
     assert!(changed(&held, &gas) > 0.005, "the second scene looks like the first");
-    keep("gas", &page.screenshot(None));
+    keep(&mut page, "gas");
     page.dark(true);
     thread::sleep(Duration::from_millis(300));
     let dark = settled(&mut page);
@@ -178,19 +178,19 @@ fn a_browser_plays_the_page() {
     let drawn =
         dark.iter().filter(|&&pixel| distance(pixel, dark[0]) > 45).count() as f64 / dark.len() as f64;
     assert!((0.2..0.8).contains(&drawn), "{drawn} of the stage differs from the ground");
-    keep("gas-dark", &page.screenshot(None));
+    keep(&mut page, "gas-dark");
     page.evaluate("rattle.show(0)");
     settled(&mut page);
-    keep("dark", &page.screenshot(None));
+    keep(&mut page, "dark");
 
     // A phone, upright: everything is in sight, nothing overflows.
     page.resize(390, 844, true);
     thread::sleep(Duration::from_millis(300));
     settled(&mut page);
-    keep("phone-dark", &page.screenshot(None));
+    keep(&mut page, "phone-dark");
     page.dark(false);
     settled(&mut page);
-    keep("phone", &page.screenshot(None));
+    keep(&mut page, "phone");
     // A phone widens its viewport for what overflows, so the numbers here are the phone's, not the page's.
     let size = "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]";
     assert_eq!(page.evaluate(size), json!([390, 844]), "the page overflows a phone");
@@ -201,7 +201,7 @@ fn a_browser_plays_the_page() {
     page.resize(844, 390, true);
     thread::sleep(Duration::from_millis(300));
     settled(&mut page);
-    keep("phone-wide", &page.screenshot(None));
+    keep(&mut page, "phone-wide");
 
     assert_eq!(page.complaints, Vec::<String>::new());
     assert_eq!(

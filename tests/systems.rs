@@ -101,7 +101,7 @@ fn the_table_of_the_front_page() {
         row("`Taylor`", &Taylor::new(16, h)),
         row("`Bdf2`", &Bdf2::new(h)),
     ];
-    let pages = [include_str!("../README.md"), include_str!("../rattle-core/src/motion/method.rs")];
+    let pages = [include_str!("../docs/methods.md"), include_str!("../rattle-core/src/motion/method.rs")];
     for (row, page) in rows.iter().flat_map(|row| pages.map(|page| (row, page))) {
         println!("{row}");
         assert!(page.lines().any(|line| line.trim_start_matches("//! ") == row), "a page lacks\n{row}");

@@ -286,6 +286,8 @@ const lifted = new THREE.Vector3();
 
 // ---- stage: camera, light, drawing ------------------------------------------------------------------------------------
 
+const GLIDE = 5.7; // a turn goes on after a drag, by a rate that falls so fast, in 1/s
+
 function start() {
   const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
   const world = new THREE.Scene();
@@ -302,7 +304,6 @@ function start() {
 
   const controls = new THREE.OrbitControls(camera, canvas);
   controls.enableDamping = true;
-  controls.dampingFactor = 0.09;
   controls.rotateSpeed = 0.8;
 
   const motions = [];
@@ -396,6 +397,7 @@ function start() {
       motion().advance(seconds * speed);
       stale = true;
     }
+    controls.dampingFactor = 1 - Math.exp(-GLIDE * seconds); // a turn runs out in the same time on slow and on fast displays
     if (controls.update()) stale = true;
     if (stale) {
       draw();

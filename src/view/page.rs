@@ -7,7 +7,7 @@
 //!
 //! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with f32.
 
-use super::Mesh;
+use super::mesh::Mesh;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};

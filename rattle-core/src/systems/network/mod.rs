@@ -2,9 +2,12 @@
 
 pub(crate) mod constraints;
 mod elimination;
+mod factor;
 pub(crate) mod group;
 pub(crate) mod mass;
+mod order;
 mod orthogonal;
+mod pattern;
 pub(crate) mod rows;
 pub(crate) mod shape;
 pub(crate) mod solver;

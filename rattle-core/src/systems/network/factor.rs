@@ -1,0 +1,127 @@
+//! L and U of a sparse matrix, row by row on a fixed pattern.
+//!
+//! In nets most of the work is in the last rows, where many rows of U have the same columns. These are subtracted together:
+//! what they are subtracted from lies side by side meanwhile, and is read once for four of them. Each entry goes through the
+//! same operations in the same order as if they came one by one.
+
+use crate::systems::network::pattern::Pattern;
+use std::array::from_fn;
+use std::mem::take;
+
+/// L and U with ones on their diagonals, on one pattern: column k of L mirrors row k of U.
+#[derive(Debug, Clone)]
+pub(super) struct Factor {
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    /// 1/pivot.
+    inverse: Vec<f64>,
+    /// A row of the matrix while it is eliminated; zero in between.
+    pub(super) line: Vec<f64>,
+    gathered: Vec<f64>,
+}
+
+/// So many rows of U with the same columns are subtracted together: fewer cost as much to gather as they save.
+const TOGETHER: usize = 4;
+
+impl Factor {
+    pub(super) fn new(pattern: &Pattern) -> Self {
+        let (m, entries) = (pattern.order.len(), vec![0.0; pattern.lower.len()]);
+        let zero = vec![0.0; m];
+        Self {
+            lower: entries.clone(),
+            upper: entries,
+            inverse: zero.clone(),
+            line: zero.clone(),
+            gathered: zero,
+        }
+    }
+
+    /// Eliminates row k, which is in `line`; its pivot.
+    #[inline(always)]
+    pub(super) fn eliminate(&mut self, pattern: &Pattern, k: usize) -> f64 {
+        let end = pattern.lower_start[k + 1];
+        let mut at = pattern.lower_start[k];
+        while at < end {
+            let j = pattern.lower[at];
+            let past = pattern.alike[j].min(k);
+            if past - j < TOGETHER {
+                let left = take(&mut self.line[j]);
+                self.lower[at] = left * self.inverse[j];
+                let upper = pattern.upper_start[j]..pattern.upper_start[j + 1];
+                for (&column, u) in pattern.upper[upper.clone()].iter().zip(&self.upper[upper]) {
+                    self.line[column] -= left * u;
+                }
+                at += 1;
+            } else {
+                self.subtract_together(pattern, at, j, past);
+                at += past - j;
+            }
+        }
+        let pivot = take(&mut self.line[k]);
+        let inverse = 1.0 / pivot;
+        self.inverse[k] = inverse;
+        for at in pattern.upper_start[k]..pattern.upper_start[k + 1] {
+            self.upper[at] = take(&mut self.line[pattern.upper[at]]) * inverse;
+        }
+        pivot
+    }
+
+    /// Subtracts rows j to `past` of U, which are alike; entry `at` of L is the first of theirs.
+    fn subtract_together(&mut self, pattern: &Pattern, at: usize, j: usize, past: usize) {
+        let Self { lower, upper, inverse, line, gathered } = self;
+        let row = |k: usize| &upper[pattern.upper_start[k]..pattern.upper_start[k + 1]];
+        for k in j..past {
+            let left = line[k];
+            lower[at + k - j] = left * inverse[k];
+            for (entry, u) in line[k + 1..past].iter_mut().zip(row(k)) {
+                *entry -= left * u;
+            }
+        }
+        let columns = &pattern.upper[pattern.upper_start[past - 1]..pattern.upper_start[past]];
+        let gathered = &mut gathered[..columns.len()];
+        gathered.iter_mut().zip(columns).for_each(|(entry, &column)| *entry = line[column]);
+        let beyond = |k: usize| &row(k)[past - 1 - k..];
+        let mut k = j;
+        while k + 4 <= past {
+            let (left, rows): ([f64; 4], [&[f64]; 4]) =
+                (from_fn(|i| line[k + i]), from_fn(|i| beyond(k + i)));
+            let rows = rows.map(|row| &row[..gathered.len()]);
+            for (i, entry) in gathered.iter_mut().enumerate() {
+                *entry = *entry
+                    - left[0] * rows[0][i]
+                    - left[1] * rows[1][i]
+                    - left[2] * rows[2][i]
+                    - left[3] * rows[3][i];
+            }
+            k += 4;
+        }
+        for k in k..past {
+            let left = line[k];
+            gathered.iter_mut().zip(beyond(k)).for_each(|(entry, u)| *entry -= left * u);
+        }
+        gathered.iter().zip(columns).for_each(|(entry, &column)| line[column] = *entry);
+        line[j..past].fill(0.0);
+    }
+
+    /// x for a right side; `y` is room.
+    pub(super) fn solve(&self, pattern: &Pattern, right: &[f64], x: &mut [f64], y: &mut [f64]) {
+        let m = pattern.order.len();
+        for k in 0..m {
+            let lower = pattern.lower_start[k]..pattern.lower_start[k + 1];
+            let mut rest = right[pattern.order[k]];
+            for (&j, l) in pattern.lower[lower.clone()].iter().zip(&self.lower[lower]) {
+                rest -= l * y[j];
+            }
+            y[k] = rest;
+        }
+        for k in (0..m).rev() {
+            let upper = pattern.upper_start[k]..pattern.upper_start[k + 1];
+            let mut rest = y[k] * self.inverse[k];
+            for (&j, u) in pattern.upper[upper.clone()].iter().zip(&self.upper[upper]) {
+                rest -= u * y[j];
+            }
+            y[k] = rest;
+            x[pattern.order[k]] = rest;
+        }
+    }
+}

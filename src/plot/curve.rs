@@ -1,0 +1,68 @@
+//! What a chart draws between its axes.
+
+/// Okabe & Ito (2008), told apart by all kinds of colour vision; in an order that keeps neighbours far apart.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
+/// Lines to compare with.
+pub(super) const GREY: &str = "#8a8f98";
+/// Viridis (van der Walt & Smith 2015) at 0, 0.1 … 0.9: white paper swallows the yellow in which it ends.
+const VIRIDIS: [[u8; 3]; 10] = [
+    [0x44, 0x01, 0x54],
+    [0x48, 0x25, 0x76],
+    [0x41, 0x44, 0x87],
+    [0x35, 0x5f, 0x8d],
+    [0x2a, 0x78, 0x8e],
+    [0x21, 0x91, 0x8c],
+    [0x22, 0xa8, 0x84],
+    [0x44, 0xbf, 0x70],
+    [0x7a, 0xd1, 0x51],
+    [0xbd, 0xdf, 0x26],
+];
+
+#[derive(Clone, Debug)]
+pub(super) struct Curve {
+    /// An empty label stays out of the legend.
+    pub(super) label: String,
+    pub(super) points: Vec<(f64, f64)>,
+    pub(super) colour: String,
+    pub(super) style: Style,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Style {
+    Line,
+    /// One of many.
+    Thin,
+    /// A line with a mark at each point.
+    Marked,
+    /// Marks without a line.
+    Points,
+    /// The line c xᵖ to compare with; p.
+    Slope(f64),
+}
+
+/// The colour of the n-th single curve.
+pub(super) fn single(n: usize) -> String {
+    COLOURS[n % COLOURS.len()].into()
+}
+
+/// The colour of a family's curve: 0 is the first one's, 1 the last one's.
+pub(super) fn along(part: f64) -> String {
+    let place = part * (VIRIDIS.len() - 1) as f64;
+    let below = (place as usize).min(VIRIDIS.len() - 2);
+    let mix = |i: usize| {
+        let [a, b] = [below, below + 1].map(|k| f64::from(VIRIDIS[k][i]));
+        (a + (place - below as f64) * (b - a)).round() as u8
+    };
+    format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
+}
+
+/// y = c xᵖ through half the height of the curve's last point, cut off at the lowest value on the chart.
+pub(super) fn slope(points: &[(f64, f64)], order: f64, floor: f64) -> Vec<(f64, f64)> {
+    let by_x = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
+    let (Some(&(x0, _)), Some(&(x1, y1))) = (points.iter().min_by(by_x), points.iter().max_by(by_x)) else {
+        return Vec::new();
+    };
+    let y1 = y1 / 2.0;
+    let start = if order > 0.0 { x0.max(x1 * (floor / y1).powf(1.0 / order)) } else { x0 };
+    vec![(start, y1 * (start / x1).powf(order)), (x1, y1)]
+}
