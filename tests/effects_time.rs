@@ -12,19 +12,19 @@ use std::array::from_fn;
 constraint! {
     /// z = 0.
     struct Floor {}
-    |x, y, z| z
+    |_x, _y, z| z
 }
 
 constraint! {
     /// The body is led along x = c t.
     struct Led { c }
-    |x, y, t| x - c * t
+    |x, _y, t| x - c * t
 }
 
 potential! {
     /// Weight; z points up.
     struct Weight { g }
-    |x, y, z| g * z
+    |_x, _y, z| g * z
 }
 
 /// f = t (c + A q).
@@ -180,7 +180,7 @@ fn forces_that_grow_with_time() {
     for off in
         both!(composed()).into_iter().chain(both!(Lobatto::<3>::new(0.125))).chain(both!(Dop853::new(0.125)))
     {
-        assert!(off.iter().all(|off| *off < 1e-13), "{off:e?}");
+        assert!(off.iter().all(|off| *off < 1e-13), "{off:?}");
     }
 }
 

@@ -16,6 +16,10 @@ use nalgebra::{SMatrix, SVector};
 use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
+///
+/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or a root, its derivatives may jump. A step across such a place
+/// ends on the constraint to rounding like any other, and is less accurate than the order of the method says: no method sees
+/// the kink, and no error tells it. [`ConstraintKernel::kinks`] does.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
@@ -155,8 +159,20 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
 
     /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
-    /// differences that `min`, `max` and `if` compare. If one has another sign at another point, g has a kink between the
+    /// differences that `min`, `max` and `if` compare. If one has another sign at another point, g may have a kink between the
     /// two points. Writes as many as `found` has room for, and returns how many there are.
+    ///
+    /// ```
+    /// use rattle::{kernel::ConstraintKernel, prelude::*};
+    /// constraint! { struct Roof {} |x, y, z| z + abs(x) }
+    ///
+    /// let right_of_the_ridge = |q: [f64; 3]| {
+    ///     let mut found = [0.0];
+    ///     Roof {}.kernel().kinks(&q, &mut found);
+    ///     found[0] > 0.0
+    /// };
+    /// assert!(right_of_the_ridge([0.1, 0.0, -0.1]) && !right_of_the_ridge([-0.1, 0.0, -0.1]));
+    /// ```
     fn kinks(&self, _q: &[T; D], _found: &mut [T]) -> usize {
         0
     }
