@@ -8,20 +8,10 @@
 //! so that chains of all lengths are equally accurate. Times are medians of several runs; the slope is that of
 //! log(time per step) over log(links), fitted. Allocations are counted over the timed steps.
 
+use rattle::links::planar::Rod;
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use std::time::Instant;
-
-constraint! {
-    /// Two points at a distance, in the plane.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Weight of a point.
-    struct Weight { mg }
-    |x, y| mg * y
-}
 
 const LINKS: [u32; 4] = [100, 1_000, 10_000, 100_000];
 /// Steps that one timing covers, as many as fit before the chain has fallen far.
@@ -38,7 +28,7 @@ fn main() -> Result<(), rattle::Error> {
             .link(Rod { length }, (0..n).map(|i| [i, i + 1]))
             .pin(0, [0.0, 0.0])
             .mass(length)
-            .with(Weight { mg: length });
+            .with(Gravity { g: length });
         let straight = State::of((0..=links).map(|i| [f64::from(i) * length, 0.0]));
         let mut start = scene.simulate(scene.project(&straight)?, Rattle::new(0.2 * length))?;
         start.run(20)?; // leaves the straight line

@@ -11,25 +11,12 @@
 use rattle::Counted;
 use rattle::bodies::{Bodies, One};
 use rattle::effect::Effects;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::surface::Kept;
+use rattle::surfaces::Lemniscate;
 use std::hint::black_box;
 use std::process::Command;
-
-constraint! {
-    /// The lemniscate inflated into a surface of genus two.
-    pub struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const H: f64 = 0.01;

@@ -19,6 +19,7 @@ use rattle::ensemble::{Double, InstructionSet, Precision, Single};
 use rattle::instructions::Work;
 use rattle::kernel::{ConstraintKernel, PairKernel, PotentialKernel};
 use rattle::lanes::{Fused, Lane};
+use rattle::potentials::{Gravity, LennardJones};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
@@ -38,18 +39,6 @@ potential! {
     /// Weight, and a well.
     struct Well { g, depth }
     |x, y, z| g * z - depth * exp(-x^2 - y^2)
-}
-
-potential! {
-    /// Weight.
-    struct Gravity { g }
-    |x, y, z| g * z
-}
-
-pair_potential! {
-    /// Lennard-Jones: repels near by, attracts far away.
-    struct LennardJones { depth, width }
-    |r| 4 * depth * ((width / r)^12 - (width / r)^6)
 }
 
 /// Trajectories of a full block of an ensemble.
@@ -192,7 +181,7 @@ fn potentials(criterion: &mut Criterion) {
 
 fn pairs(criterion: &mut Criterion) {
     let group = &mut criterion.benchmark_group("lennard_jones");
-    let pair = LennardJones { depth: 1.0, width: 1.0 };
+    let pair = LennardJones { epsilon: 1.0, sigma: 1.0 };
     let kernels = (&pair.kernel::<f64>(), &pair.kernel::<Fused<f64>>());
     measure::<PairEnergy, _, _, 1>(group, "value", kernels);
     measure::<PairSlope, _, _, 1>(group, "slope", kernels);

@@ -12,28 +12,16 @@ use rattle::Counted;
 use rattle::bodies::{Count, One};
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::effect::Effects;
+use rattle::links::planar::Rod;
 use rattle::plot::Chart;
+use rattle::potentials::{Gravity, planar};
 use rattle::prelude::*;
 use rattle::scene::Hold;
+use rattle::surfaces::{Lemniscate, TorusByDistance};
 use rattle::system::System;
 use std::error::Error;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::time::Instant;
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two.
-    pub struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const GRAVITY: Gravity = Gravity { g: 1.0 };
@@ -132,27 +120,9 @@ fn print_times(name: &str, points: &[Point]) {
 }
 
 constraint! {
-    /// A torus about the z axis.
-    struct Torus { major, minor }
-    |x, y, z| (sqrt(x^2 + y^2) - major)^2 + z^2 - minor^2
-}
-
-constraint! {
     /// A rod about the origin.
     struct Pendulum { length }
     |x, y| x^2 + y^2 - length^2
-}
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Uniform gravity along −y.
-    struct Weight { g }
-    |_x, y| g * y
 }
 
 /// Three more systems at t = 5, in short.
@@ -160,7 +130,7 @@ fn others() -> Result<(), Box<dyn Error>> {
     let angle = std::f64::consts::FRAC_PI_6;
     let along = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
     let exact = row(include_str!("../tests/data/torus_geodesic.csv"), &[("t", "5")], &["x", "y", "z"])?;
-    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 });
+    let torus = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 });
     println!(
         "\na geodesic on a torus until t = {T}: milliseconds to an error as above, < at the longest step"
     );
@@ -171,7 +141,7 @@ fn others() -> Result<(), Box<dyn Error>> {
         &[("theta0", "pi/2"), ("t", "5")],
         &["x", "y"],
     )?;
-    let pendulum = Scene::on(Pendulum { length: 1.0 }).with(Weight { g: 1.0 });
+    let pendulum = Scene::on(Pendulum { length: 1.0 }).with(planar::Gravity { g: 1.0 });
     let start = State::at([1.0, 0.0]);
     println!("\na pendulum from 90° until t = {T}");
     structured(&pendulum, &start, &exact, 0.2)?;
@@ -181,7 +151,7 @@ fn others() -> Result<(), Box<dyn Error>> {
     let double = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
     println!("\na double pendulum until t = {T}");
     let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
-    structured(&double.with(Weight { g: 1.0 }), &start, &exact, 0.1)
+    structured(&double.with(planar::Gravity { g: 1.0 }), &start, &exact, 0.1)
 }
 
 /// Prints a line for each method that moves every system.

@@ -14,23 +14,13 @@
 
 use rattle::bodies::Many;
 use rattle::effect::Effects;
+use rattle::links::planar::Rod;
 use rattle::nalgebra::Vector2;
 use rattle::network::Network;
 use rattle::plot::Chart;
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use std::error::Error;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Weight; y points up.
-    struct Weight { mass, g }
-    |x, y| mass * g * y
-}
 
 /// Length of the chain; its supports are 1 apart.
 const LENGTH: f64 = 2.0;
@@ -45,7 +35,7 @@ fn chain(n: usize) -> Scene<Network<2>, impl Effects<2>, Many, 2> {
         .pin(0, [0.0, 0.0])
         .pin(n, [1.0, 0.0])
         .mass(mass)
-        .with(Weight { mass, g: 1.0 })
+        .with(Gravity { g: mass })
 }
 
 /// Both halves of the V straight.

@@ -14,25 +14,11 @@
 use rattle::curvature::{Curvature, measure};
 use rattle::nalgebra::SVector;
 use rattle::plot::Chart;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use std::error::Error;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two (for r < a⁴/4).
-    struct Lemniscate { a, r }
-
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    struct Gravity { g }
-    |x, y, z| g * z
-}
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const T: f64 = 5.0;
@@ -94,7 +80,7 @@ impl Parts {
         let start = State::at([0.0, 0.0, SURFACE.r]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0]);
         let mut simulation = Scene::on(SURFACE).with(gravity()).simulate(start, Rattle::new(h))?;
         let mut path = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording((T / h).round() as u64, &mut path)?;
+        simulation.observe((T / h).round() as u64, 1, &mut path)?;
 
         let mut parts = Self::default();
         let Some(found) = path.multipliers() else { return Ok(parts) };

@@ -10,33 +10,22 @@
 //!
 //! Draws the path of the lower mass and the angles of both starts into `out/double_pendulum/`.
 
-use rattle::effect::Over;
+use rattle::links::planar::Rod;
 use rattle::plot::Chart;
+use rattle::potentials::planar::weights;
 use rattle::prelude::*;
 use std::error::Error;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Weight; y points up.
-    struct Weight { mass, g }
-    |x, y| mass * g * y
-}
 
 const HANGER: usize = 0;
 
 /// Released at rest with both rods at this angle from the downward vertical; the path of every step.
 fn swing(masses: [f64; 2], angle: f64, h: f64, time: f64) -> Result<Swing, rattle::Error> {
-    let weights = masses.into_iter().zip([[1], [2]]).map(|(mass, body)| (Weight { mass, g: 1.0 }, body));
+    let masses = [1.0, masses[0], masses[1]];
     let scene = Scene::points(3)
         .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
         .pin(HANGER, [0.0, 0.0])
-        .masses([1.0, masses[0], masses[1]])
-        .with(Over::each(weights));
+        .masses(masses)
+        .with(weights(1.0, masses));
     let (s, c) = angle.sin_cos();
     let start = scene.project(&State::of([[0.0, 0.0], [s, -c], [2.0 * s, -2.0 * c]]))?;
     let mut simulation = scene.simulate(start, Rattle::new(h))?;

@@ -12,25 +12,13 @@
 //! Prints time per step and trajectory, and energy errors; draws into `out/ensemble`: the section (`section.svg`) and how
 //! long trajectories take to come back to it (`returns.svg`).
 
-use rattle::ensemble::{Compensated, Histogram, Mean, Precision, Section, Sight, Single};
+use indicatif::ProgressBar;
+use rattle::ensemble::Precision;
 use rattle::plot::Chart;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use std::time::Instant;
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two.
-    struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    struct Gravity { g }
-    |x, y, z| g * z
-}
 
 const R: f64 = 1.0 / 6.0;
 const NUMBER: usize = 10_000;
@@ -56,7 +44,7 @@ fn speed<P: Precision>(name: &str, precision: P) -> Result<(), rattle::Error> {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     speed("single", Single)?;
-    speed("double", rattle::ensemble::Double)?;
+    speed("double", Double)?;
     speed("compensated", Compensated)?;
 
     let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Gravity { g: 1.0 });
@@ -64,11 +52,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} instructions, {} threads", ensemble.instruction_set(), rayon::current_num_threads());
     let error = |now: &Sight<'_, 3>| (now.energy() - 0.5 - R).abs();
     let errors = Histogram::of(error, 0.0, 0.01, 100)?;
+    let bar = ProgressBar::new(4000 * ensemble.len() as u64); // sights, if no trajectory fails
     let observers = || {
         let through = Section::of(|now: &Sight<'_, 3>| now.position().y);
-        (through, (Mean::of(error), errors.clone()))
+        let progress = Progress::of(100_000, |sights| bar.inc(sights));
+        ((through, progress), (Mean::of(error), errors.clone()))
     };
-    let (section, (errors, histogram)) = ensemble.observe(4000, 1, observers);
+    let ((section, _), (errors, histogram)) = ensemble.observe(4000, 1, observers);
+    bar.finish_and_clear();
     println!("{} crossings; energy error {:.1e} on average", section.crossings().len(), errors.mean());
     println!("{} of {} sights with more than 0.01", histogram.outside(), errors.number());
     for (trajectory, error) in ensemble.failures().take(3) {

@@ -11,22 +11,12 @@
 //!
 //! Draws the net at four times into `out/net/`.
 
+use rattle::links::Rod;
 use rattle::nalgebra::Vector3;
 use rattle::plot::Chart;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use std::error::Error;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 3], b: [f64; 3]| sum(i in 0..3, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Weight; z points up.
-    struct Weight { g }
-    |x, y, z| g * z
-}
 
 /// Knots along a side; the sides have length 1.
 const N: usize = 31;
@@ -46,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .link(Rod { length: LINK }, along.chain(across))
         .pin(knot(0, 0), [0.0, 0.0, 0.0])
         .pin(knot(0, N - 1), [FOLD.cos(), 0.0, 0.0])
-        .with(Weight { g: 1.0 });
+        .with(Gravity { g: 1.0 });
     let place = |k: usize| {
         let (row, column) = (k / N, k % N);
         let deep = column.min(N - 1 - column) as f64;

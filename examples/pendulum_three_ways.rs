@@ -18,6 +18,7 @@
 //! `out/pendulum_three_ways/`.
 
 use rattle::plot::Chart;
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use std::error::Error;
 use std::f64::consts::PI;
@@ -26,12 +27,6 @@ constraint! {
     /// A rod of this length from the origin; |∇c| = 1, so that λ is a force.
     struct Rod { length }
     |x, y| sqrt(x^2 + y^2) - length
-}
-
-potential! {
-    /// Weight; y points up.
-    struct Weight { g }
-    |x, y| g * y
 }
 
 potential! {
@@ -75,7 +70,7 @@ struct Run {
 /// The pendulum in x and y. The multiplier acts on these coordinates; on both is what `link` or `Scene::on` would do.
 fn by_multiplier(method: impl Method, acting: [bool; 2]) -> Result<Run, rattle::Error> {
     let rod = Rod { length: LENGTH };
-    let scene = Scene::point().link_acting(rod, [[0]], [acting]).with(Weight { g: G });
+    let scene = Scene::point().link_acting(rod, [[0]], [acting]).with(Gravity { g: G });
     let start = State::at([LENGTH * START.sin(), -LENGTH * START.cos()]);
     let steps = (T / method.step_size()).round() as u64;
     let mut simulation = scene.simulate(start, method)?;

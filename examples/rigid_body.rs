@@ -6,16 +6,11 @@
 //! ```
 
 use rattle::bodies::One;
+use rattle::links::RotationMatrix;
 use rattle::nalgebra::{Matrix3, Rotation3, Vector3};
 use rattle::plot::Chart;
 use rattle::prelude::*;
 use rattle::system::System;
-
-constraint! {
-    /// QᵀQ = 1, each equation once.
-    struct Orthogonal {}
-    |m: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, m[k][i] * m[k][j]) - delta(i, j) }
-}
 
 constraint! {
     /// QᵀQ = 1, the mixed equations twice.
@@ -65,7 +60,7 @@ fn formulations(
     let d = body.column_masses();
     let masses: [f64; 9] = std::array::from_fn(|k| d[k % 3]);
     let start = State::at(Rigid::coordinates(attitude)).moving(body.momenta(attitude, m));
-    let six = Scene::on(Orthogonal {}).mass(masses).with(Weight { mgl });
+    let six = Scene::on(RotationMatrix {}).mass(masses).with(Weight { mgl });
     let nine = Scene::on(Redundant {}).mass(masses).with(Weight { mgl });
     let reduced = Scene::rigid(body).with(Weight { mgl });
     let nine = nine.simulate(start.clone(), Rattle::new(H))?;

@@ -17,7 +17,9 @@
 //!
 //! Draws the mechanism and the multipliers into `out/slider_crank/`.
 
+use rattle::links::planar::Rod;
 use rattle::plot::Chart;
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use std::error::Error;
 use std::f64::consts::PI;
@@ -35,12 +37,6 @@ constraint! {
 }
 
 constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |b: [f64; 2], c: [f64; 2]| sum(i in 0..2, (b[i] - c[i])^2) - length^2
-}
-
-constraint! {
     /// Keeps to the x axis.
     struct AlongX {}
     |_x, y| y
@@ -50,12 +46,6 @@ constraint! {
     /// Keeps to the y axis.
     struct AlongY {}
     |x, _y| x
-}
-
-potential! {
-    /// Weight; y points up.
-    struct Weight { g }
-    |x, y| g * y
 }
 
 potential! {
@@ -91,7 +81,7 @@ fn run(crank: bool, guide: bool, h: f64) -> Result<(Run, Option<rattle::Error>),
         .link(Middle {}, [[0, 1, 2]])
         .link(Rod { length: 2.0 * R }, [[1, 2]])
         .link(AlongX {}, [[1]])
-        .with(Weight { g: G });
+        .with(Gravity { g: G });
     let mut gradients = vec![1.5_f64.sqrt(), 1.5_f64.sqrt(), 32_f64.sqrt() * R, 1.0];
     if guide {
         scene = scene.link(AlongY {}, [[2]]);

@@ -10,29 +10,19 @@
 //!
 //! Draws the path seen from above, and energy and angular momentum, into `out/spherical_pendulum/`.
 
+use rattle::links::Pendulum;
 use rattle::plot::Chart;
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use std::error::Error;
 use std::f64::consts::PI;
-
-constraint! {
-    /// A rod of this length from the origin.
-    struct Rod { length }
-    |x, y, z| x^2 + y^2 + z^2 - length^2
-}
-
-potential! {
-    /// Weight; z points up.
-    struct Weight { g }
-    |x, y, z| g * z
-}
 
 /// Outermost point of the start, and the speed across.
 const TILT: f64 = 1.0;
 const SPEED: f64 = 0.4;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let scene = Scene::on(Rod { length: 1.0 }).with(Weight { g: 1.0 });
+    let scene = Scene::on(Pendulum { length: 1.0, pivot: [0.0; 3] }).with(Gravity { g: 1.0 });
     let start = State::at([TILT.sin(), 0.0, -TILT.cos()]).moving([0.0, SPEED, 0.0]);
     let momentum = TILT.sin() * SPEED;
     let exact = turn_per_swing();

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! * **Masses** are 1 unless a scene names them; a [`State`](crate::State) holds momenta p = M v, not velocities. Potentials
-//!   do not know masses: the weight of a body with mass m is a potential with parameter m·g.
+//!   do not know masses: the weight of a body with mass m is a potential with parameter m·g, see
+//!   [`weights`](crate::potentials::weights).
 //! * **Forces** are −∇U. Between two bodies, Fᵢ = −(U′(r)/r)(qᵢ − qⱼ): repulsive where U falls with r.
 //! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and
 //!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a

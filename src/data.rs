@@ -20,6 +20,7 @@
 
 mod npy;
 
+use crate::Trajectory;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -82,6 +83,35 @@ impl Npz {
             }
             Err(source) => Err(DataError::Io { path: self.path, source }),
         }
+    }
+
+    /// Adds a trajectory: `t` of shape \[rows\], `q` and `p` of shape \[rows, bodies, D\], and if it has multipliers `lambda`
+    /// and `mu` of shape \[rows, equations\].
+    ///
+    /// # Errors
+    /// As [`array`](Npz::array).
+    ///
+    /// ```
+    /// # use rattle::prelude::*;
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = folder.path().join("run.npz");
+    /// # let start = State::of([[0.0, 1.0], [0.0, 2.0]]).moving([1.0, 0.0]);
+    /// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
+    /// let mut trajectory = Trajectory::of(&simulation);
+    /// simulation.observe(100, 10, &mut trajectory)?;
+    /// rattle::data::Npz::create(&path)?.trajectory(&trajectory)?.finish()?;
+    /// assert_eq!(rattle::data::read(&path, "q")?.shape, [11, 2, 2]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn trajectory(self, trajectory: &Trajectory) -> Result<Self, DataError> {
+        let shape @ [rows, ..] = trajectory.shape();
+        let npz = self
+            .array("t", &[rows], trajectory.times())?
+            .array("q", &shape, trajectory.positions())?
+            .array("p", &shape, trajectory.momenta())?;
+        let Some(multipliers) = trajectory.multipliers() else { return Ok(npz) };
+        let shape = [rows, trajectory.equations()];
+        npz.array("lambda", &shape, &multipliers.position)?.array("mu", &shape, &multipliers.momentum)
     }
 
     /// Writes the archive's directory and closes the file.

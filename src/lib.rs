@@ -35,6 +35,9 @@
 //! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`],
 //! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
+//! What many need is ready-made: [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde` all of
+//! them serialise, and so does a type of your own with `#[derive(serde::Serialize, serde::Deserialize)]` inside the macro.
+//!
 //! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
 //!
 //! Signs and scales stand on one page: [`conventions`].
@@ -55,9 +58,10 @@ pub mod view;
 
 /// What a method is: a map that takes all bodies one step on.
 pub mod method {
+    pub use rattle_core::methods::fixed::{Fixed, Map};
     pub use rattle_core::motion::failure::Failure;
-    pub use rattle_core::motion::method::Method;
-    pub use rattle_core::motion::need::Need;
+    pub use rattle_core::motion::identity::Identity;
+    pub use rattle_core::motion::method::{Method, View};
     pub use rattle_core::motion::witness::Witness;
 }
 
@@ -66,9 +70,9 @@ pub use rattle_core::methods::{
     bdf2, composition, dop853, dop853_table, geodesic, leapfrog, lobatto, position_verlet, shake,
     symplectic_euler, taylor, variable,
 };
-pub use rattle_core::motion::{bodies, guess, iteration, state, system, table};
+pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, system, table};
 pub use rattle_core::number::{instructions, lanes, real};
-pub use rattle_core::run::{ensemble, recorder, shadow, simulation, trajectory};
+pub use rattle_core::run::{boxed, ensemble, simulation, watch};
 pub use rattle_core::systems::{linked, network, phase, rigid, surface};
 pub use rattle_core::{effect, error, geometry as curvature, kernel, scene};
 
@@ -88,10 +92,10 @@ pub use rattle_core::methods::taylor::Taylor;
 pub use rattle_core::methods::variable::Variable;
 pub use rattle_core::motion::method::Method;
 pub use rattle_core::motion::state::State;
+pub use rattle_core::run::boxed::BoxedSimulation;
 pub use rattle_core::run::ensemble::Ensemble;
-pub use rattle_core::run::recorder::Recorder;
 pub use rattle_core::run::simulation::Simulation;
-pub use rattle_core::run::trajectory::Trajectory;
+pub use rattle_core::run::watch::{Observer, Trajectory};
 pub use rattle_core::scene::Scene;
 pub use rattle_core::systems::network::{LinearAlgebra, Mass};
 pub use rattle_core::systems::rigid::Rigid;
@@ -102,16 +106,18 @@ pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constrain
 pub mod prelude {
     pub use crate::composition::{Composition, SUZUKI_1990_ORDER_4};
     pub use crate::effect::Over;
-    pub use crate::ensemble::{Compensated, Double, Histogram, Mean, Section, Sight, Single};
+    pub use crate::ensemble::{Compensated, Double, Single};
     pub use crate::guess::{Extrapolated, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
     pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
+    pub use crate::watch::{
+        Each, Histogram, Mean, Observer, Progress, Section, ShadowEnergy, Sight, Trajectory,
+    };
     pub use crate::{
         Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
         Variable,
     };
-    pub use crate::{Ensemble, LinearAlgebra, Method, Rigid, Scene, Simulation, State};
-    pub use crate::{Recorder, Trajectory};
+    pub use crate::{BoxedSimulation, Ensemble, LinearAlgebra, Method, Rigid, Scene, Simulation, State};
     pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 }
 

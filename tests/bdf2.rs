@@ -5,6 +5,7 @@ use common::linked::{Rod, chain, double_pendulum, weights};
 use common::*;
 use rattle::Error;
 use rattle::error::StepFailure;
+use rattle::links::planar::TurningLine;
 use rattle::prelude::*;
 
 const H: f64 = 0.01;
@@ -21,7 +22,7 @@ impl<const D: usize> Three<D> {
     fn of<Y: rattle::system::System<f64, D>>(mut simulation: Simulation<Y, Bdf2, D>, skipped: u64) -> Self {
         simulation.run(skipped).unwrap();
         let mut heard = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(2, &mut heard).unwrap();
+        simulation.observe(2, 1, &mut heard).unwrap();
         let multipliers = heard.multipliers().unwrap();
         let m = multipliers.position.len() / 3;
         assert_eq!(multipliers.position[m..], multipliers.momentum[m..], "there is one λ");
@@ -100,12 +101,6 @@ fn it_damps() {
     let mut rattle = scene.simulate(start, Rattle::new(0.01)).unwrap();
     rattle.run(5000).unwrap();
     assert!(rattle.energy_error().abs() < 0.1 * b, "{:e} {b:e}", rattle.energy_error());
-}
-
-constraint! {
-    /// A line through the origin that turns.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 #[test]

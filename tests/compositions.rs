@@ -146,12 +146,12 @@ fn constants_are_the_nearest_doubles() {
 fn only_symmetric_methods_are_composed() {
     let scene = Scene::on(SURFACE);
     for error in [
-        scene.simulate(billiard_45(), Composition::of(SymplecticEuler::new(0.01), SUZUKI_1990_ORDER_4)).err(),
-        scene.simulate(billiard_45(), Composition::of(Shake::new(0.01), SUZUKI_1990_ORDER_4)).err(),
+        scene.simulate(billiard_45(), Composition::of(SUZUKI_1990_ORDER_4, SymplecticEuler::new(0.01))).err(),
+        scene.simulate(billiard_45(), Composition::of(SUZUKI_1990_ORDER_4, Shake::new(0.01))).err(),
     ] {
         assert!(matches!(error, Some(Error::NeedsSymmetricMethod { .. })), "{error:?}");
     }
-    let nested = Composition::of(Composition::new(SUZUKI_1990_ORDER_4, 0.01), SUZUKI_1990_ORDER_4);
+    let nested = Composition::of(SUZUKI_1990_ORDER_4, Composition::new(SUZUKI_1990_ORDER_4, 0.01));
     assert_eq!((nested.order(), nested.step_size()), (4, 0.01));
     scene.simulate(billiard_45(), nested).unwrap().step().unwrap();
     for coefficients in ALL {

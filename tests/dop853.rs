@@ -7,6 +7,7 @@ use num_bigint::BigInt;
 use rattle::Error;
 use rattle::dop853_table as table;
 use rattle::error::StepFailure;
+use rattle::links::planar::TurningLine;
 use rattle::prelude::*;
 
 /// Decimals kept in exact sums.
@@ -223,7 +224,7 @@ fn a_step_that_leaves_the_surface_is_an_error() {
     }
 }
 
-/// The multipliers that a recorder hears are those of the motion at the two ends of the step.
+/// The multipliers that an observer hears are those of the motion at the two ends of the step.
 #[test]
 fn multipliers_are_those_of_the_motion() {
     let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
@@ -234,12 +235,12 @@ fn multipliers_are_those_of_the_motion() {
     for _ in 0..10 {
         let (before, rods_before) = (particle.multipliers(), rods.multipliers());
         let mut heard = Trajectory::with_multipliers(&particle);
-        particle.run_recording(1, &mut heard).unwrap();
+        particle.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         close(&heard.position[1..], &before);
         close(&heard.momentum[1..], &particle.multipliers());
         let mut heard = Trajectory::with_multipliers(&rods);
-        rods.run_recording(1, &mut heard).unwrap();
+        rods.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         close(&heard.position[2..], &rods_before);
         close(&heard.momentum[2..], &rods.multipliers());
@@ -252,12 +253,6 @@ fn close(a: &[f64], b: &[f64]) {
     for (a, b) in a.iter().zip(b) {
         assert!((a - b).abs() <= 1e-13 * b.abs().max(1.0), "{a:e} {b:e}");
     }
-}
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 /// A bead on a turning rod: r = cosh ωt; the rod does the work ω² sinh² ωt.

@@ -68,7 +68,7 @@ fn lanes_are_simulations_to_rounding() {
 fn what_does_not_go_in_lanes_goes_alone_and_is_a_simulation() {
     let lobatto = Lobatto::<3>::new(0.02);
     assert_eq!(off(Double, &lobatto, 20), 0.0);
-    assert_eq!(off(Double, &Geodesic::new(0.02, 2), 20), 0.0);
+    assert_eq!(off(Double, &Geodesic::new(2, 0.02), 20), 0.0);
     let double = || Scene::points::<2>(2).link(PlanarRod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, 0.0]);
     let scene = double().with(PlanarGravity { g: 1.0 });
     let starts = (0..5).map(|i| {
@@ -257,7 +257,7 @@ fn laws_hold_in_lanes() {
 /// Thin tubes and curves, no force at all, two coordinates: the same code.
 #[test]
 fn other_scenes_go_in_lanes_too() {
-    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 });
+    let torus = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 });
     let starts =
         (0..10).map(|i| State::at([1.3, 0.0, 0.0]).moving([0.0, f64::from(i).cos(), f64::from(i).sin()]));
     let mut ensemble = torus.ensemble(starts.clone(), Rattle::new(0.01)).unwrap();
@@ -373,7 +373,7 @@ fn lanes_do_not_change_sheets() {
 
 #[test]
 fn what_is_too_large_for_single_precision_is_refused() {
-    let scene = Scene::on(Sphere { radius: 1e50 });
+    let scene = Scene::on(Sphere { r: 1e50 });
     let start = || State::at([1e50, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
     assert!(scene.ensemble([start()], Rattle::new(0.01)).is_ok());
     let error = scene.ensemble_in(Single, [start()], Rattle::new(0.01)).unwrap_err();
@@ -527,7 +527,7 @@ fn a_sweep_over_members_and_pairs_is_its_scenes() {
 fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
     let heavy = |t: f64| (70.0 * t).round() % 3.0 == 0.0; // the first one too, of which empty lanes are copies
     let weight = |t: f64| Gravity { g: if heavy(t) { 2000.0 + t } else { 5.0 + t } };
-    let ball = |t: f64| Scene::on(Sphere { radius: 1.0 + 2.0 * t });
+    let ball = |t: f64| Scene::on(Sphere { r: 1.0 + 2.0 * t });
     let start = |t: f64| State::at([1.0 + 2.0 * t, 0.0, 0.0]).moving([0.0, 0.8, 0.6]);
     let method = Rattle::new(0.1);
     let potentials = swept(|t| ball(t).with(weight(t)).with(Gravity { g: t }), start);
@@ -537,7 +537,7 @@ fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
     // Too fast for a small sphere, not for a large one.
     let radius = |t: f64| if heavy(t) { 1.0 + 0.1 * t } else { 30.0 + t };
     let start = |t: f64| State::at([radius(t), 0.0, 0.0]).moving([0.0, 5.0, 7.5]);
-    let surfaces = swept(|t| Scene::on(Sphere { radius: radius(t) }).with(Gravity { g: 40.0 }), start);
+    let surfaces = swept(|t| Scene::on(Sphere { r: radius(t) }).with(Gravity { g: 40.0 }), start);
     assert_eq!(check_sweep(Double, &surfaces, &method, 300), 24);
 }
 
@@ -547,7 +547,7 @@ fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
 fn compensated_sums_lose_less() {
     // Not of radius 1: doubles above 1 are twice as far apart as those below, so that rounding of |q|² is biased, and the
     // energy grows by 1.3e-17 of itself in each step.
-    let scene = Scene::on(Sphere { radius: 1.3 });
+    let scene = Scene::on(Sphere { r: 1.3 });
     let start = || (0..64).map(|i| State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i) / 64.0, 0.0]));
     fn drift(mut ensemble: Ensemble<3>) -> f64 {
         let energies = |ensemble: &Ensemble<3>| {
@@ -604,7 +604,7 @@ fn debug_says_what_it_is() {
 /// Steps so long that lanes are solved by themselves are taken where a simulation takes them, and end where it ends.
 #[test]
 fn long_steps_end_where_those_of_a_simulation_end() {
-    let ball = Scene::on(Sphere { radius: 1.0 });
+    let ball = Scene::on(Sphere { r: 1.0 });
     let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
     for h in [0.58, 0.7, 0.8, 0.87, 0.9, 0.92, 0.97, 0.99] {
         let mut ensemble = ball.ensemble([start.clone(), start.clone()], Rattle::new(h)).unwrap();
@@ -618,7 +618,7 @@ fn long_steps_end_where_those_of_a_simulation_end() {
     }
     // A force along the normal, strong against the motion: what lanes keep of it leads off the surface.
     for g in [3e3, 1e4] {
-        let pendulum = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g });
+        let pendulum = Scene::on(Sphere { r: 1.0 }).with(Gravity { g });
         let start = State::at([0.05_f64.sin(), 0.0, -0.05_f64.cos()]);
         let mut ensemble = pendulum.ensemble([start.clone()], Rattle::new(0.01)).unwrap();
         ensemble.run(1000);
@@ -633,7 +633,7 @@ fn long_steps_end_where_those_of_a_simulation_end() {
 /// than half an ulp of each.
 #[test]
 fn a_steady_motion_keeps_its_speed() {
-    let ball = Scene::on(Sphere { radius: 1.0 });
+    let ball = Scene::on(Sphere { r: 1.0 });
     let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
     for h in [0.05, 0.15, 0.3] {
         let mut ensemble = ball.ensemble_in(Compensated, [start.clone()], Rattle::new(h)).unwrap();

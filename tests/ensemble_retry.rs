@@ -4,9 +4,10 @@ mod common;
 use common::*;
 use rattle::bodies::One;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Observer, Precision, Sight, Single};
+use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::prelude::*;
 use rattle::system::System;
+use rattle::watch::{Observer, Sight};
 use rattle::{Error, Geodesic};
 
 /// How far from each other a trajectory in lanes and its simulation are.
@@ -70,7 +71,7 @@ fn lanes_are_simulations_that_retry() {
         assert!(number > 10 && factor < 30.0, "{name}: {factor}, {number}");
     }
     // By themselves they are simulations, bit for bit.
-    let (alone, number) = off(Double, &Geodesic::new(0.03, 2), 1e-15);
+    let (alone, number) = off(Double, &Geodesic::new(2, 0.03), 1e-15);
     assert!(alone == 0.0 && number > 10, "{alone:e}, {number}");
 }
 
@@ -161,7 +162,7 @@ fn parts_obey_the_scene_of_their_trajectory() {
 /// All at once, so that nobody stands in for anybody.
 #[test]
 fn all_may_be_divided() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let falling = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
     let mut alone = scene.simulate(falling.clone(), Rattle::new(0.7)).unwrap();
     let Err(Error::Step { step, .. }) = alone.run(40) else { panic!("nothing failed") };
@@ -184,7 +185,7 @@ fn all_may_be_divided() {
 
 #[test]
 fn what_cannot_be_taken_in_parts_either_rests_where_it_was() {
-    let scene = Scene::on(Sphere { radius: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 });
     let starts = || [1.0, 100.0].map(|v| State::at([1.0, 0.0, 0.0]).moving([0.0, v, 0.0]).at_time(3.0));
     let mut ensemble = scene.ensemble(starts(), Rattle::new(0.7)).unwrap().retry(3);
     let before = bits(&ensemble.state(1));

@@ -9,15 +9,10 @@ use rattle::Error;
 use rattle::bodies::Many;
 use rattle::effect::{Acting, BetweenPairs, Effect, Effects, Moment};
 use rattle::error::StartFailure;
+use rattle::potentials::Gaussian;
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
 use std::array::from_fn;
-
-pair_potential! {
-    /// Even: a bell.
-    struct Bell { height, width }
-    |r| height * exp(-(r / width)^2)
-}
 
 pair_potential! {
     /// Odd, with a root and a pole.
@@ -57,7 +52,7 @@ fn forces_off<P: PairPotential, const D: usize>(potential: &P, n: usize) -> [f64
 fn forces_are_those_of_the_pairs_and_add_up_to_nothing() {
     let mut worst = [0.0_f64; 2];
     for n in (2..40).chain([63, 64, 65, 66, 100, 127, 128, 129, 200, 333]) {
-        let bell = Bell { height: 0.7, width: 0.6 };
+        let bell = Gaussian { height: 0.7, width: 0.6 };
         let screened = Screened { strength: 0.3, length: 0.4 };
         let rows = [
             forces_off::<_, 3>(&bell, n),
@@ -78,7 +73,7 @@ const BODIES: usize = 100;
 
 /// A repelling gas on a sphere: bodies on a spiral, each moving its own way.
 fn scene() -> Scene<Sphere, impl Effects<3>, Many, 3> {
-    Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Bell { height: 0.02, width: 0.5 })
+    Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Gaussian { height: 0.02, width: 0.5 })
 }
 
 fn start() -> State<3> {
@@ -146,7 +141,7 @@ fn runs_and_restarts_are_the_same_to_the_bit_and_do_not_allocate() {
 /// Two of many bodies at one place, where a force has a pole.
 #[test]
 fn a_force_that_is_no_number_is_found_and_named() {
-    let scene = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Bell { height: 0.1, width: 0.5 });
+    let scene = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(Gaussian { height: 0.1, width: 0.5 });
     let scene = scene.with(Screened { strength: 0.3, length: 0.4 });
     let mut places: Vec<_> = start().positions().collect();
     places[70] = places[3];

@@ -31,18 +31,18 @@ fn check(row: &Row, with_multipliers: bool) -> Option<String> {
     let (q, p, multipliers) = match row.text("method") {
         "RATTLE" => last(scene.simulate(billiard_45(), Rattle::new(h)).unwrap(), n),
         "symplectic Euler" => last(scene.simulate(billiard_45(), SymplecticEuler::new(h)).unwrap(), n),
-        "geodesic RATTLE" => last(scene.simulate(billiard_45(), Geodesic::new(h, 4)).unwrap(), n),
+        "geodesic RATTLE" => last(scene.simulate(billiard_45(), Geodesic::new(4, h)).unwrap(), n),
         "position Verlet" => last(scene.simulate(billiard_45(), PositionVerlet::new(h)).unwrap(), n),
         "SHAKE" => {
             let method = Shake::new(h);
             last(scene.simulate(scene.staggered(&billiard_45(), &method), method).unwrap(), n)
         }
         "geodesic RATTLE KAHAN_LI_1997_ORDER_6" => {
-            let method = Composition::of(Geodesic::new(h, 4), KAHAN_LI_1997_ORDER_6);
+            let method = Composition::of(KAHAN_LI_1997_ORDER_6, Geodesic::new(4, h));
             last(scene.simulate(billiard_45(), method).unwrap(), n)
         }
         "position Verlet SUZUKI_1990_ORDER_4" => {
-            let method = Composition::of(PositionVerlet::new(h), SUZUKI_1990_ORDER_4);
+            let method = Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(h));
             last(scene.simulate(billiard_45(), method).unwrap(), n)
         }
         "Suzuki4_s5" => run(SUZUKI_1990_ORDER_4),
@@ -73,7 +73,7 @@ fn last<Y: System<f64, 3, Count = One>, S: Method>(
     n: u64,
 ) -> ([f64; 3], [f64; 3], [f64; 2]) {
     let mut trajectory = Trajectory::with_multipliers(&simulation);
-    simulation.run_recording(n, &mut trajectory).unwrap();
+    simulation.observe(n, 1, &mut trajectory).unwrap();
     let multipliers = trajectory.multipliers().unwrap();
     let last = |list: &[f64]| *list.last().unwrap();
     let multipliers = [last(&multipliers.position), last(&multipliers.momentum)];

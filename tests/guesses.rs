@@ -3,6 +3,7 @@
 mod common;
 use common::*;
 use rattle::Counted;
+use rattle::links::planar::Rod;
 use rattle::prelude::*;
 
 /// The largest difference of positions after so many steps by two methods.
@@ -30,12 +31,6 @@ fn extrapolated_guesses_give_the_same_motion() {
     let apart =
         pure.positions().zip(extrapolated.positions()).map(|(a, b)| distance(a, b)).fold(0.0, f64::max);
     assert!(apart <= 2e-15, "{apart:e}");
-}
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
 
 type Rods<E> = Scene<rattle::network::Network<2>, E, rattle::bodies::Many, 2>;
@@ -115,7 +110,7 @@ fn a_restart_remembers_the_guess() {
     restart(
         &scene,
         billiard(0.7),
-        Composition::of(Rattle::new(0.02).guess(LastMultiplier), SUZUKI_1990_ORDER_4),
+        Composition::of(SUZUKI_1990_ORDER_4, Rattle::new(0.02).guess(LastMultiplier)),
     );
     restart(&double().0, double().1, Rattle::new(0.02).guess(LastMultiplier));
     restart(&double().0, double().1, Rattle::new(0.02).guess(Extrapolated));

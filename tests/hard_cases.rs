@@ -28,6 +28,7 @@ use common::*;
 use nalgebra::{Vector3, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::error::{StartFailure, StepFailure};
+use rattle::potentials::Coulomb;
 use rattle::prelude::*;
 use rattle::{Counted, Error};
 
@@ -275,7 +276,7 @@ fn huge_steps_never_land_on_another_sheet() {
 fn huge_steps<S: Method>(method: impl Fn(f64) -> S) {
     lands_on_its_own_sheet(&method, SURFACE, [1.1, 0.4, 0.2], 10_000);
     lands_on_its_own_sheet(&method, Lemniscate { a: 1.0, r: 0.01 }, [1.1, 0.4, 0.02], 1_000);
-    lands_on_its_own_sheet(&method, Torus { major: 1.0, minor: 0.3 }, [1.3, 1.3, 0.3], 1_000);
+    lands_on_its_own_sheet(&method, TorusByDistance { major: 1.0, minor: 0.3 }, [1.3, 1.3, 0.3], 1_000);
     lands_on_its_own_sheet(
         &method,
         rattle::surfaces::Gyroid { k: 1.0, epsilon: 0.0 },
@@ -325,12 +326,6 @@ fn a_force_that_is_not_finite_is_named() {
     let below = State::at([0.0, 0.0, -SURFACE.r]);
     let cause = start_failure(scene.simulate(below, Rattle::new(0.01)).unwrap_err());
     assert!(matches!(cause, StartFailure::ForceNotFinite { effect, .. } if effect.ends_with("Rooted")));
-}
-
-pair_potential! {
-    /// Singular at contact.
-    struct Coulomb { strength }
-    |r| strength / r
 }
 
 #[test]
@@ -386,7 +381,7 @@ fn a_million_steps_without_drift() {
 
 #[test]
 fn torus_with_a_root_at_its_axis() {
-    let scene = Scene::on(Torus { major: 1.0, minor: 1.0 }); // a horn torus: its axis meets it at the origin
+    let scene = Scene::on(TorusByDistance { major: 1.0, minor: 1.0 }); // a horn torus: its axis meets it at the origin
     let cause = start_failure(scene.simulate(State::at([0.0; 3]), Rattle::new(0.01)).unwrap_err());
     assert!(
         matches!(cause, StartFailure::SingularPoint { .. } | StartFailure::ConstraintNotFinite { .. }),
@@ -401,7 +396,7 @@ fn torus_with_a_root_at_its_axis() {
 #[test]
 fn sphere_up_to_the_solvability_limit() {
     let (radius, speed) = (2.0, 1.0);
-    let scene = Scene::on(Sphere { radius });
+    let scene = Scene::on(Sphere { r: radius });
     let start = State::at([radius, 0.0, 0.0]).moving([0.0, 0.6 * speed, 0.8 * speed]);
     for reach in [0.01, 0.1, 0.5, 0.9, 0.95] {
         let h = reach * radius / speed;
@@ -496,7 +491,7 @@ fn surfaces_through_the_origin_are_like_others() {
 #[test]
 fn turning_points_are_passed() {
     // A kick of h/2 g takes away the whole momentum: drift and push cancel.
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     for h in [0.01, 0.1] {
         for off in [0.0, 1e-16, 1e-9, -1e-9, 1e-5, -1e-5] {
             let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.0, 0.5 * h + off]);

@@ -68,7 +68,7 @@ fn same<C, E, N, const D: usize>(
 fn every_way_gives_the_same_motion() {
     let free = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     same("lemniscate", &free, &billiard_45(), (0.01, 100), 1e-14);
-    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 }).particles(2).with(Gravity { g: 1.0 });
+    let torus = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 }).particles(2).with(Gravity { g: 1.0 });
     let pair = State::of([[1.3, 0.0, 0.0], [0.0, -0.7, 0.0]]).moving([0.0, 0.0, 1.0]);
     same("two on a torus", &torus, &pair, (0.01, 100), 1e-14);
 
@@ -210,7 +210,7 @@ fn compositions_remember_too() {
     pure.run(100).unwrap();
     macro_rules! check {
         ($name:expr, $guess:expr, $by:expr) => {
-            let composition = Composition::of(method(0.01, $guess, $by), SUZUKI_1990_ORDER_4);
+            let composition = Composition::of(SUZUKI_1990_ORDER_4, method(0.01, $guess, $by));
             let mut simulation = scene.simulate(billiard_45(), composition).unwrap();
             counts.reset();
             simulation.run(100).unwrap();

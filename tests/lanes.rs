@@ -5,6 +5,7 @@ use common::lanes::Four;
 use common::*;
 use rattle::bodies::{Body, One};
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
+use rattle::need::Need;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surface::{OnSurface, OneByOne};
@@ -20,9 +21,9 @@ fn four_trajectories_in_lanes_are_the_four_alone() {
     four_alone(&Rattle::new(0.01).guess(LastMultiplier));
     four_alone(&SymplecticEuler::new(0.01));
     four_alone(&Shake::new(0.01));
-    four_alone(&Geodesic::new(0.02, 3));
+    four_alone(&Geodesic::new(3, 0.02));
     four_alone(&PositionVerlet::new(0.01));
-    four_alone(&Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    four_alone(&Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(0.01)));
     four_alone(&Dop853::new(0.02));
 }
 
@@ -42,10 +43,11 @@ fn four_alone<S: Method>(method: &S) {
         },
         0.0,
     );
-    let mut memory = method.memory(&system, &together);
+    let seen = || S::Need::of(&system).unwrap();
+    let mut memory = method.memory(seen(), &together);
     let mut alone = alone;
     for step in 0..1000 {
-        method.step(&system, &mut together, memory.as_mut(), &mut ()).unwrap();
+        method.step(seen(), &mut together, memory.as_mut(), &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
             simulation.step().unwrap();
             let q = together.q[0].map(|q| q.0[lane]);
@@ -174,7 +176,7 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
 
 #[test]
 fn a_lane_that_fails_is_told() {
-    let scene = Scene::on(Sphere { radius: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 });
     let system = scene.lanes::<Four>();
     let (zero, one) = (Four([0.0; 4]), Four([1.0; 4]));
     let mut bodies = system.bodies(

@@ -133,9 +133,9 @@ fn second_order_multiplier_is_the_mean_of_both() {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
         let mut simulation = scene.simulate(billiard_45(), Rattle::new(1.0 / n as f64)).unwrap();
         let mut trajectory = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(n, &mut trajectory).unwrap();
+        simulation.observe(n, 1, &mut trajectory).unwrap();
         let from_state = simulation.multiplier();
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         let found = trajectory.multipliers().unwrap();
         let (lambda, mu) = (found.position[n as usize + 1], found.momentum[n as usize]);
         for (errors, found) in errors.iter_mut().zip([lambda, mu, (lambda + mu) / 2.0, from_state]) {
@@ -223,7 +223,7 @@ where
 
 #[test]
 fn a_failed_step_leaves_no_trace() {
-    let sphere = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let sphere = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
     let error = failure_leaves_no_trace(sphere, last_one_fails(), Rattle::new(0.1));
     let Error::Step { step: 1, body: 2, cause: StepFailure::StepTooLong { reach, longest, h, .. }, .. } =
         error
@@ -255,7 +255,7 @@ fn two_effects_add_up() {
 
 #[test]
 fn trajectory_has_one_row_per_step() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).particles(3);
     let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]).with_momenta([
         [0.0, 1.0, 0.0],
         [0.0, 0.0, 1.0],
@@ -264,7 +264,7 @@ fn trajectory_has_one_row_per_step() {
     let mut simulation = scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, 0.05)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
     for step in 1..=10_u32 {
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         assert_eq!(*trajectory.times().last().unwrap(), 0.05 * f64::from(step));
         let last: Vec<f64> = simulation.positions().flat_map(<[f64; 3]>::from).collect();
         assert_eq!(trajectory.positions()[9 * step as usize..], last);
@@ -274,10 +274,10 @@ fn trajectory_has_one_row_per_step() {
     assert_eq!((multipliers.position.len(), multipliers.momentum.len()), (33, 33));
 
     // A failed step leaves no half row.
-    let scene = Scene::on(Sphere { radius: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
     let mut simulation = scene.simulate(last_one_fails(), Rattle::new(0.1)).unwrap();
     let mut trajectory = Trajectory::with_multipliers(&simulation);
-    simulation.run_recording(1, &mut trajectory).unwrap_err();
+    simulation.observe(1, 1, &mut trajectory).unwrap_err();
     assert_eq!(trajectory.multipliers().unwrap().position.len(), 3);
 }
 
@@ -285,7 +285,7 @@ fn trajectory_has_one_row_per_step() {
 fn rounding_in_the_energy_does_not_add_up() {
     // The speed of a free particle on a sphere is constant: what is left is rounding. Compensated, 1e6 steps leave a few
     // ulps; without the low parts of momentum or position it is 5e-15 and more.
-    let scene = Scene::on(Sphere { radius: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 });
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
     let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
     let mut largest = 0.0_f64;

@@ -3,6 +3,7 @@
 mod common;
 use common::linked::*;
 use common::*;
+use rattle::links::RotationMatrix;
 use rattle::network::{LinearAlgebra, Mass};
 use rattle::prelude::*;
 use rattle::system::System;
@@ -104,7 +105,7 @@ fn double_pendulum_as_one_body_with_two_equations() {
 fn spherical_pendulum_with_its_multiplier() {
     let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
     let start = State::at([sin, 0.0, -cos]).moving([0.0, 1.5, 0.0]);
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).mass(1.0);
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).mass(1.0);
     for row in table("spherical_pendulum").iter().filter(|row| row.number("t") <= 5.0) {
         let t = row.number("t");
         let run = |h| scene.simulate(scene.project(&start).unwrap(), Rattle::new(h));
@@ -136,12 +137,6 @@ fn two_ricker_particles_in_a_network() {
     let difference = apart(&phase(&a.state()), &phase(&after(run, t, 400).state()));
     println!("Ricker: {found:?}, surface or network {difference:.1e}");
     assert!(difference <= 1e-12, "{difference:e}");
-}
-
-constraint! {
-    /// QᵀQ = 1, six equations.
-    struct Rotation {}
-    |q: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, q[k][i] * q[k][j]) - delta(i, j) }
 }
 
 constraint! {
@@ -182,7 +177,7 @@ fn angular_momentum(q: &[f64], p: &[f64]) -> [f64; 3] {
 
 #[test]
 fn free_rigid_body_as_six_equations() {
-    let scene = Scene::on(Rotation {}).mass(column_masses());
+    let scene = Scene::on(RotationMatrix {}).mass(column_masses());
     let columns = ["Q11", "Q12", "Q13", "Q21", "Q22", "Q23", "Q31", "Q32", "Q33"];
     let mut compared = 0;
     for row in table("rigid_body").iter().filter(|row| row.number("t") <= 5.0) {
@@ -203,7 +198,7 @@ fn free_rigid_body_as_six_equations() {
 #[test]
 fn free_rigid_body_keeps_energy_and_angular_momentum() {
     for redundant in [false, true] {
-        let six = Scene::on(Rotation {}).mass(column_masses());
+        let six = Scene::on(RotationMatrix {}).mass(column_masses());
         let nine = Scene::on(RotationNine {}).mass(column_masses());
         let mut worst = (0.0_f64, 0.0_f64);
         let see = |q: &[f64], p: &[f64], energy: f64| {
@@ -228,7 +223,7 @@ fn free_rigid_body_keeps_energy_and_angular_momentum() {
 
 #[test]
 fn columns_of_a_rotation_as_three_bodies() {
-    let one = Scene::on(Rotation {}).mass(column_masses());
+    let one = Scene::on(RotationMatrix {}).mass(column_masses());
     let three = Scene::points(3).link(Frame {}, [[0, 1, 2]]).masses(D);
     let start = rigid_start();
     let column = |numbers: &[f64], c: usize| [numbers[c], numbers[3 + c], numbers[6 + c]];
@@ -266,7 +261,7 @@ constraint! {
 /// factor for the chaos of the billiard.
 #[test]
 fn redundant_equations_give_the_same_motion() {
-    let run = |h| Scene::on(Rotation {}).mass(column_masses()).simulate(rigid_start(), Rattle::new(h));
+    let run = |h| Scene::on(RotationMatrix {}).mass(column_masses()).simulate(rigid_start(), Rattle::new(h));
     let six = after(run, 10.0, 200);
     let run = |h| Scene::on(RotationNine {}).mass(column_masses()).simulate(rigid_start(), Rattle::new(h));
     let nine = after(run, 10.0, 200);

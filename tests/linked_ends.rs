@@ -1,24 +1,14 @@
 //! Motions of linked bodies that end: the error names the reason, whatever the step.
 
 use rattle::error::{Error, StepFailure};
+use rattle::links::planar::Rod;
+use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 
 constraint! {
     /// A rod of this length from the origin.
-    struct Rod { length }
+    struct Reach { length }
     |x, y| sqrt(x^2 + y^2) - length
-}
-
-potential! {
-    /// Weight; y points up.
-    struct Weight { g }
-    |x, y| g * y
-}
-
-constraint! {
-    /// Two points at a distance.
-    struct Link { length }
-    |b: [f64; 2], c: [f64; 2]| sum(i in 0..2, (b[i] - c[i])^2) - length^2
 }
 
 constraint! {
@@ -31,8 +21,8 @@ constraint! {
 #[test]
 fn a_mechanism_that_branches_ends_at_the_branch() {
     let scene = Scene::points(2)
-        .link(Rod { length: 1.0 }, [[0]])
-        .link(Link { length: 1.0 }, [[0, 1]])
+        .link(Reach { length: 1.0 }, [[0]])
+        .link(Rod { length: 1.0 }, [[0, 1]])
         .link(Guide {}, [[1]]);
     for angle in [1.0_f64, 0.3] {
         for h in [0.02, 0.015, 0.01, 0.005, 0.002, 0.001, 0.0001] {
@@ -54,7 +44,7 @@ fn a_mechanism_that_branches_ends_at_the_branch() {
 #[test]
 fn a_rod_that_pulls_sideways_ends_at_the_bottom() {
     let scene =
-        Scene::point().link_acting(Rod { length: 1.0 }, [[0]], [[true, false]]).with(Weight { g: 1.0 });
+        Scene::point().link_acting(Reach { length: 1.0 }, [[0]], [[true, false]]).with(Gravity { g: 1.0 });
     for angle in [1.0_f64, 2.0, 2.8] {
         let bottom = (2.0 * (1.0 - angle.cos())).sqrt();
         for h in [0.02, 0.015, 0.01, 0.005, 0.002, 0.001, 0.0001] {

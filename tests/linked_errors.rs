@@ -92,7 +92,7 @@ fn links_and_pins_that_make_no_sense() {
         check(acting.map(drop), missing("Rod", 0, body), &["Rod 0"]);
         let effect = free().with(PlanarGravity { g: 1.0 }.over([[0], [body]])).simulate(start(), method);
         let error = effect.map(drop).unwrap_err();
-        says(&error, &["PlanarGravity", " 1 names body", &body.to_string()]);
+        says(&error, &["Gravity", " 1 names body", &body.to_string()]);
     }
     let twice = free().link(rod, [[0, 1], [2, 2]]).simulate(start(), method);
     let mistake = NetworkMistake::Repeated { what: "Rod", member: 1, body: 2 };
@@ -111,7 +111,7 @@ fn nothing_is_something_too() {
     let method = Rattle::new(0.5);
     let mut none = Scene::points::<2>(0).simulate(State::of([[0.0; 2]; 0]), method).unwrap();
     none.run(3).unwrap();
-    assert_eq!((none.len(), none.energy(), none.time()), (0, 0.0, 1.5));
+    assert_eq!((none.bodies(), none.energy(), none.time()), (0, 0.0, 1.5));
     let none =
         Scene::points::<2>(0).link(Rod { length: 1.0 }, [[0_usize; 2]; 0]).project(&State::of([[0.0; 2]; 0]));
     assert!(none.unwrap().is_empty());

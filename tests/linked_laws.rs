@@ -140,7 +140,7 @@ fn both_linear_algebras_give_the_same_motion() {
             let scene = Scene::points(bodies).link(Rod3 { length: 1.0 }, rods.clone()).pin(0, [0.0; 3]);
             // One body on a sphere about the pin as well.
             let last = on_sphere.then_some([bodies - 1]).filter(|_| name == "chain" || name == "tree");
-            let scene = scene.link(Sphere { radius: 2.0 }, last).with(Gravity { g: 1.0 });
+            let scene = scene.link(Sphere { r: 2.0 }, last).with(Gravity { g: 1.0 });
             let start = start(&scene, &rods, bodies, &mut rng);
             let run = |algebra: LinearAlgebra| {
                 let scene = scene.clone().linear_algebra(algebra);
@@ -170,7 +170,7 @@ fn both_linear_algebras_give_the_same_motion() {
 fn surface_and_network_give_the_same_motion() {
     let angle = std::f64::consts::PI / 6.0;
     let on_torus = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
-    let torus = Scene::on(QuarticTorus { major: 1.0, minor: 0.3 });
+    let torus = Scene::on(Torus { major: 1.0, minor: 0.3 });
     let lemniscate = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let a = after(|h| torus.simulate(on_torus.clone(), Rattle::new(h)), 5.0, 500).state();
     let b = after(|h| torus.mass(1.0).simulate(on_torus.clone(), Rattle::new(h)), 5.0, 500).state();
@@ -369,7 +369,7 @@ fn masses_are_a_change_of_variables() {
     let rows = |m: &SMatrix<f64, 3, 3>| std::array::from_fn(|i| std::array::from_fn(|j| m[(i, j)]));
     let gravity = SkewWeight { g: [0.0, 0.0, 1.0] };
     let skew = SkewWeight { g: std::array::from_fn(|k| w[(2, k)]) };
-    let links = || (Sphere { radius: 1.0 }, [[0]]);
+    let links = || (Sphere { r: 1.0 }, [[0]]);
     for algebra in [Orthogonal, Elimination] {
         let heavy = Scene::points(3)
             .link(links().0, links().1)

@@ -3,6 +3,7 @@
 mod common;
 use common::linked::*;
 use common::*;
+use rattle::links::planar::TurningLine;
 use rattle::network::LinearAlgebra::{self, Elimination, Orthogonal};
 use rattle::prelude::*;
 
@@ -172,12 +173,6 @@ fn on_a_sphere_that_grows() {
     }
 }
 
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
-}
-
 /// A bead on a turning rod: r = cosh ωt; the rod does the work ω² sinh² ωt.
 #[test]
 fn on_a_turning_rod() {
@@ -310,9 +305,9 @@ fn recorded_multipliers_are_in_the_order_of_naming() {
         let mut simulation = scene.simulate(State::of(q), Rattle::new(1.0 / f64::from(n))).unwrap();
         assert_eq!(simulation.system().components().len(), 2);
         let mut trajectory = Trajectory::with_multipliers(&simulation);
-        simulation.run_recording(u64::from(n), &mut trajectory).unwrap();
+        simulation.observe(u64::from(n), 1, &mut trajectory).unwrap();
         let exact = simulation.multipliers();
-        simulation.run_recording(1, &mut trajectory).unwrap();
+        simulation.observe(1, 1, &mut trajectory).unwrap();
         let found = trajectory.multipliers().unwrap();
         let row = 4 * n as usize;
         let mean: Vec<f64> =

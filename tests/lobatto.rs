@@ -2,6 +2,7 @@
 
 mod common;
 use common::*;
+use rattle::links::planar::Rod;
 use rattle::prelude::*;
 use rattle::table::{Table, Tabulated};
 
@@ -101,7 +102,7 @@ fn orders_2_to_16_on_the_spherical_pendulum() {
         let row = rows.iter().find(|row| row.text("case") == "a" && row.number("t") == 5.0).unwrap();
         let exact = row.numbers(["x", "y", "z"]);
         let alpha = std::f64::consts::FRAC_PI_3;
-        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
         let start = State::at([alpha.sin(), 0.0, -alpha.cos()]).moving([0.0, 1.5, 0.0]);
         let start = scene.project(&start).unwrap();
         let points = steps.map(|n| {
@@ -175,12 +176,6 @@ fn steps_three_times_as_long_as_those_of_rattle() {
         errors.sort_by(f64::total_cmp);
         assert!(errors[4] < 0.15 && errors[8] < 0.5, "{extrapolated}: {errors:?}");
     }
-}
-
-constraint! {
-    /// Two points at a distance, in the plane.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
 
 #[test]
@@ -368,7 +363,7 @@ potential! {
 
 #[test]
 fn errors_name_the_particle() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).particles(3);
+    let scene = Scene::on(Sphere { r: 1.0 }).particles(3);
     let still = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
     let fast = State::of(still).with_momenta([[0.0; 3], [0.0; 3], [1000.0, 0.0, 0.0]]);
     let error = scene.simulate(fast, Lobatto::<5>::new(0.1)).unwrap().step().unwrap_err();

@@ -15,7 +15,7 @@ use rattle::prelude::*;
 /// Energy errors of spherical pendulums after so many steps of RATTLE, 17 in each of a composition whose own error is below
 /// rounding: the root of their mean square, after each of `counts` macro steps.
 fn growth<S: Method>(method: &S, counts: &[u64]) -> Vec<f64> {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let mut squares = vec![0.0; counts.len()];
     for speed in [1.1, 1.2, 1.3, 1.4, 1.5, 1.6] {
         let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
@@ -31,7 +31,7 @@ fn growth<S: Method>(method: &S, counts: &[u64]) -> Vec<f64> {
 
 fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
     let method = Rattle::new(0.025).guess(guess).solved_by(by);
-    let method = Composition::of(method, KAHAN_LI_1997_ORDER_8);
+    let method = Composition::of(KAHAN_LI_1997_ORDER_8, method);
     for (&count, error) in counts.iter().zip(growth(&method, counts)) {
         let steps = 17.0 * count as f64;
         println!("{steps:9.1e} steps: {error:.1e}, that is {:.1e} √n", error / steps.sqrt());

@@ -4,6 +4,7 @@ mod common;
 use common::*;
 use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
+use rattle::need::Steps;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::system::System;
@@ -20,6 +21,7 @@ fn number<T: Real>(x: T) -> f64 {
 
 impl Method for Growing {
     type Memory<T: Real> = Vec<T>;
+    type Need = Steps;
 
     fn step_size(&self) -> f64 {
         self.first
@@ -136,4 +138,65 @@ fn remembering_does_not_allocate() {
     let mut simulation = simulation(Growing { first: 0.01 });
     let allocated = allocation_counter::measure(|| simulation.run(20).unwrap());
     assert_eq!((simulation.steps(), allocated.count_total), (20, 0));
+}
+
+/// RATTLE with steps that are longer by the number of the trajectory.
+#[derive(Debug, Clone, Copy)]
+struct Numbered {
+    h: f64,
+    number: u64,
+}
+
+impl Method for Numbered {
+    type Memory<T: Real> = [T; 0];
+    type Need = Steps;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        2
+    }
+    fn name(&self) -> &'static str {
+        "numbered"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h, ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        true
+    }
+    fn numbered(&self, number: u64) -> Self {
+        Self { number, ..*self }
+    }
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        Rattle::new(self.h * (1.0 + self.number as f64)).step(system, bodies, memory, witness)
+    }
+}
+
+/// A method is told which trajectory it moves: its number in an ensemble, 0 in a simulation; and so is one that is composed.
+#[test]
+fn a_method_knows_its_trajectory() {
+    fn check<S: Method>(method: S) {
+        let (scene, start) = (Scene::point(), State::at([0.0]).moving([1.0]));
+        let mut alone = scene.simulate(start.clone(), method.clone()).unwrap();
+        alone.step().unwrap();
+        assert!((alone.position().x - 0.5).abs() <= 1e-15, "{}: {}", method.name(), alone.position().x);
+        let mut ensemble = scene.ensemble(vec![start; 40], method.clone()).unwrap();
+        ensemble.run(1);
+        for trajectory in 0..40 {
+            let at = ensemble.state(trajectory).positions().next().unwrap().x;
+            let expected = 0.5 * (1.0 + trajectory as f64);
+            assert!((at / expected - 1.0).abs() <= 1e-14, "{}: {trajectory} at {at}", method.name());
+        }
+    }
+    let method = Numbered { h: 0.5, number: 7 };
+    check(method);
+    check(Composition::of(SUZUKI_1990_ORDER_4, method));
 }

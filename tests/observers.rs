@@ -3,9 +3,10 @@
 mod common;
 use common::linked::Rod;
 use common::*;
-use rattle::ensemble::{Ensemble, Histogram, Mean, Observer, Section, Sight};
+use rattle::ensemble::Ensemble;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
+use rattle::watch::{Histogram, Mean, Observer, Section, Sight};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::thread;

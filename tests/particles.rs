@@ -8,8 +8,8 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::Effects;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
-use rattle::recorder::Recorder;
 use rattle::surfaces::Gyroid;
+use rattle::watch::{Observer, Sight};
 use rattle::{Error, bodies::One};
 use std::array::from_fn;
 
@@ -51,8 +51,9 @@ fn together<const D: usize>(starts: &[State<D>]) -> State<D> {
 #[derive(Default)]
 struct Multipliers(Vec<(usize, f64)>, Vec<(usize, f64)>);
 
-impl<S> Recorder<S> for Multipliers {
-    fn record(&mut self, _: &S) {}
+impl<const D: usize> Observer<D> for Multipliers {
+    fn see(&mut self, _: &Sight<'_, D>, _: &Sight<'_, D>) {}
+    fn join(&mut self, _: Self) {}
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
         self.0.push((equation, lambda));
     }
@@ -73,11 +74,11 @@ where
         let starts = starts(surface, number, size);
         let mut many = (*scene).particles(number).simulate(together(&starts), method.clone()).unwrap();
         let mut of_many = Multipliers::default();
-        many.run_recording(40, &mut of_many).unwrap();
+        many.observe(40, 1, &mut of_many).unwrap();
         for (body, start) in starts.into_iter().enumerate() {
             let mut alone = scene.simulate(start, method.clone()).unwrap();
             let mut of_one = Multipliers::default();
-            alone.run_recording(40, &mut of_one).unwrap();
+            alone.observe(40, 1, &mut of_one).unwrap();
             let state = many.state();
             let (q, p) = (state.positions().nth(body).unwrap(), state.momenta().nth(body).unwrap());
             let off = (q - alone.position()).amax().max((p - alone.momentum()).amax());
@@ -102,7 +103,7 @@ where
 
 #[test]
 fn many_go_as_each_alone() {
-    let ring = Torus { major: 1.0, minor: 0.3 };
+    let ring = TorusByDistance { major: 1.0, minor: 0.3 };
     let landscape = Landscape { height: 0.5 };
     let gyroid = Gyroid { k: 1.0, epsilon: 0.1 };
     let rattle = Rattle::new(0.01);
@@ -121,7 +122,7 @@ fn many_go_as_each_alone() {
             rattle.guess(Extrapolated),
             2.0,
         ),
-        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(0.02, 1), 3.0),
+        go_as_alone(&Scene::on(gyroid), gyroid, Geodesic::new(1, 0.02), 3.0),
         go_as_alone(&Scene::on(gyroid).with(Gravity { g: 1.0 }), gyroid, rattle.guess(LastMultiplier), 3.0),
         go_as_alone(&Scene::on(ring).with(Gravity { g: 1.0 }), ring, rattle.solved_by(Broyden), 1.5),
         go_as_alone(&Scene::on(Ball {}), Ball {}, rattle, 1.0),
@@ -189,7 +190,7 @@ fn hard_steps_end_as_alone_and_are_refused_for_the_same_reason() {
     let ends = [
         hard_steps_end_alike(SURFACE, 1.1),
         hard_steps_end_alike(Lemniscate { a: 1.0, r: 0.01 }, 1.1),
-        hard_steps_end_alike(Torus { major: 1.0, minor: 0.3 }, 1.3),
+        hard_steps_end_alike(TorusByDistance { major: 1.0, minor: 0.3 }, 1.3),
         hard_steps_end_alike(Gyroid { k: 1.0, epsilon: 0.0 }, 3.0),
         hard_steps_end_alike(Landscape { height: 0.5 }, 2.0),
     ];
@@ -199,7 +200,7 @@ fn hard_steps_end_as_alone_and_are_refused_for_the_same_reason() {
 
 #[test]
 fn a_start_that_is_gone_on_from_gives_the_same_bits() {
-    let ring = Torus { major: 1.0, minor: 0.3 };
+    let ring = TorusByDistance { major: 1.0, minor: 0.3 };
     let scene = Scene::on(ring).with(Gravity { g: 1.0 }).particles(40);
     let start = || together(&starts(ring, 40, 1.5));
     macro_rules! check {
@@ -220,7 +221,7 @@ fn a_start_that_is_gone_on_from_gives_the_same_bits() {
         Rattle::new(h).solved_by(Broyden),
         Composition::new(SUZUKI_1990_ORDER_4, h),
         Shake::new(h),
-        Geodesic::new(h, 2),
+        Geodesic::new(2, h),
         Lobatto::<3>::new(h),
         Dop853::new(h)
     );
@@ -243,7 +244,7 @@ fn who_rests_stays_at_rest() {
         }
     }
     check(rattle::surfaces::Sphere { r: 1.0 });
-    check(Torus { major: 1.0, minor: 0.3 });
+    check(TorusByDistance { major: 1.0, minor: 0.3 });
     check(SURFACE);
     check(Gyroid { k: 1.0, epsilon: 0.1 });
 }

@@ -95,7 +95,7 @@ fn directions_of_the_notebook_at_t_1() {
 
 #[test]
 fn sphere_geodesic() {
-    let scene = Scene::on(Sphere { radius: 2.0 });
+    let scene = Scene::on(Sphere { r: 2.0 });
     let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
     let row = &table("sphere_geodesic")[0];
     let found = positions_at(&scene, &start, row.number("t"), &[20, 40, 80, 160], Rattle::new);
@@ -107,7 +107,7 @@ fn sphere_geodesic() {
 fn torus_geodesic_in_two_forms() {
     let angle = std::f64::consts::PI / 6.0;
     let start = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
-    let (root, quartic) = (Torus { major: 1.0, minor: 0.3 }, QuarticTorus { major: 1.0, minor: 0.3 });
+    let (root, quartic) = (TorusByDistance { major: 1.0, minor: 0.3 }, Torus { major: 1.0, minor: 0.3 });
     let rows = table("torus_geodesic");
     let row = rows.iter().find(|row| row.number("t") == 5.0).unwrap();
     let exact = row.numbers(["x", "y", "z"]);
@@ -176,19 +176,19 @@ fn high_order_methods_meet_every_reference() {
     let angle = std::f64::consts::PI / 6.0;
     let along = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
     for row in table("torus_geodesic").iter().filter(|row| row.number("t") <= 5.0) {
-        let quartic = Scene::on(QuarticTorus { major: 1.0, minor: 0.3 });
+        let quartic = Scene::on(Torus { major: 1.0, minor: 0.3 });
         met += meets("quartic torus", &quartic, &along, 60, row, ["x", "y", "z"]);
-        let root = Scene::on(Torus { major: 1.0, minor: 0.3 });
+        let root = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 });
         met += meets("torus", &root, &along, 60, row, ["x", "y", "z"]);
     }
     for row in table("sphere_geodesic").iter().filter(|row| row.number("t") <= 5.0) {
         let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
-        met += meets("sphere", &Scene::on(Sphere { radius: 2.0 }), &start, 20, row, ["x", "y", "z"]);
+        met += meets("sphere", &Scene::on(Sphere { r: 2.0 }), &start, 20, row, ["x", "y", "z"]);
     }
     for row in table("spherical_pendulum").iter().filter(|row| row.number("t") <= 5.0) {
         let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
         let start = State::at([sin, 0.0, -cos]).moving([0.0, 1.5, 0.0]);
-        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
         met += meets("spherical pendulum", &scene, &start, 30, row, ["x", "y", "z"]);
     }
     let quarter = |row: &&Row| row.text("theta0") == "pi/2" && row.number("t") <= 5.0;

@@ -11,7 +11,7 @@ fn falling<S: Method>(
     method: S,
 ) -> Simulation<impl rattle::system::System<f64, 3, Count = rattle::bodies::One>, S, 3> {
     let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
-    Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
+    Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
 }
 
 /// Steps until the first that fails.
@@ -26,7 +26,7 @@ fn until_failure<S: Method>(method: S) -> u64 {
 fn only_the_step_that_fails_is_divided() {
     check(Rattle::new(0.7));
     check(Rattle::new(0.7).guess(Extrapolated));
-    check(Geodesic::new(1.6, 2));
+    check(Geodesic::new(2, 1.6));
     check(Composition::new(SUZUKI_1990_ORDER_4, 1.0));
     check(PositionVerlet::new(1.3));
 }
@@ -49,7 +49,7 @@ fn check<S: Method>(method: S) {
     // The next one is that of two halves, or of four quarters …, bit for bit.
     simulation.step().unwrap();
     let parts = [2, 4, 8, 16].map(|parts: u32| {
-        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
         let mut inner = scene.simulate(plain.state(), method.with_step(h / f64::from(parts))).unwrap();
         inner.run(parts.into()).is_ok().then(|| bodies(&inner.state()))
     });
@@ -65,8 +65,7 @@ fn check<S: Method>(method: S) {
 fn what_cannot_be_taken_in_parts_either_is_an_error_and_leaves_no_trace() {
     let before = until_failure(Rattle::new(0.7));
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 100.0, 0.0]);
-    let mut simulation =
-        Scene::on(Sphere { radius: 1.0 }).simulate(start, Rattle::new(0.7)).unwrap().retry(3);
+    let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start, Rattle::new(0.7)).unwrap().retry(3);
     let was = simulation.state();
     let error = simulation.step().unwrap_err();
     let Error::Retried { step: 1, halvings: 3, body: 0, cause: StepFailure::StepTooLong { h, .. }, .. } =
@@ -95,7 +94,7 @@ potential! {
 /// Parts that were taken before one failed are taken back.
 #[test]
 fn parts_before_the_one_that_fails_leave_no_trace() {
-    let scene = Scene::on(Sphere { radius: 1.0 }).with(Edge {});
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Edge {});
     let start = scene.project(&State::at([0.9, 0.4, 0.0]).moving([0.4, -0.9, 0.0])).unwrap();
     let mut simulation = scene.simulate(start, Rattle::new(0.3)).unwrap().retry(3);
     let was = simulation.state();

@@ -4,6 +4,7 @@ mod common;
 use common::*;
 use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
+use rattle::need::Kicks;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::system::System;
@@ -23,7 +24,7 @@ fn symmetric_methods_pass_and_go_on_as_without_the_check() {
     }
     check(Rattle::new(0.01));
     check(Rattle::new(0.01).guess(Extrapolated));
-    check(Geodesic::new(0.01, 3));
+    check(Geodesic::new(3, 0.01));
     check(PositionVerlet::new(0.01));
     check(Composition::new(SUZUKI_1990_ORDER_4, 0.01));
     check(Lobatto::<5>::new(0.02));
@@ -36,6 +37,7 @@ struct Pretending(SymplecticEuler);
 
 impl Method for Pretending {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.0.step_size()
@@ -107,7 +109,7 @@ fn what_cannot_be_checked_is_refused_at_once() {
 fn steps_in_parts_are_taken_back_in_parts() {
     fn falling<S: Method>(method: S) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One>, S, 3> {
         let start = State::at([0.0, 0.0, 1.0]).moving([0.2, 0.0, 0.0]);
-        Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
+        Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).simulate(start, method).unwrap()
     }
     /// Places and momenta, without what is remembered.
     fn bodies(state: &State<3>) -> String {
@@ -116,7 +118,7 @@ fn steps_in_parts_are_taken_back_in_parts() {
     }
     fn check<S: Method>(method: S) {
         let h = method.step_size();
-        let scene = Scene::on(Sphere { radius: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
         let mut checked = falling(method.clone()).retry(5).check_reversal(1e-12).unwrap();
         let (mut divided, mut alone) = (0, 0);
         for _ in 0..100 {
@@ -151,7 +153,7 @@ fn steps_in_parts_are_taken_back_in_parts() {
     check(Rattle::new(0.7));
     check(Rattle::new(0.7).guess(LastMultiplier));
     check(Rattle::new(0.7).solved_by(Broyden));
-    check(Geodesic::new(1.6, 2));
+    check(Geodesic::new(2, 1.6));
     check(Composition::new(SUZUKI_1990_ORDER_4, 1.0));
     let error =
         falling(Pretending(SymplecticEuler::new(0.7))).retry(5).check_reversal(1e-12).unwrap().run(100);
@@ -217,13 +219,13 @@ fn long_ways_lead_back() {
     check("RATTLE, symmetric", Rattle::new(0.01).solved_by(Symmetric));
     check("RATTLE, simplified", Rattle::new(0.01).solved_by(Simplified));
     check("RATTLE, Broyden", Rattle::new(0.01).solved_by(Broyden));
-    check("geodesic RATTLE", Geodesic::new(0.01, 4));
+    check("geodesic RATTLE", Geodesic::new(4, 0.01));
     check("position Verlet", PositionVerlet::new(0.01));
     for coefficients in rattle::composition::ALL {
         check(coefficients.name, Composition::new(coefficients, 0.01));
     }
-    check("geodesic RATTLE, Suzuki", Composition::of(Geodesic::new(0.01, 4), SUZUKI_1990_ORDER_4));
-    check("position Verlet, Suzuki", Composition::of(PositionVerlet::new(0.01), SUZUKI_1990_ORDER_4));
+    check("geodesic RATTLE, Suzuki", Composition::of(SUZUKI_1990_ORDER_4, Geodesic::new(4, 0.01)));
+    check("position Verlet, Suzuki", Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(0.01)));
     check("Lobatto, 2 stages", Lobatto::<2>::new(0.01));
     check("Lobatto, 3 stages", Lobatto::<3>::new(0.01));
     check("Lobatto, 5 stages", Lobatto::<5>::new(0.01));

@@ -3,15 +3,10 @@
 mod common;
 use common::*;
 use rattle::bodies::One;
+use rattle::links::RotationMatrix;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::prelude::*;
 use rattle::system::System;
-
-constraint! {
-    /// QᵀQ = 1, each equation once.
-    struct Orthogonal {}
-    |m: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, m[k][i] * m[k][j]) - delta(i, j) }
-}
 
 constraint! {
     /// QᵀQ = 1, the mixed equations twice.
@@ -77,7 +72,7 @@ fn three_formulations_are_one_motion() {
         let method = Rattle::new(0.05);
         let reduced = Scene::rigid(body).with(Top { weight }).simulate(turning.clone(), method).unwrap();
         let reduced = last(reduced, 200, |_, p| Vector3::new(p[0], p[1], p[2]));
-        let six = Scene::on(Orthogonal {}).mass(masses(body)).with(Top { weight });
+        let six = Scene::on(RotationMatrix {}).mass(masses(body)).with(Top { weight });
         let nine = Scene::on(OrthogonalTwice {}).mass(masses(body)).with(Top { weight });
         let six = last(six.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum);
         let nine = last(nine.simulate(moving.clone(), method).unwrap(), 200, Rigid::angular_momentum);

@@ -41,7 +41,7 @@ fn no_method_knows_how_g_is_scaled() {
     check(Rattle::new(0.01).solved_by(Broyden));
     check(SymplecticEuler::new(0.01));
     check(Shake::new(0.01));
-    check(Geodesic::new(0.01, 3));
+    check(Geodesic::new(3, 0.01));
     check(PositionVerlet::new(0.01));
     for coefficients in rattle::composition::ALL {
         check(Composition::new(coefficients, 0.01));

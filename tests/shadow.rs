@@ -4,19 +4,15 @@ mod common;
 use common::*;
 use rattle::bodies::{Bodies, Count};
 use rattle::effect::Effects;
+use rattle::links::planar::Rod;
 use rattle::method::{Failure, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
+use rattle::need::Kicks;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::scene::Hold;
-use rattle::shadow::{ShadowEnergy, quadratic_form};
 use rattle::system::System;
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
+use rattle::watch::{ShadowEnergy, quadratic_form};
 
 potential! {
     /// Gravity, and a force that changes from place to place.
@@ -61,13 +57,12 @@ fn spreads<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     time: f64,
 ) -> [f64; 5] {
     let mut simulation = scene.simulate(scene.staggered(start, method), method.clone()).unwrap();
-    let mut shadows = [4, 6, 8].map(|order| ShadowEnergy::of(&simulation, order));
+    let mut shadows = [4, 6, 8].map(ShadowEnergy::new);
     let mut energies = [vec![simulation.energy()], vec![simulation.shadow_energy()]];
     for _ in 0..(time / method.step_size()).round() as u64 {
-        simulation.step().unwrap();
+        simulation.observe(1, 1, &mut shadows).unwrap();
         energies[0].push(simulation.energy());
         energies[1].push(simulation.shadow_energy());
-        shadows.iter_mut().for_each(|shadow| shadow.record(&simulation));
     }
     let spread = |values: &[f64]| {
         let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
@@ -144,6 +139,7 @@ impl Faulty {
 
 impl Method for Faulty {
     type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
 
     fn step_size(&self) -> f64 {
         self.h()

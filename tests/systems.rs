@@ -2,22 +2,13 @@
 
 mod common;
 use common::*;
+use rattle::Error;
 use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::links::planar::{Rod, TurningLine};
 use rattle::nalgebra::Matrix3;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
-}
-
-constraint! {
-    /// Two points of the plane at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
+use std::collections::BTreeSet;
 
 phase_constraint! {
     /// The unit sphere of phase space.
@@ -31,27 +22,28 @@ hamiltonian! {
     |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
 }
 
-/// "yes" where a system is moved, "–" where it is refused before the run.
+/// "yes" where a system is moved, "–" where it is refused before the run, and then who can move it, if the error says so.
 fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,
     method: &S,
-) -> &'static str {
+) -> (&'static str, Option<Vec<&'static str>>) {
     match scene.simulate(scene.staggered(start, method), method.clone()) {
         Ok(mut simulation) => {
             simulation.run(3).unwrap();
             assert_ne!(&simulation.state(), start, "{}", method.name());
-            "yes"
+            ("yes", None)
         }
         Err(error) => {
             let text = error.to_string();
             assert!(text.contains(method.name()) || text.contains("free bodies"), "{text}");
-            "–"
+            let Error::CannotMove { others, .. } = error else { return ("–", None) };
+            ("–", Some(others))
         }
     }
 }
 
-fn row<S: Method>(name: &str, method: &S) -> String {
+fn row<S: Method>(method: &S) -> [(&'static str, Option<Vec<&'static str>>); 7] {
     let surface = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let free = Scene::points(2).with(PlanarGravity { g: 1.0 });
     let linked = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
@@ -64,7 +56,7 @@ fn row<S: Method>(name: &str, method: &S) -> String {
     let hanging = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
     let turning = Rigid::start(&Matrix3::identity(), &[1.8, 0.4, -0.9].into());
     let on_the_sphere = phase.project(&State::at([-0.55, -0.83])).unwrap();
-    let found = [
+    [
         moves(&surface, &billiard_45(), method),
         moves(&free, &State::of([[0.0, 0.0], [1.0, 0.0]]), method),
         moves(&linked, &hanging, method),
@@ -72,38 +64,50 @@ fn row<S: Method>(name: &str, method: &S) -> String {
         moves(&acting, &State::at([0.6, 0.8]), method),
         moves(&rigid, &turning, method),
         moves(&phase, &on_the_sphere, method),
-    ];
-    format!("| {name} | {} |", found.join(" | "))
+    ]
 }
 
 #[test]
 fn the_table_of_the_front_page() {
     let h = 0.01;
     let rows = [
-        row("`Rattle`, and compositions of it", &Rattle::new(h)),
-        row("`Rattle`, and compositions of it", &Composition::new(SUZUKI_1990_ORDER_4, h)),
-        row("`Lobatto`", &Lobatto::<5>::new(h)),
-        row(
+        ("`Rattle`, and compositions of it", row(&Rattle::new(h))),
+        ("`Rattle`, and compositions of it", row(&Composition::new(SUZUKI_1990_ORDER_4, h))),
+        ("`Lobatto`", row(&Lobatto::<5>::new(h))),
+        (
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",
-            &Geodesic::new(h, 2),
+            row(&Geodesic::new(2, h)),
         ),
-        row(
+        (
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",
-            &PositionVerlet::new(h),
+            row(&PositionVerlet::new(h)),
         ),
-        row("`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`", &Shake::new(h)),
-        row(
+        ("`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`", row(&Shake::new(h))),
+        (
             "`Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler`",
-            &SymplecticEuler::new(h),
+            row(&SymplecticEuler::new(h)),
         ),
-        row("`Leapfrog`", &Leapfrog::new(h)),
-        row("`Dop853`", &Dop853::new(h)),
-        row("`Taylor`", &Taylor::new(16, h)),
-        row("`Bdf2`", &Bdf2::new(h)),
+        ("`Leapfrog`", row(&Leapfrog::new(h))),
+        ("`Dop853`", row(&Dop853::new(h))),
+        ("`Taylor`", row(&Taylor::new(16, h))),
+        ("`Bdf2`", row(&Bdf2::new(h))),
     ];
     let pages = [include_str!("../docs/methods.md"), include_str!("../rattle-core/src/motion/method.rs")];
     for (row, page) in rows.iter().flat_map(|row| pages.map(|page| (row, page))) {
+        let (name, found) = row;
+        let row = format!("| {name} | {} |", found.each_ref().map(|(found, _)| *found).join(" | "));
         println!("{row}");
         assert!(page.lines().any(|line| line.trim_start_matches("//! ") == row), "a page lacks\n{row}");
     }
+    // An error names those that have a "yes", and no others.
+    let mut told = 0;
+    for system in 0..7 {
+        let able = rows.iter().filter(|(_, found)| found[system].0 == "yes");
+        let able: BTreeSet<_> = able.flat_map(|(name, _)| name.split('`').skip(1).step_by(2)).collect();
+        for others in rows.iter().filter_map(|(_, found)| found[system].1.as_ref()) {
+            assert_eq!(others.iter().copied().collect::<BTreeSet<_>>(), able);
+            told += 1;
+        }
+    }
+    assert!(told > 5, "{told}");
 }

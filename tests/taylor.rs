@@ -143,7 +143,7 @@ fn multipliers_are_those_of_the_motion() {
     for _ in 0..10 {
         let before = particle.multiplier();
         let mut heard = Trajectory::with_multipliers(&particle);
-        particle.run_recording(1, &mut heard).unwrap();
+        particle.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         let after = particle.multiplier();
         assert!((heard.position[1] - before).abs() <= 1e-13 * before.abs().max(1.0));

@@ -7,8 +7,10 @@ use common::*;
 use rattle::LinearAlgebra::{Automatic, Elimination, Orthogonal};
 use rattle::bodies::Many;
 use rattle::effect::Effects;
+use rattle::links::planar::TurningLine;
 use rattle::nalgebra::{Matrix2, Matrix3, Vector3};
 use rattle::network::Network;
+use rattle::potentials::planar::Spring;
 use rattle::prelude::*;
 
 /// Positions, momenta and the work of moving links at t = 1, after so many steps.
@@ -105,12 +107,6 @@ fn chains_and_nets() {
     check("triangle with a rod twice", &triangle, &bent, 0.25, 1e-12);
 }
 
-potential! {
-    /// A spring between two points, with a force that is no polynomial.
-    struct Spring { stiffness, length }
-    |a: [f64; 2], b: [f64; 2]| stiffness / 2 * (norm(a - b) - length)^2
-}
-
 #[test]
 fn masses_springs_and_pairs() {
     let matrix = Matrix2::new(2.0, 0.3, 0.3, 1.0);
@@ -123,12 +119,6 @@ fn masses_springs_and_pairs() {
         .with(Ricker { depth: 0.5, radius: 0.8 });
     let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.8, 0.4]]).moving([0.0; 2]);
     check("springs", &scene, &start, 0.05, 2e-12);
-}
-
-constraint! {
-    /// A straight line through the origin that turns in the plane.
-    struct TurningLine { omega }
-    |x, y, t| y * cos(omega * t) - x * sin(omega * t)
 }
 
 constraint! {
@@ -236,7 +226,7 @@ fn rigid_bodies() {
     assert!(errors[0] <= 1e-13 && errors[1] > 1e-8, "{errors:?}");
 }
 
-/// The multipliers that a recorder hears are those of the motion at the two ends of the step.
+/// The multipliers that an observer hears are those of the motion at the two ends of the step.
 #[test]
 fn multipliers_are_those_of_the_motion() {
     let scene = Scene::points(3).link(Rod { length: 1.0 }, chain(2)).pin(0, [0.0; 2]);
@@ -245,7 +235,7 @@ fn multipliers_are_those_of_the_motion() {
     for _ in 0..10 {
         let before = rods.multipliers();
         let mut heard = Trajectory::with_multipliers(&rods);
-        rods.run_recording(1, &mut heard).unwrap();
+        rods.observe(1, 1, &mut heard).unwrap();
         let heard = heard.multipliers().unwrap();
         assert!(apart(&heard.position[2..], &before) <= 1e-13);
         assert!(apart(&heard.momentum[2..], &rods.multipliers()) <= 1e-13);

@@ -2,12 +2,14 @@
 
 mod common;
 use common::*;
-use rattle::bodies::{Bodies, Body, One};
+use rattle::bodies::{Body, One};
+use rattle::capability::Rates;
 use rattle::error::StepFailure;
-use rattle::method::{Failure, Witness};
+use rattle::method::{Failure, View, Witness};
+use rattle::need::{Steps, WithRates};
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::system::System;
+use rattle::system::{BodiesOf, System};
 use rattle::{Error, Variable};
 
 /// Steps chosen from the present state alone: what not to do.
@@ -19,6 +21,7 @@ struct Naive {
 
 impl Method for Naive {
     type Memory<T: Real> = Vec<T>;
+    type Need = (Steps, WithRates);
 
     fn step_size(&self) -> f64 {
         self.longest
@@ -37,8 +40,8 @@ impl Method for Naive {
     }
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        _: &Y,
-        _: &Bodies<Y::Count, T, Y::Kept, D>,
+        _: View<'_, Self, T, Y, D>,
+        _: &BodiesOf<Y, T, D>,
     ) -> Vec<T> {
         vec![T::from_f64(0.0)]
     }
@@ -47,15 +50,15 @@ impl Method for Naive {
     }
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        (system, rates): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let mut rates = vec![[T::from_f64(0.0); D]];
-        let _ = system.rates(bodies, &mut rates, &mut ());
+        let mut found = vec![[T::from_f64(0.0); D]];
+        let _ = rates.evaluate_rates(bodies, &mut found, &mut ());
         let square = |x: &[T; D]| x.iter().map(|x| x.lanes().next().unwrap().powi(2)).sum::<f64>();
-        let wanted = 1.0 + self.tau * self.tau * square(&rates[0]) / (square(&bodies.p.as_ref()[0]) + 1.0);
+        let wanted = 1.0 + self.tau * self.tau * square(&found[0]) / (square(&bodies.p.as_ref()[0]) + 1.0);
         let h = self.longest / wanted.sqrt();
         memory[0] = T::from_f64(h);
         Rattle::new(h).step(system, bodies, &mut [], witness)
@@ -92,18 +95,19 @@ fn with_what_it_remembers_it_goes_back() {
     let (q, p) = (start.positions().next().unwrap().into(), start.momenta().next().unwrap().into());
     let mut bodies = system.bodies(|_| Body { q, q_low: [0.0; 3], p, p_low: [0.0; 3] }, 0.0);
     let method = Variable::of(Rattle::new(0.02), 0.3);
-    let mut memory: Vec<f64> = method.memory(&system, &bodies);
+    let all = (&system, &system, &system);
+    let mut memory: Vec<f64> = method.memory(all, &bodies);
     let density = memory[1];
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
     for _ in 0..200 {
-        method.step(&system, &mut bodies, &mut memory, &mut ()).unwrap();
+        method.step(all, &mut bodies, &mut memory, &mut ()).unwrap();
         (shortest, longest) = (shortest.min(memory[0]), longest.max(memory[0]));
     }
     assert!(longest > 3.0 * shortest, "steps differ: {shortest} … {longest}");
     let mut turned = (bodies.clone(), memory.clone());
     let back = method.with_step(-0.02);
     for _ in 0..200 {
-        back.step(&system, &mut bodies, &mut memory, &mut ()).unwrap();
+        back.step(all, &mut bodies, &mut memory, &mut ()).unwrap();
     }
     let off = distance(bodies.q[0], q).max(distance(bodies.p[0], p));
     assert!(off <= 1e-12 && (memory[1] - density).abs() <= 1e-11, "{off:e}, {} {density}", memory[1]);
@@ -113,7 +117,7 @@ fn with_what_it_remembers_it_goes_back() {
     let turn = |p: [f64; 3]| p.map(|p| -p);
     (bodies.p[0], bodies.p_low[0], memory[3]) = (turn(bodies.p[0]), turn(bodies.p_low[0]), -memory[3]);
     for _ in 0..200 {
-        method.step(&system, bodies, memory, &mut ()).unwrap();
+        method.step(all, bodies, memory, &mut ()).unwrap();
     }
     let off = distance(bodies.q[0], q).max(distance(bodies.p[0], turn(p)));
     assert!(off <= 1e-12 && (memory[1] - density).abs() <= 1e-11, "{off:e}, {} {density}", memory[1]);
@@ -222,6 +226,28 @@ fn a_memory_is_that_of_one_method() {
         assert!((with / without - 1.0).abs() <= 1e-12, "τ = {tau}: {with}, {without}");
     }
     assert!((density(&state, 0.3) / density(&blank, 0.3) - 1.0).abs() > 1e-6);
+}
+
+/// A state of one scene starts anew in another, also where types and sizes are the same: ρ is then that of the new forces.
+#[test]
+fn a_memory_is_that_of_one_scene() {
+    let method = Variable::of(Rattle::new(0.02), 0.3);
+    let scene = |g| Scene::on(SURFACE).with(Gravity { g });
+    let mut here = scene(1.0).simulate(billiard(0.7), method).unwrap();
+    here.run(60).unwrap();
+    let state = here.state();
+    let blank = state.clone().with_momenta(state.momenta()); // nothing remembered
+    let step = |g: f64, state: &State<3>| {
+        let mut simulation = scene(g).simulate(state.clone(), method).unwrap();
+        simulation.step().unwrap();
+        simulation.time() - state.time()
+    };
+    let off = |g| (step(g, &state) / step(g, &blank) - 1.0).abs();
+    let [same, other] = [1.0, 9.0].map(off);
+    assert!(same > 1e-6, "what is remembered matters: {same:e}");
+    assert!(other <= 1e-12, "{other:e}");
+    here.step().unwrap();
+    assert_eq!(step(1.0, &state), here.time() - state.time());
 }
 
 #[test]

@@ -9,33 +9,11 @@
 use rattle::bodies::One;
 use rattle::effect::Effects;
 use rattle::ensemble::{Double, Ensemble, Precision, Single};
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-use rattle::surfaces::Gyroid;
+use rattle::surfaces::{Gyroid, Lemniscate, Sphere, TorusByDistance};
 use std::process::Command;
-
-constraint! {
-    struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    struct Gravity { g }
-    |x, y, z| g * z
-}
-
-constraint! {
-    struct Ring { major, minor }
-    |x, y, z| (sqrt(x^2 + y^2) - major)^2 + z^2 - minor^2
-}
-
-constraint! {
-    struct Ball { radius }
-    |x, y, z| x^2 + y^2 + z^2 - radius^2
-}
 
 constraint! {
     struct Landscape { height }
@@ -118,8 +96,8 @@ const OTHERS: usize = 3;
 #[test]
 fn entries_are_vectorised() {
     run(&Scene::on(Lemniscate { a: 1.0, r: 0.2 }).with(Gravity { g: 1.0 }), [0.0, 0.0, 0.2]);
-    run(&Scene::on(Ring { major: 1.0, minor: 0.3 }), [1.3, 0.0, 0.0]);
-    run(&Scene::on(Ball { radius: 1.0 }), [1.0, 0.0, 0.0]);
+    run(&Scene::on(TorusByDistance { major: 1.0, minor: 0.3 }), [1.3, 0.0, 0.0]);
+    run(&Scene::on(Sphere { r: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
     run_in(Single, &Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);

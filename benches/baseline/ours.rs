@@ -5,30 +5,11 @@ use rattle::Counted;
 use rattle::bodies::{Many, One};
 use rattle::counted::Counts;
 use rattle::ensemble::{Compensated, Double, Ensemble};
+use rattle::potentials::{Gravity, Ricker};
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use rattle::system::System;
 use std::path::Path;
-
-constraint! {
-    /// The lemniscate inflated into a surface of genus two.
-    pub struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
-
-pair_potential! {
-    /// Repels inside `radius`, attracts outside, fades beyond; finite everywhere.
-    pub struct Ricker { depth, radius }
-    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
-}
 
 pub(crate) const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const GRAVITY: Gravity = Gravity { g: 1.0 };

@@ -14,32 +14,12 @@
 mod pictures;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rattle::potentials::{Gravity, Ricker};
 use rattle::prelude::*;
+use rattle::surfaces::Lemniscate;
 use rattle::system::System;
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
-
-constraint! {
-    /// The Bernoulli lemniscate, inflated into a surface of genus two (for r < a⁴/4).
-    pub struct Lemniscate { a, r }
-
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
-
-pair_potential! {
-    /// Repels inside `radius`, attracts outside, fades beyond; finite everywhere.
-    pub struct Ricker { depth, radius }
-    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
-}
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const DIRECTIONS: u32 = 25;
@@ -54,7 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let falling = fall(H, STEPS, &progress)?;
     let falling_half = fall(H / 2.0, 2 * STEPS, &progress)?;
     progress.set_message("gas of 21 particles");
-    let starts: Vec<[f64; 3]> = falling[3].positions().step_by(100).collect();
+    let starts: Vec<[f64; 3]> =
+        falling[3].trajectory.positions().as_chunks().0.iter().copied().step_by(100).collect();
     let gas = gas(&starts, H, STEPS)?;
     progress.inc(1);
     let gas_half = self::gas(&starts, H / 2.0, 2 * STEPS)?;
@@ -97,7 +78,7 @@ impl Run {
         let mut kinetic = simulation.kinetic_energy();
         let (mut constraint_residual, mut cotangent_residual) = (0.0_f64, 0.0_f64);
         for _ in 0..steps {
-            simulation.run_recording(1, &mut trajectory)?;
+            simulation.observe(1, 1, &mut trajectory)?;
             energy_errors.push(simulation.energy_error());
             kinetic += simulation.kinetic_energy();
             constraint_residual = constraint_residual.max(simulation.constraint_residual());
@@ -112,11 +93,6 @@ impl Run {
         let rows = self.trajectory.times().iter().take_while(|&&time| time <= t + 1e-9).count();
         self.energy_errors[..rows].iter().fold(0.0_f64, |largest, error| largest.max(error.abs()))
             / self.mean_kinetic
-    }
-
-    /// Positions of all bodies and rows in turn.
-    fn positions(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
-        self.trajectory.positions().as_chunks().0.iter().copied()
     }
 }
 
@@ -156,7 +132,7 @@ fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
     println!("  simulated in {time:.1?}: {:.3e} steps per second", steps / time.as_secs_f64());
     println!("  max |g|    {:.1e}", worst(falling, &|run| run.constraint_residual));
     println!("  max |∇g·p| {:.1e}", worst(falling, &|run| run.cotangent_residual));
-    println!("gas: {} particles × {STEPS} steps, h = {H}", gas.positions().count() as u64 / (STEPS + 1));
+    println!("gas: {} particles × {STEPS} steps, h = {H}", gas.trajectory.shape()[1]);
     println!(
         "  simulated in {:.1?}: {:.3e} steps per second",
         gas.time,

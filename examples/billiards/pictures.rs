@@ -75,12 +75,7 @@ fn data(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>>
         .array("lambda", &[paths, rows], &lambda)?
         .array("mu", &[paths, rows], &mu)?
         .finish()?;
-    let bodies = gas.trajectory.positions().len() / (3 * rows);
-    Npz::create(folder.join("gas.npz"))?
-        .array("t", &[rows], gas.trajectory.times())?
-        .array("q", &[rows, bodies, 3], gas.trajectory.positions())?
-        .array("p", &[rows, bodies, 3], gas.trajectory.momenta())?
-        .finish()?;
+    Npz::create(folder.join("gas.npz"))?.trajectory(&gas.trajectory)?.finish()?;
     Ok(())
 }
 
@@ -91,20 +86,19 @@ fn page(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>>
         (g[0], gradient.row(0).transpose().into())
     };
     let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 160)?;
-    let times = falling[0].trajectory.times();
-    let bodies = gas.trajectory.positions().len() / (3 * times.len());
-    let paths: Vec<Vec<[f64; 3]>> = falling.iter().map(|run| run.positions().collect()).collect();
-    let particles: Vec<Vec<[f64; 3]>> =
-        (0..bodies).map(|body| gas.positions().skip(body).step_by(bodies).collect()).collect();
+    let fan = falling.iter().fold(Scene3::new("25 directions under gravity").surface(&mesh), |scene, run| {
+        scene.trajectory(&run.trajectory)
+    });
+    let crowd = Scene3::new("A gas of 21 particles").surface(&mesh).trajectory(&gas.trajectory);
     Page::new("Billiards on a surface of genus two")
         .scene(
-            Scene3::new("25 directions under gravity").surface(&mesh).particles(times, &paths).caption(
+            fan.caption(
                 "25 particles of mass 1 start at the crossing of the lemniscate, 15° apart; gravity 1 acts along −z. \
                  The first and the last direction are the same but for rounding: chaos parts them near t = 11.",
             ),
         )
         .scene(
-            Scene3::new("A gas of 21 particles").surface(&mesh).particles(times, &particles).caption(
+            crowd.caption(
                 "They start at rest, along one path of the first scene. Two of them repel each other when nearer than \
                  1/6, the radius of the tube, and attract when farther, up to about 1/2.",
             ),

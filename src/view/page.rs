@@ -8,6 +8,7 @@
 //! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with f32.
 
 use super::mesh::Mesh;
+use crate::Trajectory;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -172,6 +173,38 @@ impl Scene3 {
         self.times = times.to_vec();
         self.positions =
             positions.iter().map(|path| path.as_ref().iter().map(|&point| point.into()).collect()).collect();
+        self
+    }
+
+    /// The bodies of a trajectory, after those there are: a run of many bodies, or several runs with the same times. Those in
+    /// the plane move at z = 0.
+    ///
+    /// ```
+    /// use rattle::prelude::*;
+    /// let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).moving([0.0, 0.0, 1.0]);
+    /// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
+    /// let mut trajectory = Trajectory::of(&simulation);
+    /// simulation.observe(100, 2, &mut trajectory)?;
+    /// let scene = rattle::view::Scene3::new("two in flight").trajectory(&trajectory);
+    /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html().is_ok());
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If bodies have other than two or three coordinates.
+    #[track_caller]
+    pub fn trajectory(mut self, trajectory: &Trajectory) -> Self {
+        let [_, bodies, coordinates] = trajectory.shape();
+        assert!(
+            bodies == 0 || matches!(coordinates, 2 | 3),
+            "a page shows two or three coordinates, not {coordinates}"
+        );
+        if self.times.is_empty() {
+            self.times = trajectory.times().to_vec();
+        }
+        let place = |q: &[f64]| [q[0], q[1], q.get(2).copied().unwrap_or(0.0)];
+        let path = |body| trajectory.path(body).map(place).collect();
+        self.positions.extend((0..bodies).map(path));
         self
     }
 

@@ -3,18 +3,8 @@
 use super::*;
 use rand::{RngExt, rngs::StdRng};
 use rattle::effect::Over;
-
-constraint! {
-    /// Two points of the plane at a distance.
-    pub struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
-constraint! {
-    /// Two points of space at a distance.
-    pub struct Rod3 { length }
-    |a: [f64; 3], b: [f64; 3]| sum(i in 0..3, (a[i] - b[i])^2) - length^2
-}
+pub use rattle::links::Rod as Rod3;
+pub use rattle::links::planar::Rod;
 
 constraint! {
     /// Both rods of a double pendulum as equations of one body.
@@ -38,7 +28,7 @@ pub fn chain(rods: usize) -> Vec<[usize; 2]> {
 
 /// Gravity 1 on bodies of these masses.
 pub fn weights(masses: &[f64]) -> Over<PlanarGravity, 1> {
-    Over::each(masses.iter().enumerate().map(|(body, &mass)| (PlanarGravity { g: mass }, [body])))
+    rattle::potentials::planar::weights(1.0, masses.iter().copied())
 }
 
 /// The start of `double_pendulum.csv`, body 0 being the pivot.

@@ -6,59 +6,17 @@ pub mod linked;
 pub mod symplectic;
 
 use rattle::composition::{ALL, Coefficients};
+pub use rattle::potentials::planar::Gravity as PlanarGravity;
+pub use rattle::potentials::{Gravity, Ricker};
 use rattle::prelude::*;
+pub use rattle::surfaces::{Lemniscate, Sphere, Torus, TorusByDistance};
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
-
-constraint! {
-    /// The lemniscate inflated into a surface of genus two.
-    pub struct Lemniscate { a, r }
-    |x, y, z| {
-        let f = (x^2 + y^2)^2 - a^2 * (x^2 - y^2);
-        f^2 + z^2 - r^2
-    }
-}
-
-constraint! {
-    /// A sphere.
-    pub struct Sphere { radius }
-    |x, y, z| x^2 + y^2 + z^2 - radius^2
-}
-
-constraint! {
-    /// A torus about the z axis, with a root.
-    pub struct Torus { major, minor }
-    |x, y, z| (sqrt(x^2 + y^2) - major)^2 + z^2 - minor^2
-}
-
-constraint! {
-    /// The same torus as a polynomial.
-    pub struct QuarticTorus { major, minor }
-    |x, y, z| (x^2 + y^2 + z^2 + major^2 - minor^2)^2 - 4 * major^2 * (x^2 + y^2)
-}
 
 constraint! {
     /// A rod of this length about the origin, in the plane.
     pub struct Pendulum { length }
     |x, y| x^2 + y^2 - length^2
-}
-
-potential! {
-    /// Uniform gravity along −z.
-    pub struct Gravity { g }
-    |x, y, z| g * z
-}
-
-potential! {
-    /// Uniform gravity along −y, in the plane.
-    pub struct PlanarGravity { g }
-    |x, y| g * y
-}
-
-pair_potential! {
-    /// Repulsive inside `radius`, attractive outside, finite everywhere.
-    pub struct Ricker { depth, radius }
-    |r| { let rho = r / radius; depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2)) }
 }
 
 /// The notebook's surface, r = a/6.

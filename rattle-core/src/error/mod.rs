@@ -52,27 +52,27 @@ pub enum Error {
         method: &'static str,
     },
 
-    /// A method was given a system that has not what it needs.
-    #[error("{method} cannot move {system} yet; use `Rattle` or a composition of it")]
+    /// A method was given a system that has not what the method needs.
+    #[error(
+        "{method} cannot move {system}; {} can, and compositions of those that are symmetric",
+        listed(others)
+    )]
     CannotMove {
         /// The method.
         method: &'static str,
         /// The kind of system.
         system: &'static str,
-    },
-
-    /// A system is moved by RATTLE alone.
-    #[error("{method} cannot move {system}; use `Rattle` or a composition of it")]
-    NeedsRattle {
-        /// The method.
-        method: &'static str,
-        /// The kind of system.
-        system: &'static str,
+        /// Methods that can move it.
+        others: Vec<&'static str>,
     },
 
     /// The time of the start is NaN or infinite.
     #[error("the time of the start must be finite, found {0}")]
     Time(f64),
+
+    /// The time at which a run is to end is NaN or infinite.
+    #[error("the time until which to run must be finite, found {0}")]
+    EndTime(f64),
 
     /// A power series of fewer than two or more than 64 terms.
     #[error("the order of a Taylor method is 2 to 64, found {0}")]
@@ -206,4 +206,13 @@ fn missed(off: f64, tolerance: f64) -> String {
         return "it cannot be taken back".into();
     }
     format!("taken back it misses where it came from by {off:.1e}, and {tolerance:.1e} is allowed")
+}
+
+/// "`A`, `B` and `C`".
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => "nothing".into(),
+        [name] => format!("`{name}`"),
+        [first @ .., last] => format!("`{}` and `{last}`", first.join("`, `")),
+    }
 }

@@ -163,15 +163,6 @@ pub enum StepFailure {
         /// The number of stages.
         stages: usize,
     },
-    /// The system has no power series.
-    #[error("these bodies have no power series of their motion; use another method")]
-    NoSeries,
-    /// The system has no collocation.
-    #[error("{system} cannot be moved by collocation yet; use `Rattle` or a composition of it")]
-    NoCollocation {
-        /// The kind of system.
-        system: &'static str,
-    },
     /// A rigid body turns so far within the step that no rotation fits.
     #[error(
         "the body turns too far within the step: h·|Ω| = {turn:.3} must stay below about 2; {passing} (h = {h:.3e})"

@@ -21,12 +21,13 @@
 
 use crate::error::StepFailure;
 use crate::methods::rattle;
-use crate::motion::bodies::Bodies;
+use crate::motion::bodies::{Bodies, Count, Saved};
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
-use crate::motion::method::Method;
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::method::{Method, View};
+use crate::motion::need::{Differences, WithRates};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
@@ -34,9 +35,8 @@ use std::array::from_fn;
 
 /// Iterations after which a step is given up; four to eight suffice where it is accurate.
 const MAX_ITERATIONS: usize = 100;
-/// Vectors per body: position and momentum at the start of the step, with what rounding took from the position, the
-/// increment sought, and what it is without the new forces.
-const ROOM: usize = 5;
+/// Vectors per body: the increment sought, and what it is without the new forces.
+const ROOM: usize = 2;
 
 /// BDF2 with a constant step size.
 ///
@@ -64,6 +64,7 @@ impl Bdf2 {
 impl Method for Bdf2 {
     /// Whether there was a step before, its increment d and the momentum before it, body by body.
     type Memory<T: Real> = Vec<T>;
+    type Need = (Differences, WithRates);
 
     fn step_size(&self) -> f64 {
         self.h
@@ -80,30 +81,33 @@ impl Method for Bdf2 {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn need(&self) -> Need {
-        Need::Differences
-    }
-    fn room(&self) -> usize {
-        ROOM
+
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        bodies.make_room(ROOM);
     }
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        _: &Y,
-        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+        _: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
     ) -> Vec<T> {
         vec![T::from_f64(0.0); 1 + 2 * D * bodies.q.as_ref().len()]
     }
 
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let (begun, before) = memory.split_at_mut(1);
-        bodies.with_room(ROOM, |bodies, room| {
-            self.advance(system, bodies, room, &mut begun[0], before, witness)
+        bodies.with_room(ROOM, |bodies, start, room| {
+            bodies.save(start);
+            self.advance(system, bodies, start, room, &mut begun[0], before, witness)
         })
     }
 }
@@ -111,21 +115,18 @@ impl Method for Bdf2 {
 impl Bdf2 {
     fn advance<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        start: &Saved<Y::Count, T, D>,
         room: &mut [[T; D]],
         begun: &mut T,
         before: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        let (q, rest) = room.split_at_mut(n);
-        let (q_low, rest) = rest.split_at_mut(n);
-        let (p, rest) = rest.split_at_mut(n);
-        let (increment, free) = rest.split_at_mut(n);
-        q.copy_from_slice(bodies.q.as_ref());
-        q_low.copy_from_slice(bodies.q_low.as_ref());
-        p.copy_from_slice(bodies.p.as_ref());
+        let (increment, free) = room.split_at_mut(n);
+        let (q, q_low, p) = (start.q.as_ref(), start.q_low.as_ref(), start.p.as_ref());
+        let (all, (system, rates)) = (system, system);
 
         let first = begun.lanes().any(|begun| begun == 0.0);
         if first {
@@ -135,7 +136,7 @@ impl Bdf2 {
             let beta = T::from_f64(2.0 * self.h / 3.0);
             let (third, four_thirds) = (T::from_f64(1.0 / 3.0), T::from_f64(4.0 / 3.0));
             // The first guess has the forces and normals of the start.
-            system.rates(bodies, increment, &mut ());
+            rates.evaluate_rates(bodies, increment, &mut ());
             for body in 0..n {
                 let [d, p_before] = remembered(before, body);
                 let carried = add_scaled(&scaled(four_thirds, &p[body]), -third, &p_before);
@@ -147,12 +148,12 @@ impl Bdf2 {
                 let push = system.velocity(bodies, body);
                 increment[body] = add_scaled(&free[body], beta * beta, &push);
             }
-            self.solve(system, bodies, [q, q_low, increment, free], &mut Once(witness))?;
+            self.solve(all, bodies, [q, q_low], [increment, free], &mut Once(witness))?;
             let (ahead, behind) = (T::from_f64(1.5 / self.h), T::from_f64(0.5 / self.h));
             for body in 0..n {
                 let [d, _] = remembered(before, body);
                 let velocity = add_scaled(&scaled(ahead, &increment[body]), -behind, &d);
-                bodies.p.as_mut()[body] = system.momentum(body, &velocity);
+                bodies.p.as_mut()[body] = rates.momentum(body, &velocity);
                 bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
         }
@@ -167,9 +168,10 @@ impl Bdf2 {
     /// Iterates until positions no longer move; `increment` is then d′, and momenta are used up.
     fn solve<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        [q, q_low, increment, free]: [&mut [[T; D]]; 4],
+        (system, rates): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        [q, q_low]: [&[[T; D]]; 2],
+        [increment, free]: [&mut [[T; D]]; 2],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let beta = 2.0 * self.h / 3.0;
@@ -179,15 +181,15 @@ impl Bdf2 {
             for body in 0..q.len() {
                 // A momentum that tells how far a body goes, for what is too far.
                 let way = scaled(T::from_f64(1.0 / self.h), &increment[body]);
-                bodies.p.as_mut()[body] = system.momentum(body, &way);
+                bodies.p.as_mut()[body] = rates.momentum(body, &way);
                 (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =
                     two_sum(&q[body], &sum(&q_low[body], &increment[body]));
             }
-            system.project(self.h, bodies)?;
+            rates.project(self.h, bodies)?;
             for body in 0..q.len() {
                 increment[body] = moved(bodies, body, &q[body], &q_low[body]);
                 let missing = scaled(inverse, &add_scaled(&free[body], T::from_f64(-1.0), &increment[body]));
-                bodies.p.as_mut()[body] = system.momentum(body, &missing);
+                bodies.p.as_mut()[body] = rates.momentum(body, &missing);
                 bodies.p_low.as_mut()[body] = [T::from_f64(0.0); D];
             }
             system.settle(beta, 2.0 * beta, bodies, witness)?;
@@ -230,7 +232,7 @@ fn remembered<T: Real, const D: usize>(before: &[T], body: usize) -> [[T; D]; 2]
 }
 
 /// How far a body is from a place, with what rounding took from both.
-fn moved<T: Real, N: crate::motion::bodies::Count, X, const D: usize>(
+fn moved<T: Real, N: Count, X, const D: usize>(
     bodies: &Bodies<N, T, X, D>,
     body: usize,
     q: &[T; D],

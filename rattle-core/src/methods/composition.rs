@@ -22,11 +22,9 @@ pub use crate::methods::coefficients::*;
 
 use crate::error::Error;
 use crate::methods::rattle::Rattle;
-use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::method::{Method, View};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
@@ -36,7 +34,7 @@ use crate::number::real::Real;
 /// # use rattle::composition::{Composition, KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
 /// # use rattle::Geodesic;
 /// let method = Composition::new(SUZUKI_1990_ORDER_4, 0.03);
-/// let other = Composition::of(Geodesic::new(0.1, 4), KAHAN_LI_1997_ORDER_8);
+/// let other = Composition::of(KAHAN_LI_1997_ORDER_8, Geodesic::new(4, 0.1));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Composition<B = Rattle> {
@@ -48,14 +46,14 @@ impl Composition {
     /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
     #[must_use]
     pub fn new(coefficients: Coefficients, h: f64) -> Self {
-        Self::of(Rattle::new(h), coefficients)
+        Self::of(coefficients, Rattle::new(h))
     }
 }
 
 impl<B: Method> Composition<B> {
     /// `base` composed with these coefficients: γᵢ of its step in turn make one of the same length.
     #[must_use]
-    pub fn of(base: B, coefficients: Coefficients) -> Self {
+    pub fn of(coefficients: Coefficients, base: B) -> Self {
         Self { base, coefficients }
     }
 
@@ -67,6 +65,7 @@ impl<B: Method> Composition<B> {
 
 impl<B: Method> Method for Composition<B> {
     type Memory<T: Real> = B::Memory<T>;
+    type Need = B::Need;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
@@ -88,14 +87,8 @@ impl<B: Method> Method for Composition<B> {
         let of_each = of_each.map(|gamma| self.base.with_step(gamma * self.base.step_size()).rattle_steps());
         Some(of_each.collect::<Option<Vec<_>>>()?.concat())
     }
-    fn need(&self) -> Need {
-        self.base.need()
-    }
-    fn stages(&self) -> usize {
-        self.base.stages()
-    }
-    fn room(&self) -> usize {
-        self.base.room()
+    fn numbered(&self, trajectory: u64) -> Self {
+        Self { base: self.base.numbered(trajectory), ..*self }
     }
     fn check(&self, equations: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;
@@ -111,10 +104,17 @@ impl<B: Method> Method for Composition<B> {
         self.base.check(equations)
     }
 
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        self.base.prepare(system, bodies);
+    }
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
     ) -> B::Memory<T> {
         self.base.memory(system, bodies)
     }
@@ -122,8 +122,8 @@ impl<B: Method> Method for Composition<B> {
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {

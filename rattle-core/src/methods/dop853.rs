@@ -15,10 +15,12 @@
 
 use crate::error::{Error, StepFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
-use crate::motion::bodies::Bodies;
+use crate::motion::bodies::{Count, Saved};
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, check_step_size};
-use crate::motion::system::System;
+use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::need::{Kicks, WithRates};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
@@ -29,8 +31,8 @@ const SAFETY: f64 = 0.9;
 const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
 /// The smallest part of a step that is tried.
 const SMALLEST_PART: f64 = 1e-6;
-/// Vectors per body: where the step began, and the rates at the stages.
-const ROOM: usize = 4 + 2 * STAGES;
+/// Vectors per body: the rates at the stages.
+const ROOM: usize = 2 * STAGES;
 
 /// DOP853 with projection, of fixed steps or with a tolerance.
 ///
@@ -67,6 +69,7 @@ impl Dop853 {
 
 impl Method for Dop853 {
     type Memory<T: Real> = [T; 0];
+    type Need = (Kicks, WithRates);
 
     fn step_size(&self) -> f64 {
         self.h
@@ -83,9 +86,6 @@ impl Method for Dop853 {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn room(&self) -> usize {
-        ROOM
-    }
     fn check(&self, _: usize) -> Result<(), Error> {
         match self.tolerance {
             Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => {
@@ -95,18 +95,27 @@ impl Method for Dop853 {
         }
     }
 
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        bodies.make_room(ROOM);
+    }
+
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(ROOM, |bodies, room| {
-            self.steps(system, bodies, room, witness)?;
+        bodies.with_room(ROOM, |bodies, saved, room| {
+            self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
-                system.rates(bodies, &mut room[..n], &mut AtEnd(witness));
+                let (_, rates) = system;
+                rates.evaluate_rates(bodies, &mut room[..n], &mut AtEnd(witness));
             }
             Ok(())
         })
@@ -117,12 +126,13 @@ impl Dop853 {
     /// One step, or inner ones that make it up.
     fn steps<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        saved: &mut Saved<Y::Count, T, D>,
         room: &mut [[T; D]],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let mut stages = Stages::begin(system, bodies, room, witness);
+        let mut stages = Stages::begin(system, bodies, saved, room, witness);
         let Some(tolerance) = self.tolerance else {
             stages.evaluate(system, bodies, self.h);
             return stages.arrive(system, bodies, self.h);
@@ -144,7 +154,7 @@ impl Dop853 {
                 }
                 left -= inner;
                 inner *= fitting;
-                stages = Stages::begin(system, bodies, room, &mut ());
+                stages = Stages::begin(system, bodies, saved, room, &mut ());
             } else {
                 if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
                     let cause = StepFailure::StepsCollapse { inner, h: self.h, error, tolerance };
@@ -157,51 +167,41 @@ impl Dop853 {
 }
 
 /// Where an inner step begins, and its rates q̇ and ṗ, stage by stage.
-struct Stages<'a, T, const D: usize> {
+struct Stages<'a, N: Count, T: Real, const D: usize> {
     n: usize,
-    q: &'a mut [[T; D]],
-    q_low: &'a mut [[T; D]],
-    p: &'a mut [[T; D]],
-    p_low: &'a mut [[T; D]],
+    start: &'a Saved<N, T, D>,
     v: &'a mut [[T; D]],
     f: &'a mut [[T; D]],
-    time: f64,
     power: [T; STAGES],
 }
 
-impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
+impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
     /// Begins where the bodies are, with the first stage.
-    fn begin<Y: System<T, D>, W: Witness<T>>(
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+    fn begin<Y: System<T, D, Count = N>, W: Witness<T>>(
+        system: View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        saved: &'a mut Saved<N, T, D>,
         room: &'a mut [[T; D]],
         witness: &mut W,
     ) -> Self {
         let n = bodies.q.as_ref().len();
-        let (q, rest) = room.split_at_mut(n);
-        let (q_low, rest) = rest.split_at_mut(n);
-        let (p, rest) = rest.split_at_mut(n);
-        let (p_low, rest) = rest.split_at_mut(n);
-        let (v, f) = rest.split_at_mut(STAGES * n);
-        q.copy_from_slice(bodies.q.as_ref());
-        q_low.copy_from_slice(bodies.q_low.as_ref());
-        p.copy_from_slice(bodies.p.as_ref());
-        p_low.copy_from_slice(bodies.p_low.as_ref());
+        let (v, f) = room.split_at_mut(STAGES * n);
+        bodies.save(saved);
         let power = [T::from_f64(0.0); STAGES];
-        let mut stages = Self { n, q, q_low, p, p_low, v, f, time: bodies.time, power };
+        let mut stages = Self { n, start: saved, v, f, power };
         stages.rates(system, bodies, 0, witness);
         stages
     }
 
     /// The rates at the bodies' places and momenta.
-    fn rates<Y: System<T, D>, W: Witness<T>>(
+    fn rates<Y: System<T, D, Count = N>, W: Witness<T>>(
         &mut self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        (system, rates): View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         stage: usize,
         witness: &mut W,
     ) {
-        self.power[stage] = system.rates(bodies, &mut self.f[stage * self.n..][..self.n], witness);
+        self.power[stage] = rates.evaluate_rates(bodies, &mut self.f[stage * self.n..][..self.n], witness);
         for body in 0..self.n {
             self.v[stage * self.n + body] = system.velocity(bodies, body);
         }
@@ -217,31 +217,32 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
     }
 
     /// The stages of an inner step h, from the second one on.
-    fn evaluate<Y: System<T, D>>(
+    fn evaluate<Y: System<T, D, Count = N>>(
         &mut self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         h: f64,
     ) {
         let step = T::from_f64(h);
         for stage in 1..STAGES {
             for body in 0..self.n {
                 let (v, f) = self.combined(STEPS[stage], body);
-                bodies.q.as_mut()[body] = sum(&self.q[body], &add_scaled(&self.q_low[body], step, &v));
-                bodies.p.as_mut()[body] = sum(&self.p[body], &add_scaled(&self.p_low[body], step, &f));
+                let start = self.start.body(body);
+                bodies.q.as_mut()[body] = sum(&start.q, &add_scaled(&start.q_low, step, &v));
+                bodies.p.as_mut()[body] = sum(&start.p, &add_scaled(&start.p_low, step, &f));
             }
-            bodies.time = self.time + h * NODES[stage];
-            system.refresh(bodies);
+            bodies.time = self.start.time + h * NODES[stage];
+            system.0.refresh(bodies);
             self.rates(system, bodies, stage, &mut ());
         }
     }
 
     /// The estimated error of an inner step, the largest of all bodies and lanes, and of which body; NaN if it is none.
     /// The momenta of `bodies` are used up.
-    fn error<Y: System<T, D>>(
+    fn error<Y: System<T, D, Count = N>>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         h: f64,
         whole: f64,
     ) -> (f64, usize) {
@@ -250,7 +251,7 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
             let mut length = |weights| {
                 let (v, f) = self.combined(weights, body);
                 bodies.p.as_mut()[body] = f;
-                let change = system.velocity(bodies, body);
+                let change = system.0.velocity(bodies, body);
                 T::from_f64(h.abs())
                     * (dot(&v, &v).sqrt() + T::from_f64(whole.abs()) * dot(&change, &change).sqrt())
             };
@@ -267,10 +268,10 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
     }
 
     /// Takes the bodies to the end of the inner step and onto the constraints.
-    fn arrive<Y: System<T, D>>(
+    fn arrive<Y: System<T, D, Count = N>>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        (system, rates): View<'_, Dop853, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         h: f64,
     ) -> Result<(), Failure> {
         let step = T::from_f64(h);
@@ -280,17 +281,17 @@ impl<'a, T: Real, const D: usize> Stages<'a, T, D> {
             if !finite {
                 return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
             }
-            let (increment, impulse) = (scaled(step, &v), scaled(step, &f));
+            let (start, increment, impulse) = (self.start.body(body), scaled(step, &v), scaled(step, &f));
             (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =
-                two_sum(&self.q[body], &sum(&self.q_low[body], &increment));
+                two_sum(&start.q, &sum(&start.q_low, &increment));
             (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) =
-                two_sum(&self.p[body], &sum(&self.p_low[body], &impulse));
+                two_sum(&start.p, &sum(&start.p_low, &impulse));
         }
         for &(stage, weight) in WEIGHTS {
             bodies.work = bodies.work + T::from_f64(h * weight) * self.power[stage];
         }
-        bodies.time = self.time + h;
-        system.project(h, bodies)?;
+        bodies.time = self.start.time + h;
+        rates.project(h, bodies)?;
         system.settle(0.0, h, bodies, &mut ())
     }
 }

@@ -12,74 +12,61 @@
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
-use crate::motion::bodies::Bodies;
+use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
 /// Geodesic RATTLE with a constant step size, second order.
 ///
-/// Multipliers told to a recorder are shares that add up: λ keeps the free motion on the constraints, μ answers the force.
+/// Multipliers told to an observer are shares that add up: λ keeps the free motion on the constraints, μ answers the force.
 ///
 /// ```
 /// # use rattle::Geodesic;
-/// let method = Geodesic::new(0.04, 4); // free steps of 0.01
+/// let method = Geodesic::new(4, 0.04); // free steps of 0.01
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Geodesic {
-    h: f64,
+pub type Geodesic = Fixed<KickDriftsKick>;
+
+/// The map of [`Geodesic`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct KickDriftsKick {
     inner: u32,
 }
 
 impl Geodesic {
-    /// The method with step size `h`, in the unit of time, and so many steps of free motion in each.
+    /// The method with so many steps of free motion in each step of size `h`, in the unit of time.
     ///
     /// # Panics
     /// If there are none.
     #[must_use]
     #[track_caller]
-    pub fn new(h: f64, inner: u32) -> Self {
+    pub fn new(inner: u32, h: f64) -> Self {
         assert!(inner > 0, "a step of geodesic RATTLE has at least one inner step");
-        Self { h, inner }
+        Self::of(KickDriftsKick { inner }, h)
     }
 }
 
-impl Method for Geodesic {
-    type Memory<T: Real> = [T; 0];
-
-    fn step_size(&self) -> f64 {
-        self.h
-    }
-    fn order(&self) -> u32 {
-        2
-    }
-    fn name(&self) -> &'static str {
-        "geodesic RATTLE"
-    }
-    fn with_step(&self, h: f64) -> Self {
-        Self { h, ..*self }
-    }
-    fn is_symmetric(&self) -> bool {
-        true
-    }
+impl Map for KickDriftsKick {
+    const NAME: &'static str = "geodesic RATTLE";
+    const ORDER: u32 = 2;
+    const SYMMETRIC: bool = true;
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
+        h: f64,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        bodies: &mut BodiesOf<Y, T, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let inner = self.h / f64::from(self.inner);
-        system.settle(0.5 * self.h, self.h, bodies, witness)?;
+        let inner = h / f64::from(self.inner);
+        system.settle(0.5 * h, h, bodies, witness)?;
         for _ in 0..self.inner {
             system.drift(0.0, inner, bodies, witness)?;
             system.settle(0.0, inner, bodies, witness)?;
         }
         system.evaluate_forces(bodies);
-        system.settle(0.5 * self.h, self.h, bodies, witness)
+        system.settle(0.5 * h, h, bodies, witness)
     }
 }

@@ -9,10 +9,9 @@
 //! the positions cannot be tangent to a constraint there; [`Shake`](crate::methods::shake::Shake) is the leapfrog with constraints.
 
 use crate::error::Error;
-use crate::motion::bodies::Bodies;
+use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, check_step_size};
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
@@ -27,57 +26,35 @@ use crate::number::real::Real;
 /// assert_eq!((simulation.time(), simulation.momentum_time()), (2.0, 2.25));
 /// # Ok::<(), rattle::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leapfrog {
-    h: f64,
-}
+pub type Leapfrog = Fixed<DriftKick>;
 
-impl Leapfrog {
-    /// The leapfrog with step size `h`, in the unit of time.
-    #[must_use]
-    pub fn new(h: f64) -> Self {
-        Self { h }
-    }
-}
+/// The map of [`Leapfrog`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DriftKick;
 
-impl Method for Leapfrog {
-    type Memory<T: Real> = [T; 0];
+impl Map for DriftKick {
+    const NAME: &'static str = "leapfrog";
+    const ORDER: u32 = 2;
+    const SYMMETRIC: bool = false; // positions and momenta would have to change places
+    const DELAY: f64 = 0.5;
 
-    fn step_size(&self) -> f64 {
-        self.h
-    }
-    fn order(&self) -> u32 {
-        2
-    }
-    fn name(&self) -> &'static str {
-        "leapfrog"
-    }
-    fn with_step(&self, h: f64) -> Self {
-        Self::new(h)
-    }
-    fn is_symmetric(&self) -> bool {
-        false // positions and momenta would have to change places
-    }
-    fn momentum_delay(&self) -> f64 {
-        0.5 * self.h
-    }
     fn check(&self, equations: usize) -> Result<(), Error> {
         if equations > 0 {
-            return Err(Error::NeedsFreeBodies { method: self.name(), equations });
+            return Err(Error::NeedsFreeBodies { method: Self::NAME, equations });
         }
-        check_step_size(self.h)
+        Ok(())
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
+        h: f64,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        bodies: &mut BodiesOf<Y, T, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.drift(0.0, self.h, bodies, witness)?;
+        system.drift(0.0, h, bodies, witness)?;
         system.evaluate_forces(bodies);
-        system.settle(self.h, self.h, bodies, witness)
+        system.settle(h, h, bodies, witness)
     }
 }

@@ -11,12 +11,12 @@
 //! Source: L. Jay, SIAM J. Numer. Anal. 33 (1996) 368; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
 //! VII.1.4.
 
-use crate::motion::bodies::Bodies;
+use crate::motion::capability::Collocation;
 use crate::motion::failure::Failure;
 use crate::motion::guess::{Extrapolated, FromState, Guess};
-use crate::motion::method::Method;
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::method::{Method, View};
+use crate::motion::need::{Steps, WithCollocation};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::table::Table;
 use crate::motion::table::Tabulated;
 use crate::motion::witness::Witness;
@@ -66,6 +66,7 @@ where
     Table<S>: Tabulated,
 {
     type Memory<T: Real> = G::Memory<T>;
+    type Need = (Steps, WithCollocation);
 
     fn step_size(&self) -> f64 {
         self.h
@@ -82,17 +83,18 @@ where
     fn is_symmetric(&self) -> bool {
         true
     }
-    fn need(&self) -> Need {
-        Need::Stages
-    }
-    fn stages(&self) -> usize {
-        S
-    }
 
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        (_, collocation): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        collocation.reserve(bodies, S);
+    }
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+        (system, _): View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
     ) -> G::Memory<T> {
         // Whether there was a step; f + Gᵀλ and λ of its stages.
         G::room(1 + S * (D * bodies.q.as_ref().len() + system.equations()))
@@ -101,11 +103,11 @@ where
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        (_, collocation): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.collocate(&Table::<S>::TABLE, self.h, bodies, memory, witness)
+        collocation.collocate(&Table::<S>::TABLE, self.h, bodies, memory, witness)
     }
 }

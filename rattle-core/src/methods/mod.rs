@@ -1,10 +1,12 @@
 //! The maps that take bodies one step on. A method knows no system.
 
+pub(crate) mod able;
 pub mod bdf2;
 mod coefficients;
 pub mod composition;
 pub mod dop853;
 pub mod dop853_table;
+pub mod fixed;
 pub mod geodesic;
 pub mod leapfrog;
 pub mod lobatto;

@@ -12,66 +12,43 @@
 //! Source: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; with constraints it is the other
 //! order of [geodesic RATTLE](crate::methods::geodesic).
 
-use crate::motion::bodies::Bodies;
+use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
 /// Position Verlet with a constant step size, second order.
 ///
-/// Multipliers told to a recorder are those of the free motion alone.
+/// Multipliers told to an observer are those of the free motion alone.
 ///
 /// ```
 /// # use rattle::PositionVerlet;
 /// let method = PositionVerlet::new(0.01);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PositionVerlet {
-    h: f64,
-}
+pub type PositionVerlet = Fixed<DriftKickDrift>;
 
-impl PositionVerlet {
-    /// The method with step size `h`, in the unit of time.
-    #[must_use]
-    pub fn new(h: f64) -> Self {
-        Self { h }
-    }
-}
+/// The map of [`PositionVerlet`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct DriftKickDrift;
 
-impl Method for PositionVerlet {
-    type Memory<T: Real> = [T; 0];
-
-    fn step_size(&self) -> f64 {
-        self.h
-    }
-    fn order(&self) -> u32 {
-        2
-    }
-    fn name(&self) -> &'static str {
-        "position Verlet"
-    }
-    fn with_step(&self, h: f64) -> Self {
-        Self::new(h)
-    }
-    fn is_symmetric(&self) -> bool {
-        true
-    }
+impl Map for DriftKickDrift {
+    const NAME: &'static str = "position Verlet";
+    const ORDER: u32 = 2;
+    const SYMMETRIC: bool = true;
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
+        h: f64,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        bodies: &mut BodiesOf<Y, T, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let half = 0.5 * self.h;
-        system.drift(0.0, half, bodies, witness)?;
+        system.drift(0.0, 0.5 * h, bodies, witness)?;
         system.evaluate_forces(bodies);
-        system.settle(self.h, self.h, bodies, &mut ())?;
-        system.drift(0.0, half, bodies, witness)?;
-        system.settle(0.0, half, bodies, witness)
+        system.settle(h, h, bodies, &mut ())?;
+        system.drift(0.0, 0.5 * h, bodies, witness)?;
+        system.settle(0.0, 0.5 * h, bodies, witness)
     }
 }

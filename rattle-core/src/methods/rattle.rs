@@ -18,13 +18,12 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.4.
 
-use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
 use crate::motion::guess::{FromState, Guess};
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::motion::method::Method;
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::need::Steps;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
 use std::marker::PhantomData;
@@ -83,6 +82,7 @@ impl<G: Guess, X: Iteration> Rattle<G, X> {
 
 impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     type Memory<T: Real> = G::Memory<T>;
+    type Need = Steps<X>;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -107,14 +107,11 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     fn rattle_steps(&self) -> Option<Vec<f64>> {
         Some(vec![self.h])
     }
-    fn need(&self) -> Need {
-        if X::KIND == Kind::Newton { Need::Verbs } else { Need::PositionEquation }
-    }
 
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
         system: &Y,
-        _: &Bodies<Y::Count, T, Y::Kept, D>,
+        _: &BodiesOf<Y, T, D>,
     ) -> G::Memory<T> {
         // How many steps there were, and of what length; guesses, and what they are made from.
         G::room(2 + (1 + G::NUMBERS) * system.equations())
@@ -124,7 +121,7 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
@@ -174,7 +171,7 @@ pub(crate) fn step<X: Iteration, T: Real, Y: System<T, D>, W: Witness<T>, const 
     h: f64,
     guess: &[T],
     system: &Y,
-    bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+    bodies: &mut BodiesOf<Y, T, D>,
     witness: &mut W,
 ) -> Result<(), Failure> {
     system.drift_by::<X, W>(0.5 * h, h, guess, bodies, witness)?;

@@ -12,10 +12,9 @@
 //! Source: J.-P. Ryckaert, G. Ciccotti, H. J. C. Berendsen, J. Comput. Phys. 23 (1977) 327; E. Hairer, C. Lubich,
 //! G. Wanner, *Geometric Numerical Integration*, VII.1.4.
 
-use crate::motion::bodies::Bodies;
+use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
@@ -34,51 +33,28 @@ use crate::number::real::Real;
 /// assert_eq!((simulation.time(), simulation.momentum_time()), (2.0, 1.75));
 /// # Ok::<(), rattle::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shake {
-    h: f64,
-}
+pub type Shake = Fixed<KickKickDrift>;
 
-impl Shake {
-    /// SHAKE with step size `h`, in the unit of time.
-    #[must_use]
-    pub fn new(h: f64) -> Self {
-        Self { h }
-    }
-}
+/// The map of [`Shake`]: a half kick made tangent, another one, the drift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct KickKickDrift;
 
-impl Method for Shake {
-    type Memory<T: Real> = [T; 0];
-
-    fn step_size(&self) -> f64 {
-        self.h
-    }
-    fn order(&self) -> u32 {
-        2
-    }
-    fn name(&self) -> &'static str {
-        "SHAKE"
-    }
-    fn with_step(&self, h: f64) -> Self {
-        Self::new(h)
-    }
-    fn is_symmetric(&self) -> bool {
-        false // positions and momenta would have to change places
-    }
-    fn momentum_delay(&self) -> f64 {
-        -0.5 * self.h
-    }
+impl Map for KickKickDrift {
+    const NAME: &'static str = "SHAKE";
+    const ORDER: u32 = 2;
+    const SYMMETRIC: bool = false; // positions and momenta would have to change places
+    const DELAY: f64 = -0.5;
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
+        h: f64,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        bodies: &mut BodiesOf<Y, T, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.settle(0.5 * self.h, self.h, bodies, witness)?;
-        system.drift(0.5 * self.h, self.h, bodies, witness)?;
+        system.settle(0.5 * h, h, bodies, witness)?;
+        system.drift(0.5 * h, h, bodies, witness)?;
         system.evaluate_forces(bodies);
         Ok(())
     }

@@ -10,10 +10,9 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.3.
 
-use crate::motion::bodies::Bodies;
+use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
@@ -28,48 +27,27 @@ use crate::number::real::Real;
 /// assert_eq!(simulation.position().x, 2.0);
 /// # Ok::<(), rattle::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SymplecticEuler {
-    h: f64,
-}
+pub type SymplecticEuler = Fixed<KickDrift>;
 
-impl SymplecticEuler {
-    /// The method with step size `h`, in the unit of time.
-    #[must_use]
-    pub fn new(h: f64) -> Self {
-        Self { h }
-    }
-}
+/// The map of [`SymplecticEuler`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct KickDrift;
 
-impl Method for SymplecticEuler {
-    type Memory<T: Real> = [T; 0];
-
-    fn step_size(&self) -> f64 {
-        self.h
-    }
-    fn order(&self) -> u32 {
-        1
-    }
-    fn name(&self) -> &'static str {
-        "symplectic Euler"
-    }
-    fn with_step(&self, h: f64) -> Self {
-        Self::new(h)
-    }
-    fn is_symmetric(&self) -> bool {
-        false
-    }
+impl Map for KickDrift {
+    const NAME: &'static str = "symplectic Euler";
+    const ORDER: u32 = 1;
+    const SYMMETRIC: bool = false;
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
+        h: f64,
         system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-        _: &mut [T],
+        bodies: &mut BodiesOf<Y, T, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.drift(self.h, self.h, bodies, witness)?;
+        system.drift(h, h, bodies, witness)?;
         system.evaluate_forces(bodies);
-        system.settle(0.0, self.h, bodies, witness)
+        system.settle(0.0, h, bodies, witness)
     }
 }

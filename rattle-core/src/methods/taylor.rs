@@ -18,11 +18,12 @@
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
 use crate::error::{Error, StepFailure};
-use crate::motion::bodies::Bodies;
+use crate::motion::bodies::{Bodies, Count};
+use crate::motion::capability::{Rates, Series};
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, check_step_size};
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::need::{Kicks, WithRates, WithSeries};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
@@ -60,6 +61,7 @@ impl Taylor {
 
 impl Method for Taylor {
     type Memory<T: Real> = [T; 0];
+    type Need = (Kicks, WithRates, WithSeries);
 
     fn step_size(&self) -> f64 {
         self.h
@@ -76,15 +78,6 @@ impl Method for Taylor {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn need(&self) -> Need {
-        Need::Series
-    }
-    fn stages(&self) -> usize {
-        self.order as usize + 2
-    }
-    fn room(&self) -> usize {
-        self.order as usize + 2
-    }
     fn check(&self, _: usize) -> Result<(), Error> {
         if !(2..=64).contains(&self.order) {
             return Err(Error::Order(self.order));
@@ -97,18 +90,28 @@ impl Method for Taylor {
         }
     }
 
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        (_, _, series): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        series.reserve_series(bodies, self.coefficients());
+        bodies.make_room(self.coefficients());
+    }
+
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(self.room(), |bodies, room| {
+        bodies.with_room(self.coefficients(), |bodies, _, room| {
             self.steps(system, bodies, room, witness)?;
             if W::LISTENS {
-                system.rates(bodies, &mut room[..n], &mut AtEnd(witness));
+                let (_, rates, _) = system;
+                rates.evaluate_rates(bodies, &mut room[..n], &mut AtEnd(witness));
             }
             Ok(())
         })
@@ -116,17 +119,23 @@ impl Method for Taylor {
 }
 
 impl Taylor {
+    /// q₀ to the one that the last of v is made from.
+    fn coefficients(&self) -> usize {
+        self.order as usize + 2
+    }
+
     /// One step, or inner ones that make it up.
     fn steps<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         series: &mut [[T; D]],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        system.expand(bodies, series, witness)?;
+        let (_, _, motion) = system;
+        motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
-            return arrive(system, bodies, series, self.h);
+            return self.arrive(system, bodies, series, self.h);
         };
         let mut left = self.h;
         loop {
@@ -142,17 +151,17 @@ impl Taylor {
             }
             let last = longest >= left.abs();
             let inner = if last { left } else { longest.copysign(left) };
-            arrive(system, bodies, series, inner)?;
+            self.arrive(system, bodies, series, inner)?;
             if last {
                 return Ok(());
             }
             left -= inner;
-            system.expand(bodies, series, &mut ())?;
+            motion.expand(bodies, series, &mut ());
         }
     }
 
     /// The longest inner step whose last two terms keep the tolerance, and the body that limits it; NaN if a term is.
-    fn longest<T: Real, N: crate::motion::bodies::Count, X, const D: usize>(
+    fn longest<T: Real, N: Count, X, const D: usize>(
         &self,
         bodies: &Bodies<N, T, X, D>,
         series: &[[T; D]],
@@ -175,39 +184,41 @@ impl Taylor {
         }
         longest
     }
-}
 
-/// Sums the series by Horner's rule and takes the bodies onto the constraints.
-fn arrive<T: Real, Y: System<T, D>, const D: usize>(
-    system: &Y,
-    bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
-    series: &[[T; D]],
-    h: f64,
-) -> Result<(), Failure> {
-    let n = bodies.q.as_ref().len();
-    let orders = series.len().checked_div(n).unwrap_or(0);
-    let (step, zero) = (T::from_f64(h), [T::from_f64(0.0); D]);
-    for body in 0..n {
-        let (mut way, mut change) = (zero, zero);
-        for k in (1..orders).rev() {
-            let coefficient = &series[k * n + body];
-            way = scaled(step, &sum(coefficient, &way));
-            if k > 1 {
-                change = scaled(step, &add_scaled(&change, T::from_f64(k as f64), coefficient));
+    /// Sums the series by Horner's rule and takes the bodies onto the constraints.
+    fn arrive<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        (system, rates, motion): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        series: &[[T; D]],
+        h: f64,
+    ) -> Result<(), Failure> {
+        let n = bodies.q.as_ref().len();
+        let orders = series.len().checked_div(n).unwrap_or(0);
+        let (step, zero) = (T::from_f64(h), [T::from_f64(0.0); D]);
+        for body in 0..n {
+            let (mut way, mut change) = (zero, zero);
+            for k in (1..orders).rev() {
+                let coefficient = &series[k * n + body];
+                way = scaled(step, &sum(coefficient, &way));
+                if k > 1 {
+                    change = scaled(step, &add_scaled(&change, T::from_f64(k as f64), coefficient));
+                }
             }
+            let finite = dot(&way, &way).lanes().chain(dot(&change, &change).lanes()).all(f64::is_finite);
+            if !finite {
+                return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
+            }
+            let impulse = motion.expanded_impulse(bodies, body, h);
+            let impulse = impulse.unwrap_or_else(|| rates.momentum(body, &change));
+            let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
+            (*q, *q_low) = two_sum(q, &sum(q_low, &way));
+            let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
+            (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
         }
-        let finite = dot(&way, &way).lanes().chain(dot(&change, &change).lanes()).all(f64::is_finite);
-        if !finite {
-            return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
-        }
-        let impulse = system.expanded_impulse(bodies, body, &change, h);
-        let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
-        (*q, *q_low) = two_sum(q, &sum(q_low, &way));
-        let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
-        (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
+        bodies.work = bodies.work + motion.expanded_work(bodies, h);
+        bodies.time += h;
+        rates.project(h, bodies)?;
+        system.settle(0.0, h, bodies, &mut ())
     }
-    bodies.work = bodies.work + system.expanded_work(bodies, h);
-    bodies.time += h;
-    system.project(h, bodies)?;
-    system.settle(0.0, h, bodies, &mut ())
 }

@@ -28,12 +28,12 @@
 
 use crate::error::{Error, StepFailure};
 use crate::methods::rattle;
-use crate::motion::bodies::{Bodies, Count};
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
-use crate::motion::method::Method;
-use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::method::{Method, View};
+use crate::motion::need::{Steps, WithRates};
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use crate::number::vector::dot;
@@ -44,9 +44,6 @@ const ASTRAY: f64 = 0.5;
 const PROBE: f64 = 1.0 / 32.0;
 /// p₀² as a part of what the start has.
 const REST: f64 = 0.1;
-/// Places and momenta are put aside, and rates written.
-const ROOM: usize = 5;
-
 /// A symmetric method whose steps are as long as the momenta's change allows, so chosen that time can run backwards.
 ///
 /// Not symplectic. Lanes go with the steps of the fastest one. On a surface of genus two with sharp ends the energy is two to
@@ -74,11 +71,12 @@ impl<B: Method> Variable<B> {
     /// τ²|ṗ|² and |p|² of all bodies, in the lane where their ratio is the largest.
     fn change<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         rates: &mut [[T; D]],
     ) -> (f64, f64) {
-        let _ = system.rates(bodies, rates, &mut ());
+        let (_, _, capability) = system;
+        let _ = capability.evaluate_rates(bodies, rates, &mut ());
         let zero = T::from_f64(0.0);
         let square = |x: &[[T; D]]| x.iter().fold(zero, |sum, x| sum + dot(x, x));
         let (change, size) = (square(rates), square(bodies.p.as_ref()));
@@ -91,25 +89,17 @@ impl<B: Method> Variable<B> {
     fn density<T: Real, Y: System<T, D>, const D: usize>(
         &self,
         scale: f64,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        all: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
     ) -> Result<(f64, f64), Failure> {
         let delta = PROBE * self.step_size().abs();
         let mut probe = |delta: f64| {
-            bodies.with_room(self.room(), |bodies, room| {
-                let n = bodies.q.as_ref().len();
-                let (rates, before) = room.split_at_mut(n);
-                let (time, work) = (bodies.time, bodies.work);
-                for (before, now) in before.chunks_exact_mut(n.max(1)).zip(all(bodies)) {
-                    before.copy_from_slice(now);
-                }
+            bodies.with_room(1, |bodies, before, rates| {
+                let (_, system, _) = all;
+                bodies.save(before);
                 rattle::step::<Newton, _, _, _, D>(delta, &[], system, bodies, &mut ())?;
-                let (change, size) = self.change(system, bodies, rates);
-                for (before, now) in before.chunks_exact(n.max(1)).zip(all(bodies)) {
-                    now.copy_from_slice(before);
-                }
-                (bodies.time, bodies.work) = (time, work);
-                system.refresh(bodies);
+                let (change, size) = self.change(all, bodies, rates);
+                system.put_back(bodies, before);
                 Ok(1.0 + change / (size + scale).max(f64::MIN_POSITIVE))
             })
         };
@@ -118,13 +108,9 @@ impl<B: Method> Variable<B> {
     }
 }
 
-/// Places and momenta, with their low parts.
-fn all<N: Count, T: Real, X, const D: usize>(bodies: &mut Bodies<N, T, X, D>) -> [&mut [[T; D]]; 4] {
-    [bodies.q.as_mut(), bodies.q_low.as_mut(), bodies.p.as_mut(), bodies.p_low.as_mut()]
-}
-
 impl<B: Method> Method for Variable<B> {
     type Memory<T: Real> = Vec<T>;
+    type Need = (B::Need, Steps, WithRates);
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
@@ -141,14 +127,8 @@ impl<B: Method> Method for Variable<B> {
     fn is_symmetric(&self) -> bool {
         false // only together with what it remembers
     }
-    fn need(&self) -> Need {
-        self.base.need()
-    }
-    fn stages(&self) -> usize {
-        self.base.stages()
-    }
-    fn room(&self) -> usize {
-        self.base.room().max(ROOM)
+    fn numbered(&self, trajectory: u64) -> Self {
+        Self { base: self.base.numbered(trajectory), tau: self.tau }
     }
 
     fn check(&self, equations: usize) -> Result<(), Error> {
@@ -165,19 +145,29 @@ impl<B: Method> Method for Variable<B> {
         vec![self.tau]
     }
 
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        (base, ..): View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+        self.base.prepare(base, bodies);
+        bodies.make_room(1);
+    }
+
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+        all: View<'_, Self, T, Y, D>,
+        bodies: &BodiesOf<Y, T, D>,
     ) -> Vec<T> {
         let mut bodies = bodies.clone();
         let mut rates = vec![[T::from_f64(0.0); D]; bodies.q.as_ref().len()];
+        let (_, system, _) = all;
         system.evaluate_forces(&mut bodies);
-        let (change, size) = self.change(system, &mut bodies, &mut rates);
+        let (change, size) = self.change(all, &mut bodies, &mut rates);
         let scale = REST * (size + change);
         let wanted = (1.0 + change / (size + scale).max(f64::MIN_POSITIVE)).sqrt();
         // Where not even a probe can be made the first step tells why.
-        let slope = self.density(scale, system, &mut bodies).map_or(0.0, |(_, slope)| slope);
+        let slope = self.density(scale, all, &mut bodies).map_or(0.0, |(_, slope)| slope);
         // The last step, ρ, p₀², and G at the state.
         [0.0, wanted, scale, slope].map(T::from_f64).into()
     }
@@ -189,8 +179,8 @@ impl<B: Method> Method for Variable<B> {
     #[inline(always)]
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
@@ -203,7 +193,8 @@ impl<B: Method> Method for Variable<B> {
             return astray(middle / density);
         }
         let h = longest / middle;
-        self.base.with_step(h).step(system, bodies, &mut [], witness)?;
+        let (base, ..) = system;
+        self.base.with_step(h).step(base, bodies, &mut [], witness)?;
 
         let (wanted, slope) = self.density(scale, system, bodies)?;
         let density = middle + 0.5 * longest * slope;

@@ -83,8 +83,20 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub work: T,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
-    /// Room for a [method](crate::motion::method::Method::room) to work in: whole sets of one vector per body.
-    pub room: Vec<[T; D]>,
+    /// Room for a method to work in, made [before a run](crate::motion::method::Method::prepare).
+    pub(crate) room: Option<Box<Room<N, T, D>>>,
+}
+
+/// Places, momenta, time and work put aside: what is kept at the places is a function of them.
+pub type Saved<N, T, const D: usize> = Bodies<N, T, (), D>;
+
+/// Room for a method to work in.
+#[derive(Debug, Clone)]
+pub(crate) struct Room<N: Count, T: Real, const D: usize> {
+    /// For what is put aside.
+    saved: Saved<N, T, D>,
+    /// Whole sets of one vector per body.
+    vectors: Vec<[T; D]>,
 }
 
 impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
@@ -92,7 +104,7 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     pub fn new(count: N, kept: X, place: impl Fn(usize) -> Body<T, D>, time: f64) -> Self {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
-        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept, room: Vec::new() };
+        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept, room: None };
         for i in 0..count.number() {
             let Body { q, q_low, p, p_low } = place(i);
             (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
@@ -101,20 +113,63 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         bodies
     }
 
-    /// Does work that needs room for so many vectors per body; made here where no simulation has made it before.
+    /// What is to be put aside, for [`save`](Self::save) to write to again.
+    pub fn saved(&self) -> Saved<N, T, D> {
+        let (q, q_low, p, p_low) = (self.q.clone(), self.q_low.clone(), self.p.clone(), self.p_low.clone());
+        Bodies { q, q_low, p, p_low, time: self.time, work: self.work, kept: (), room: None }
+    }
+
+    /// Puts places, momenta, time and work aside, without allocating.
+    #[inline(always)]
+    pub fn save(&self, to: &mut Saved<N, T, D>) {
+        to.take_over(self);
+    }
+
+    /// Takes back what was put aside of as many bodies, without allocating; not what is kept, see
+    /// [`put_back`](crate::motion::system::System::put_back).
+    #[inline(always)]
+    pub fn restore(&mut self, from: &Saved<N, T, D>) {
+        self.take_over(from);
+    }
+
+    #[inline(always)]
+    fn take_over<Y>(&mut self, other: &Bodies<N, T, Y, D>) {
+        self.q.as_mut().copy_from_slice(other.q.as_ref());
+        self.q_low.as_mut().copy_from_slice(other.q_low.as_ref());
+        self.p.as_mut().copy_from_slice(other.p.as_ref());
+        self.p_low.as_mut().copy_from_slice(other.p_low.as_ref());
+        (self.time, self.work) = (other.time, other.work);
+    }
+
+    /// Makes room for so many vectors per body, beside what is there.
+    pub(crate) fn make_room(&mut self, vectors: usize) {
+        let length = vectors * self.q.as_ref().len();
+        let mut room =
+            self.room.take().unwrap_or_else(|| Box::new(Room { saved: self.saved(), vectors: Vec::new() }));
+        if room.vectors.len() < length {
+            room.vectors.resize(length, [T::from_f64(0.0); D]);
+        }
+        self.room = Some(room);
+    }
+
+    /// Does work with room to put the bodies aside and for so many vectors per body; made here where no simulation has made
+    /// it before.
     #[inline(always)]
     pub(crate) fn with_room<R>(
         &mut self,
         vectors: usize,
-        work: impl FnOnce(&mut Self, &mut [[T; D]]) -> R,
+        work: impl FnOnce(&mut Self, &mut Saved<N, T, D>, &mut [[T; D]]) -> R,
     ) -> R {
         let length = vectors * self.q.as_ref().len();
-        let mut room = std::mem::take(&mut self.room);
-        if room.len() < length {
-            room = vec![[T::from_f64(0.0); D]; length];
-        }
-        let done = work(self, &mut room[..length]);
-        self.room = room;
+        let mut room = match self.room.take() {
+            Some(room) if room.vectors.len() >= length => room,
+            _ => {
+                let vectors = vec![[T::from_f64(0.0); D]; length];
+                Box::new(Room { saved: self.saved(), vectors })
+            }
+        };
+        let done = work(self, &mut room.saved, &mut room.vectors[..length]);
+        self.room = Some(room);
         done
     }
 
@@ -126,15 +181,5 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
             p: self.p.as_ref()[i],
             p_low: self.p_low.as_ref()[i],
         }
-    }
-
-    /// Takes over places and momenta of `other`, which has as many bodies, without allocating; not what is kept.
-    #[inline(always)]
-    pub fn copy_from<Y>(&mut self, other: &Bodies<N, T, Y, D>) {
-        self.q.as_mut().copy_from_slice(other.q.as_ref());
-        self.q_low.as_mut().copy_from_slice(other.q_low.as_ref());
-        self.p.as_mut().copy_from_slice(other.p.as_ref());
-        self.p_low.as_mut().copy_from_slice(other.p_low.as_ref());
-        (self.time, self.work) = (other.time, other.work);
     }
 }

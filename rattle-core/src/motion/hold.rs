@@ -4,7 +4,6 @@ use crate::effect::list::Effects;
 use crate::error::Error;
 use crate::kernel::functions::Constraint;
 use crate::motion::bodies::Count;
-use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::motion::system::System;
 
@@ -13,7 +12,8 @@ pub trait Hold<const D: usize>: Sized {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
-    /// The system, ready to move from this start by this method.
+    /// The system, ready to move from this start in steps of size `h`; momenta must be along the constraints there if
+    /// `tangent`.
     ///
     /// # Errors
     /// Where the constraints make no sense for so many bodies; says which body cannot start there and why.
@@ -22,7 +22,8 @@ pub trait Hold<const D: usize>: Sized {
         effects: &E,
         count: N,
         start: &State<D>,
-        method: &impl Method,
+        h: f64,
+        tangent: bool,
     ) -> Result<Self::System<E, N>, Error>;
 
     /// Whether this body cannot move at all.

@@ -10,16 +10,24 @@
 //! | `Taylor` | yes | yes | yes | yes | yes | yes | – |
 //! | `Bdf2` | yes | yes | yes | – | yes | – | – |
 //!
-//! Others are refused before a run, see [`Need`].
+//! Others are refused before a run, see [`Method::Need`].
+//!
+//! Arguments of constructors stand in one order: what the method is made of (coefficients, an order, a number of inner steps),
+//! the step size `h` or the method that has it, then times and tolerances that steps are chosen by: `Composition::new(coefficients, h)`,
+//! `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`, `Taylor::adaptive(order, h, tolerance)`,
+//! `Variable::of(base, tau)`.
 
 use crate::error::Error;
-use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
+use crate::motion::identity::Identity;
 use crate::motion::need::Need;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use std::fmt::Debug;
+
+/// A system as a step of the method is handed it: the capabilities that the method [needs](Method::Need).
+pub type View<'a, S, T, Y, const D: usize> = <<S as Method>::Need as Need>::Of<'a, T, Y, D>;
 
 /// A method: a map of the bodies, and of what the method remembers.
 ///
@@ -29,6 +37,9 @@ use std::fmt::Debug;
 pub trait Method: Clone + Send + Sync + 'static {
     /// The numbers carried from step to step: `[T; 0]` for a one-step method.
     type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
+    /// What the method asks of a system, one of [`need`](crate::motion::need) or a tuple of them; a system that has it not is
+    /// refused before the run.
+    type Need: Need;
 
     /// The time that one step takes; negative to run backwards.
     fn step_size(&self) -> f64;
@@ -56,19 +67,11 @@ pub trait Method: Clone + Send + Sync + 'static {
         None
     }
 
-    /// What the method asks of a system, which may refuse it before the run.
-    fn need(&self) -> Need {
-        Need::Verbs
-    }
-
-    /// Stages of a collocation method, or coefficients of a power series, for which a system makes room.
-    fn stages(&self) -> usize {
-        0
-    }
-
-    /// Vectors per body that a step writes to [`Bodies::room`].
-    fn room(&self) -> usize {
-        0
+    /// The same method for the trajectory with this number in an ensemble, 0 for a simulation: what is random in the method
+    /// differs from trajectory to trajectory.
+    #[must_use]
+    fn numbered(&self, _trajectory: u64) -> Self {
+        self.clone()
     }
 
     /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.
@@ -76,11 +79,24 @@ pub trait Method: Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// Type, name, step size and parameters.
+    fn identity(&self) -> Identity {
+        Identity::of::<Self>(self.name(), [vec![self.step_size()], self.parameters()].concat())
+    }
+
+    /// Makes room before a run for what a step works with, so that steps need not allocate.
+    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _system: View<'_, Self, T, Y, D>,
+        _bodies: &mut BodiesOf<Y, T, D>,
+    ) {
+    }
+
     /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
-        _system: &Y,
-        _bodies: &Bodies<Y::Count, T, Y::Kept, D>,
+        _system: View<'_, Self, T, Y, D>,
+        _bodies: &BodiesOf<Y, T, D>,
     ) -> Self::Memory<T> {
         Self::Memory::default()
     }
@@ -104,8 +120,8 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// Says which body cannot be moved and why; `bodies` and `memory` are then left half way.
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
-        system: &Y,
-        bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;

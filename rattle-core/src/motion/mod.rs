@@ -1,9 +1,11 @@
 //! The contract between systems and methods: neither knows the other, both know what stands here.
 
 pub mod bodies;
+pub mod capability;
 pub mod failure;
 pub mod guess;
 pub mod hold;
+pub mod identity;
 pub mod iteration;
 pub mod method;
 pub mod need;

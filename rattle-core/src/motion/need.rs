@@ -1,20 +1,98 @@
-//! What a method asks of a system.
+//! What a method asks of a system, as a type: [`Method::Need`](crate::motion::method::Method::Need).
+//!
+//! A need is met before a run or not at all: a step is handed the capabilities that its method asked for, and has no way to
+//! ask for others. Needs are combined in tuples.
 
-/// A system whose forces change with time, as messages name it.
-pub(crate) const FORCES_CHANGE: &str = "bodies under forces that change with time";
+use crate::motion::iteration::{Iteration, Kind, Newton};
+use crate::motion::system::System;
+use crate::number::real::Real;
+use std::marker::PhantomData;
 
 /// What a method asks of a system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Need {
-    /// Drifts, forces and kicks, or rates of change and projection: every system has them.
-    Verbs,
-    /// A position equation along kept normals, which is solved as the method says.
-    PositionEquation,
-    /// Inner stages solved together.
-    Stages,
-    /// Momenta that are mass times velocity; constraints that do not move, and forces that do not change with time.
-    Differences,
-    /// The motion as a power series in time.
-    Series,
+pub trait Need: 'static {
+    /// What a step is handed of the system.
+    type Of<'a, T: Real, Y: System<T, D>, const D: usize>: Copy;
+
+    /// What a step is handed of this system.
+    ///
+    /// # Errors
+    /// Where the system has not what is needed: the kind of system, as messages call it.
+    fn of<T: Real, Y: System<T, D>, const D: usize>(
+        system: &Y,
+    ) -> Result<Self::Of<'_, T, Y, D>, &'static str>;
+}
+
+/// Steps of RATTLE, their position equation solved by `X`. Every system makes those of [`Newton`].
+#[derive(Debug)]
+pub struct Steps<X = Newton>(PhantomData<X>);
+
+/// Kicks and drifts by themselves, in any order. Whoever has [rates](System::rates) has them.
+#[derive(Debug)]
+pub struct Kicks;
+
+/// Momenta that are mass times velocity; constraints and forces that do not change with time.
+#[derive(Debug)]
+pub struct Differences;
+
+/// [`Rates`](crate::motion::capability::Rates).
+#[derive(Debug)]
+pub struct WithRates;
+
+/// [`Collocation`](crate::motion::capability::Collocation).
+#[derive(Debug)]
+pub struct WithCollocation;
+
+/// [`Series`](crate::motion::capability::Series).
+#[derive(Debug)]
+pub struct WithSeries;
+
+macro_rules! need {
+    ($need:ty $(, $X:ident)?: $of:ty, |$system:ident| $met:expr) => {
+        impl$(<$X: Iteration>)? Need for $need {
+            type Of<'a, T: Real, Y: System<T, D>, const D: usize> = &'a $of;
+
+            #[inline(always)]
+            fn of<T: Real, Y: System<T, D>, const D: usize>($system: &Y) -> Result<&$of, &'static str> {
+                $met
+            }
+        }
+    };
+}
+
+need!(Steps<X>, X: Y, |system| {
+    if X::KIND == Kind::Newton || system.is_cartesian() { Ok(system) } else { Err(system.kind()) }
+});
+need!(Kicks: Y, |system| system.rates().map(|_| system));
+need!(Differences: Y, |system| {
+    match (system.is_cartesian(), system.moves_with_time()) {
+        (true, false) => Ok(system),
+        (true, true) => Err("constraints or forces that change with time"),
+        (false, _) => Err(system.kind()),
+    }
+});
+need!(WithRates: Y::Rates, |system| system.rates());
+need!(WithCollocation: Y::Collocation, |system| system.collocation());
+need!(WithSeries: Y::Series, |system| system.series());
+
+impl<A: Need, B: Need> Need for (A, B) {
+    type Of<'a, T: Real, Y: System<T, D>, const D: usize> = (A::Of<'a, T, Y, D>, B::Of<'a, T, Y, D>);
+
+    #[inline(always)]
+    fn of<T: Real, Y: System<T, D>, const D: usize>(
+        system: &Y,
+    ) -> Result<Self::Of<'_, T, Y, D>, &'static str> {
+        Ok((A::of(system)?, B::of(system)?))
+    }
+}
+
+impl<A: Need, B: Need, C: Need> Need for (A, B, C) {
+    type Of<'a, T: Real, Y: System<T, D>, const D: usize> =
+        (A::Of<'a, T, Y, D>, B::Of<'a, T, Y, D>, C::Of<'a, T, Y, D>);
+
+    #[inline(always)]
+    fn of<T: Real, Y: System<T, D>, const D: usize>(
+        system: &Y,
+    ) -> Result<Self::Of<'_, T, Y, D>, &'static str> {
+        Ok((A::of(system)?, B::of(system)?, C::of(system)?))
+    }
 }

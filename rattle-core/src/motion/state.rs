@@ -1,39 +1,23 @@
 //! Positions and momenta, as a user gives and gets them.
 
 use crate::motion::bodies::Body;
-use crate::motion::method::Method;
+use crate::motion::identity::Identity;
 use nalgebra::SVector;
-use std::any::type_name;
 
 /// What a method remembered, and whose memory it is.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Remembered {
-    /// Type, name, step size and parameters of the method.
-    whose: (&'static str, &'static str, f64, Vec<f64>),
-    numbers: Box<[f64]>,
-}
-
-fn identity<S: Method>(method: &S) -> (&'static str, &'static str, f64, Vec<f64>) {
-    (type_name::<S>(), method.name(), method.step_size(), method.parameters())
-}
-
-impl Remembered {
-    /// None for a method that remembers nothing.
-    pub(crate) fn of(method: &impl Method, numbers: &[f64]) -> Option<Self> {
-        (!numbers.is_empty()).then(|| Self { whose: identity(method), numbers: numbers.into() })
-    }
-
-    /// The numbers, if they are the memory of this method with this step size and these parameters.
-    pub(crate) fn by(&self, method: &impl Method) -> Option<&[f64]> {
-        (self.whose == identity(method)).then_some(&self.numbers)
-    }
+    pub(crate) method: Identity,
+    /// What was moved, in the state that remembers.
+    pub(crate) system: Identity,
+    pub(crate) numbers: Box<[f64]>,
 }
 
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
 /// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
-/// took from positions and momenta, and what the method remembered: a simulation started from it by the same method goes on
-/// bit for bit. Other momenta or another method start anew.
+/// took from positions and momenta, and what the method remembered: a simulation started from it by the same method in the same scene goes
+/// on bit for bit. Other momenta, another method or another scene start anew.
 ///
 /// ```
 /// use rattle::State;
@@ -54,13 +38,6 @@ pub struct State<const D: usize> {
 }
 
 impl<const D: usize> State<D> {
-    /// Whether momenta must be along the constraints: not where a method has them at another time than positions, or goes
-    /// on from its own state.
-    pub(crate) fn must_be_tangent(&self, method: &impl Method) -> bool {
-        let goes_on = self.remembered.as_ref().is_some_and(|remembered| remembered.by(method).is_some());
-        method.momentum_delay() == 0.0 && !goes_on
-    }
-
     /// One body at rest at `position`.
     #[must_use]
     pub fn at(position: impl Into<SVector<f64, D>>) -> Self {

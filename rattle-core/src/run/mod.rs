@@ -1,7 +1,7 @@
 //! Who goes on: a simulation, or an ensemble of them; and who watches.
 
+pub mod boxed;
 pub mod ensemble;
-pub mod recorder;
-pub mod shadow;
+mod readings;
 pub mod simulation;
-pub mod trajectory;
+pub mod watch;

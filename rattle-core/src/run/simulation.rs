@@ -3,25 +3,26 @@
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
-use crate::error::{Error, NetworkMistake, StartFailure};
-use crate::motion::bodies::{Bodies, Body, Count, One};
+use crate::error::Error;
+use crate::error::NetworkMistake;
+use crate::error::StartFailure;
+use crate::methods::able::view;
+use crate::motion::bodies::Body;
+use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
+use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::method::check_step_size;
-use crate::motion::need::Need;
 use crate::motion::state::{Remembered, State};
-use crate::motion::stir::{FLOW, step};
+use crate::motion::stir::{self, step};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
-use crate::number::clock::after_steps;
 use crate::number::clock::later;
-use crate::run::recorder::Recorder;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
-use crate::systems::linked::kept::{Counts, Linked};
-use nalgebra::SVector;
 use std::fmt;
-use std::marker::PhantomData;
 
 /// Parts of a step are counted by 32 bits.
 pub(crate) const MOST_HALVINGS: u32 = 30;
@@ -31,18 +32,18 @@ pub(crate) const MOST_HALVINGS: u32 = 30;
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
 /// as it was before the step, bit for bit.
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
-    system: Y,
-    method: S,
+    pub(super) system: Y,
+    pub(super) method: S,
     pub(crate) bodies: Bodies<Y::Count, f64, Y::Kept, D>,
     /// Places and momenta before the step under way.
-    before: Bodies<Y::Count, f64, (), D>,
+    pub(super) before: Saved<Y::Count, f64, D>,
     /// What the method remembers, and remembered before the step under way.
-    memory: S::Memory<f64>,
+    pub(super) memory: S::Memory<f64>,
     memory_before: S::Memory<f64>,
-    steps: u64,
+    pub(super) steps: u64,
     /// The time of the start, or of now where steps differ in length, and what rounding took from it.
-    clock: (f64, f64),
-    start_energy: f64,
+    pub(super) clock: (f64, f64),
+    pub(super) start_energy: f64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
     /// If every step is to be taken back and compared.
@@ -51,15 +52,28 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
 
 /// Why a step is not taken as it is.
 enum Trouble {
+    Refused(Error),
     Failed(Failure),
     NotReversed { body: usize, off: f64, tolerance: f64 },
+}
+
+impl From<Error> for Trouble {
+    fn from(error: Error) -> Self {
+        Self::Refused(error)
+    }
+}
+
+impl From<Failure> for Trouble {
+    fn from(failure: Failure) -> Self {
+        Self::Failed(failure)
+    }
 }
 
 /// What it takes to take a step back and go on as if it had not been.
 struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     tolerance: f64,
     backwards: S,
-    after: Bodies<Y::Count, f64, (), D>,
+    after: Saved<Y::Count, f64, D>,
     /// That of a method that has not made a step.
     blank: S::Memory<f64>,
     memory: S::Memory<f64>,
@@ -77,6 +91,18 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        self.trajectory(start, &method, 0)
+    }
+
+    /// The simulation that is the trajectory with this number of an ensemble.
+    #[allow(clippy::type_complexity, reason = "as above")]
+    pub(crate) fn trajectory<S: Method>(
+        &self,
+        start: State<D>,
+        method: &S,
+        number: u64,
+    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        let method = method.numbered(number);
         check_step_size(method.step_size())?;
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
@@ -91,25 +117,19 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let bodies = start.len();
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
-        let system = self.constraint.system(&self.effects, self.count, &start, &method)?;
+        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
+        let tangent = method.momentum_delay() == 0.0 && !own;
+        let system =
+            self.constraint.system(&self.effects, self.count, &start, method.step_size(), tangent)?;
         method.check(system.equations())?;
-        if let Some(system) = system.refuses(method.need()) {
-            return Err(Error::CannotMove { method: method.name(), system });
-        }
-        let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
-        if system.flows() > 0 && !divided {
-            return Err(Error::CannotMove { method: method.name(), system: FLOW });
-        }
+        let seen = view(&method, &system)?;
         self.check_forces(&start.bodies, start.time)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        match method.need() {
-            Need::Series => system.reserve_series(&mut bodies, method.stages()),
-            _ => system.reserve(&mut bodies, method.stages()),
+        method.prepare(seen, &mut bodies);
+        if system.flows() > 0 {
+            bodies.make_room(stir::ROOM);
         }
-        let vectors = method.room().max(if system.flows() > 0 { 2 } else { 0 });
-        bodies.room = vec![[0.0; D]; vectors * self.count.number()];
-        let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
-        Ok(Simulation::new(system, self.count, bodies, clock, remembered, method))
+        Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
@@ -131,16 +151,17 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub(crate) fn new(
         system: Y,
-        count: Y::Count,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
         clock: (f64, f64),
         remembered: Option<&Remembered>,
         method: S,
-    ) -> Self {
-        let before = Bodies::new(count, (), |i| bodies.body(i), bodies.time);
-        let mut memory = method.memory(&system, &bodies);
-        if let Some(numbers) = remembered.and_then(|remembered| remembered.by(&method))
+    ) -> Result<Self, Error> {
+        let before = bodies.saved();
+        let mut memory = method.memory(view(&method, &system)?, &bodies);
+        if let Some(Remembered { method: whose, system: of, numbers }) = remembered
+            && *whose == method.identity()
             && numbers.len() == memory.as_ref().len()
+            && of.is(&Identity::of_system(&system, &bodies))
         {
             memory.as_mut().copy_from_slice(numbers);
         }
@@ -160,7 +181,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             reversal: None,
         };
         simulation.start_energy = simulation.energy();
-        simulation
+        Ok(simulation)
     }
 
     /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
@@ -210,7 +231,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             return Err(Error::NeedsSymmetricMethod { what, method });
         }
         let backwards = self.method.with_step(-self.method.step_size());
-        let memory = backwards.memory(&self.system, &self.bodies);
+        let memory = backwards.memory(view(&backwards, &self.system)?, &self.bodies);
         let (after, blank) = (self.before.clone(), memory.clone());
         self.reversal = Some(Box::new(Reversal { tolerance, backwards, after, blank, memory }));
         Ok(self)
@@ -236,7 +257,66 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `see` after each.
+    /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is a number
+    /// of steps away is reached by this number of steps, rounding notwithstanding: what is missing to a millionth of a step
+    /// counts as reached. With a step size below 0 the time runs backwards to `time`.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+    /// simulation.run_until(0.3)?; // 3 × 0.1 is a little more than 0.3
+    /// assert_eq!(simulation.steps(), 3);
+    /// simulation.run_until(0.31)?;
+    /// assert_eq!((simulation.steps(), simulation.time()), (4, 0.4));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Self::run`]; [`Error::EndTime`] for a time that is not finite.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a number of steps, rounded up"
+    )]
+    pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::EndTime(time));
+        }
+        let h = self.method.step_size();
+        let near = 1e-6_f64.max(4.0 * f64::EPSILON * (time / h).abs());
+        let left = |now: &Self| (time - now.time()) / h - near;
+        if self.method.time_taken(self.memory.as_ref()).is_none() {
+            return self.run(left(self).ceil() as u64);
+        }
+        while left(self) > 0.0 {
+            self.step()?;
+        }
+        Ok(())
+    }
+
+    /// Takes steps for as long as `go_on` is true of the simulation, at most `steps`; says how many.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.25))?;
+    /// let steps = simulation.run_while(1_000_000, |now| now.position().x < 2.0)?;
+    /// assert_eq!((steps, simulation.position().x), (8, 2.0));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Self::run`].
+    pub fn run_while(&mut self, steps: u64, mut go_on: impl FnMut(&Self) -> bool) -> Result<u64, Error> {
+        let begun = self.steps;
+        while self.steps - begun < steps && go_on(self) {
+            self.step()?;
+        }
+        Ok(self.steps - begun)
+    }
+
+    /// Takes `steps` steps and shows the simulation to `see` after each. A closure sees the whole simulation, its residuals and
+    /// [energy error](Self::energy_error) too; what is to watch ensembles as well, or every n-th step, is an
+    /// [observer](Self::observe).
     ///
     /// ```text
     /// simulation.run_with(2000, |now| energies.push(now.energy()))?;
@@ -252,23 +332,52 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and has `recorder` record each.
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see [`crate::run::watch`].
+    /// Steps beyond the last multiple of `every` are taken and not shown; multipliers are told in every step. A look copies
+    /// positions and momenta.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
+    /// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.5))?;
+    /// let mut mean = Mean::of(|now: &Sight<'_, 1>| now.energy());
+    /// simulation.observe(100, 10, &mut mean)?;
+    /// assert_eq!((mean.number(), mean.mean()), (10, 0.5));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the recorder has seen every step that was taken.
-    pub fn run_recording<R: Recorder<Self>>(&mut self, steps: u64, recorder: &mut R) -> Result<(), Error> {
-        for _ in 0..steps {
-            self.advance(&mut Listening(recorder, PhantomData::<Self>))?;
-            recorder.record(self);
+    /// As [`Self::run`]; the observer has seen all that was to be seen before.
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    #[track_caller]
+    pub fn observe<O: Observer<D> + ?Sized>(
+        &mut self,
+        steps: u64,
+        every: u64,
+        observer: &mut O,
+    ) -> Result<(), Error> {
+        assert!(every > 0, "a simulation is observed after every 1 or more steps");
+        let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
+        let mut now = before.clone();
+        for step in 1..=steps {
+            self.advance(&mut Listening(observer))?;
+            if step.is_multiple_of(every) {
+                now.steps = self.steps;
+                self.look(now.page());
+                observer.see(&before.sight(self), &now.sight(self));
+                std::mem::swap(&mut before, &mut now);
+            }
         }
         Ok(())
     }
 
     #[inline(always)]
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
-        self.before.copy_from(&self.bodies);
+        let system = view(&self.method, &self.system)?;
+        self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        match step(&self.method, &self.system, &mut self.bodies, self.memory.as_mut(), witness) {
+        match step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -297,7 +406,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.put_back();
         let halvings = if self.method.momentum_delay() == 0.0 { self.halvings } else { 0 };
         for halved in 1..=halvings {
-            let taken = self.parts(1 << halved, witness).map_err(Trouble::Failed);
+            let taken = self.parts(1 << halved, witness);
             match taken.and_then(|()| self.take_back(1 << halved)) {
                 Ok(()) => return Ok(()),
                 Err(again) => trouble = again,
@@ -307,6 +416,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let (step, time) = (self.steps + 1, self.time());
         Err(match (trouble, halvings) {
+            (Trouble::Refused(error), _) => error,
             (Trouble::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
             (Trouble::Failed(Failure { body, cause }), _) => {
                 Error::Retried { step, time, body, halvings, cause }
@@ -318,16 +428,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Takes a step in so many parts.
-    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Failure> {
+    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Trouble> {
         let method = self.method.with_step(self.method.step_size() / f64::from(parts));
-        let mut memory = method.memory(&self.system, &self.bodies);
+        let system = view(&method, &self.system)?;
+        let mut memory = method.memory(system, &self.bodies);
         for _ in 0..parts {
-            step(&method, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            step(&method, system, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
         }
-        self.memory = self.method.memory(&self.system, &self.bodies);
+        self.memory = self.method.memory(system, &self.bodies);
         Ok(())
     }
 
@@ -336,12 +447,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[inline(never)]
     fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
-        reversal.after.copy_from(&self.bodies);
+        let system = view(&self.method, &self.system)?;
+        self.bodies.save(&mut reversal.after);
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
+        let bodies = &mut self.bodies;
         let back =
-            (0..parts).try_for_each(|_| step(&backwards, &self.system, &mut self.bodies, memory, &mut ()));
+            (0..parts).try_for_each(|_| step(&backwards, system, &self.system, bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));
@@ -352,8 +465,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         if back.is_ok() && worst <= reversal.tolerance * size {
-            self.bodies.copy_from(&reversal.after);
-            self.system.refresh(&mut self.bodies);
+            self.system.put_back(&mut self.bodies, &reversal.after);
             return Ok(());
         }
         let off = if back.is_ok() { worst / size } else { f64::NAN };
@@ -362,158 +474,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Everything as it was before the step under way.
     fn put_back(&mut self) {
-        self.bodies.copy_from(&self.before);
+        self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
-        self.system.refresh(&mut self.bodies);
-    }
-
-    /// Steps taken so far.
-    pub fn steps(&self) -> u64 {
-        self.steps
-    }
-
-    /// The time: that of the start, 0 if none was given, and steps times step size, or the sum of the steps where they
-    /// differ in length.
-    pub fn time(&self) -> f64 {
-        self.exact_time().0
-    }
-
-    /// The time and what rounding took from it: the same after any number of stops and starts on the way.
-    fn exact_time(&self) -> (f64, f64) {
-        if self.method.time_taken(self.memory.as_ref()).is_some() {
-            return self.clock;
-        }
-        after_steps(self.clock, self.steps, self.method.step_size())
-    }
-
-    /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
-    /// with SHAKE.
-    pub fn momentum_time(&self) -> f64 {
-        self.time() + self.method.momentum_delay()
-    }
-
-    /// What is simulated.
-    pub fn system(&self) -> &Y {
-        &self.system
-    }
-
-    /// The method.
-    pub fn method(&self) -> &S {
-        &self.method
-    }
-
-    /// The number of bodies.
-    pub fn len(&self) -> usize {
-        self.bodies.q.as_ref().len()
-    }
-
-    /// Whether there is no body.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Positions of the bodies in turn.
-    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.q.as_ref().iter().map(|&q| q.into())
-    }
-
-    /// Momenta p of the bodies in turn; with unit masses also velocities.
-    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.p.as_ref().iter().map(|&p| p.into())
-    }
-
-    /// Velocities M⁻¹p of the bodies in turn.
-    pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        (0..self.len()).map(|i| self.system.velocity(&self.bodies, i).into())
-    }
-
-    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
-    /// from there. (Linked bodies whose equations have come to depend on each other may choose another
-    /// [linear algebra](crate::systems::network::solver::LinearAlgebra) at the new start, and round otherwise.)
-    pub fn state(&self) -> State<D> {
-        let bodies = (0..self.len()).map(|i| self.bodies.body(i)).collect();
-        let (time, time_low) = self.exact_time();
-        let remembered = Remembered::of(&self.method, self.memory.as_ref());
-        State { bodies, time, time_low, remembered, surplus_momenta: None }
-    }
-
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
-    pub fn kinetic_energy(&self) -> f64 {
-        self.system.kinetic_energy(&self.bodies)
-    }
-
-    /// Potential energy U of all effects.
-    pub fn potential_energy(&self) -> f64 {
-        self.system.potential_energy(&self.bodies)
-    }
-
-    /// Energy H = K + U.
-    pub fn energy(&self) -> f64 {
-        self.kinetic_energy() + self.potential_energy()
-    }
-
-    /// Kinetic and potential energy of the same bodies at other places, with other momenta.
-    pub(crate) fn energies_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        let mut bodies = self.before.clone();
-        let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
-        places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
-        let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
-        ways.for_each(|((high, low), &p)| (*high, *low) = (p.into(), [0.0; D]));
-        [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
-    }
-
-    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, and by
-    /// [flows](crate::effect::Flow) of momenta; 0 where there are none.
-    pub fn work(&self) -> f64 {
-        self.bodies.work
-    }
-
-    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the
-    /// energy too, by ∂U/∂t; that is no work here.
-    pub fn energy_error(&self) -> f64 {
-        self.energy() - self.start_energy - self.work()
-    }
-
-    /// g(q, t) of each equation, in the unit of g.
-    pub fn residuals(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.residuals(&self.bodies, out))
-    }
-
-    /// The largest |g(q, t)| of all equations, in the unit of g.
-    pub fn constraint_residual(&self) -> f64 {
-        largest(&self.residuals())
-    }
-
-    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
-    pub fn cotangent_residual(&self) -> f64 {
-        largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
-    }
-
-    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such that g̈ = 0; of the order of the
-    /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
-    pub fn multipliers(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.multipliers(&self.bodies, out))
-    }
-
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
-    /// the pull of its links, without the potentials that act on it.
-    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        let mut forces = vec![[0.0; D]; self.len()];
-        self.system.constraint_forces(&self.bodies, &mut forces);
-        forces.into_iter().map(Into::into).collect()
-    }
-
-    fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
-        let mut numbers = vec![0.0; self.system.equations()];
-        write(&mut numbers);
-        numbers
-    }
-}
-
-impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
-    /// What the position equations have cost since the start.
-    pub fn counts(&self) -> Counts {
-        self.system.counts(&self.bodies)
     }
 }
 
@@ -525,34 +487,6 @@ fn larger(a: f64, b: f64) -> f64 {
 /// The largest difference of a coordinate; NaN if one is.
 fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).fold(0.0, |most, (a, b)| larger((a - b).abs(), most))
-}
-
-/// The largest |x|; NaN if one is.
-fn largest(numbers: &[f64]) -> f64 {
-    numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
-}
-
-impl<Y: System<f64, D, Count = One>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The particle's position.
-    pub fn position(&self) -> SVector<f64, D> {
-        self.bodies.q[0].into()
-    }
-
-    /// The particle's momentum; with unit mass also its velocity.
-    pub fn momentum(&self) -> SVector<f64, D> {
-        self.bodies.p[0].into()
-    }
-
-    /// Its velocity M⁻¹p.
-    pub fn velocity(&self) -> SVector<f64, D> {
-        self.system.velocity(&self.bodies, 0).into()
-    }
-
-    /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
-    /// [`Self::multipliers`].
-    pub fn multiplier(&self) -> f64 {
-        self.multipliers().first().copied().unwrap_or(f64::NAN)
-    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
@@ -585,10 +519,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> fmt::Debug for Simulation<Y, 
     }
 }
 
-/// Passes a step's multipliers on to a recorder.
-struct Listening<'a, R, S>(&'a mut R, PhantomData<S>);
+/// Passes a step's multipliers on to an observer.
+struct Listening<'a, O: ?Sized, const D: usize>(&'a mut O);
 
-impl<R: Recorder<S>, S> Witness<f64> for Listening<'_, R, S> {
+impl<O: Observer<D> + ?Sized, const D: usize> Witness<f64> for Listening<'_, O, D> {
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
         self.0.position_multiplier(equation, lambda);

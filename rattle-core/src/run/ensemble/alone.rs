@@ -6,10 +6,10 @@ use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::number::instructions::InstructionSet;
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::look::Watched;
-use crate::run::ensemble::look::{Onlooker, Page};
-use crate::run::ensemble::sight::Energies;
+use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::Simulation;
+use crate::run::watch::seen::Page;
+use crate::run::watch::sight::{Sight, Source};
 use nalgebra::SVector;
 
 /// A simulation by itself.
@@ -60,13 +60,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D>
     }
 
     fn bodies(&self) -> usize {
-        self.simulation.len()
+        self.simulation.bodies()
     }
 
     fn look(&self, page: Page<'_, D>, _: InstructionSet) {
-        page.times[0] = self.simulation.time();
-        page.positions.iter_mut().zip(self.simulation.positions()).for_each(|(place, q)| *place = q);
-        page.momenta.iter_mut().zip(self.simulation.momenta()).for_each(|(place, p)| *place = p);
+        self.simulation.look(page);
     }
 
     fn moving(&self) -> &[bool] {
@@ -74,8 +72,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D>
     }
 }
 
-impl<Y: System<f64, D>, S: Method, const D: usize> Energies<D> for Alone<Y, S, D> {
+impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Alone<Y, S, D> {
     fn energies(&self, _: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        self.simulation.energies_at(positions, momenta)
+        self.simulation.energies(0, positions, momenta)
+    }
+
+    fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        self.simulation.constraints(0, sight)
+    }
+
+    fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.simulation.mass_product(0, body, a, b)
+    }
+
+    fn step_size(&self) -> f64 {
+        self.simulation.step_size()
     }
 }

@@ -32,16 +32,12 @@ mod block;
 pub mod group;
 mod laws;
 pub mod look;
-pub mod observe;
 pub mod precision;
 mod side_by_side;
-pub mod sight;
 pub mod stream;
 pub mod trajectories;
 
 pub use crate::number::instructions::InstructionSet;
-pub use observe::{Crossing, Histogram, Mean, Observer, Section};
 pub use precision::{Compensated, Double, Precision, Single};
-pub use sight::Sight;
 pub use stream::Snapshot;
 pub use trajectories::Ensemble;

@@ -15,10 +15,10 @@ use crate::number::lanes::Lane;
 use crate::run::ensemble::block::{Block, Part, Scratch, Stuck};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::look::Watched;
-use crate::run::ensemble::look::{Onlooker, Page};
-use crate::run::ensemble::sight::Energies;
+use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
+use crate::run::watch::seen::Page;
+use crate::run::watch::sight::{Sight, Source};
 use crate::systems::surface::kept::{OnSurface, OneByOne};
 use nalgebra::SVector;
 use std::array::from_fn;
@@ -353,7 +353,7 @@ where
     }
 }
 
-impl<S, X, const L: usize, const D: usize, const SUMS: usize> Energies<D> for SideBySide<S, X, L, D, SUMS>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize> Source<D> for SideBySide<S, X, L, D, SUMS>
 where
     S: Lane,
     X: Laws<S, D>,
@@ -363,5 +363,25 @@ where
         let at = Moment { time: 0.0, positions: &[place.map(S::from_f64)] };
         let potential = self.laws.effects(lane).borrow().energy(at);
         [0.5 * momenta[0].norm_squared(), potential.to_f64()]
+    }
+
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
+        let (q, p, low) = (own(sight.position()), own(sight.momentum()), own(SVector::zeros()));
+        let bodies = system.bodies(|_| Body { q, q_low: low, p, p_low: low }, sight.time);
+        let (mut multiplier, mut force) = ([S::from_f64(0.0)], [low]);
+        system.multipliers(&bodies, &mut multiplier);
+        system.constraint_forces(&bodies, &mut force);
+        (multiplier.map(Lane::to_f64).to_vec(), vec![force[0].map(Lane::to_f64).into()])
+    }
+
+    fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    }
+
+    fn step_size(&self) -> f64 {
+        self.h
     }
 }

@@ -1,7 +1,7 @@
 //! All trajectories of an ensemble, from time to time, for a consumer that works while the ensemble goes on.
 
-use crate::run::ensemble::look::Page;
 use crate::run::ensemble::trajectories::Ensemble;
+use crate::run::watch::seen::Page;
 use nalgebra::SVector;
 use rayon::prelude::*;
 use std::sync::mpsc::sync_channel;
@@ -74,7 +74,7 @@ impl<const D: usize> Ensemble<D> {
     }
 
     fn fill(&self, snapshot: &mut Snapshot<D>) {
-        let bodies = self.groups.first().map_or(0, |group| group.bodies()); // the same in all
+        let bodies = self.bodies();
         let Snapshot { steps, times, positions, momenta } = snapshot;
         *steps = self.steps;
         times.resize(self.len, 0.0);

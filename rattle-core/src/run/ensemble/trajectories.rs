@@ -2,7 +2,6 @@
 
 use crate::number::instructions::InstructionSet;
 use crate::run::ensemble::look::Watched;
-use crate::run::ensemble::observe::Observer;
 use crate::run::ensemble::precision::{Double, InLanes, Precision};
 use crate::run::ensemble::side_by_side::GROUP;
 
@@ -18,7 +17,9 @@ use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::look::{Onlooker, Seen};
+use crate::run::ensemble::look::Onlooker;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use std::fmt;
@@ -138,7 +139,7 @@ impl<const D: usize> Ensemble<D> {
                 let trajectory = ensemble.len + scenes.len();
                 let simulation = match beyond(most, &start) {
                     Some(error) => Err(error),
-                    None => scene.simulate(start.clone(), method.clone()),
+                    None => scene.trajectory(start.clone(), &method, trajectory as u64),
                 };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
                 simulations.push(simulation.map_err(error)?);
@@ -193,11 +194,11 @@ impl<const D: usize> Ensemble<D> {
     /// are left at different times.
     ///
     /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is done
-    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::ensemble::Mean) of a height takes 1.9 steps
-    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](crate::run::ensemble::Sight::energy) a step more.
+    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::watch::Mean) of a height takes 1.9 steps
+    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](crate::run::watch::Sight::energy) a step more.
     ///
     /// ```
-    /// # use rattle::{Scene, State, Rattle, ensemble::{Mean, Sight}};
+    /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
     /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
     /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
     /// let speed = ensemble.observe(1000, 10, || Mean::of(|now: &Sight<'_, 1>| now.momentum().norm()));
@@ -207,11 +208,17 @@ impl<const D: usize> Ensemble<D> {
     ///
     /// # Panics
     /// If `every` is 0.
-    pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: impl Fn() -> O + Sync) -> O {
+    pub fn observe<O: Observer<D> + Send>(
+        &mut self,
+        steps: u64,
+        every: u64,
+        observer: impl Fn() -> O + Sync,
+    ) -> O {
         assert!(every > 0, "an ensemble is observed after every 1 or more steps");
-        let (set, next) = (self.set, self.steps.saturating_add(every));
+        let (set, taken, next) = (self.set, self.steps, self.steps.saturating_add(every));
         let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
-            let (mut own, now) = (observer(), Seen::of(&**group, set));
+            let mut own = observer();
+            let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
             let mut before = now.clone();
             let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
                 let sights = before.sights(group, first).zip(now.sights(group, first));
@@ -242,10 +249,33 @@ impl<const D: usize> Ensemble<D> {
         self.len == 0
     }
 
+    /// The number of bodies of each trajectory; 0 where there is no trajectory.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.groups.first().map_or(0, |group| group.bodies())
+    }
+
     /// Steps taken so far.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// The step size of the method.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.h
+    }
+
+    /// The present time of a trajectory: starts may have times of their own, and a trajectory that failed rests at its
+    /// last.
+    ///
+    /// # Panics
+    /// If there are not so many.
+    #[must_use]
+    #[track_caller]
+    pub fn time(&self, trajectory: usize) -> f64 {
+        self.state(trajectory).time()
     }
 
     /// The instructions of trajectories that go in lanes.

@@ -15,8 +15,8 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::motion::bodies::Count;
+use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
-use crate::motion::need::Need;
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -42,9 +42,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        if let Some(system) = self.refuses(Need::Stages) {
-            return Err(Failure { body: 0, cause: StepFailure::NoCollocation { system } });
-        }
         let (n, m) = (self.count.number(), shape.equations);
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,
@@ -110,7 +107,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Constant acceleration, that with g̈ = 0 at the start.
     fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F, D>) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
-        self.rates(bodies, &mut stages.total[..n], &mut ());
+        self.evaluate_rates(bodies, &mut stages.total[..n], &mut ());
         let kept = &mut bodies.kept;
         for (c, component) in shape.components.iter().enumerate() {
             let row = component.first.0;

@@ -4,7 +4,6 @@ use crate::effect::list::Effects;
 use crate::error::Error;
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
-use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::start;
@@ -20,10 +19,11 @@ impl<const D: usize> Hold<D> for Network<D> {
         effects: &E,
         count: N,
         start: &State<D>,
-        method: &impl Method,
+        h: f64,
+        tangent: bool,
     ) -> Result<Self::System<E, N>, Error> {
         let mut shape = self.shape(count.number())?;
-        start::check(&mut shape, self.algebra, start, method)?;
+        start::check(&mut shape, self.algebra, start, h, tangent)?;
         Ok(Linked::new(shape, effects.forces(), count))
     }
 

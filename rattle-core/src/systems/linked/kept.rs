@@ -97,11 +97,6 @@ impl<F, N, const D: usize> Linked<F, N, D> {
         self.shape.components.iter().map(|component| Report::of(&component.rows, &component.solver))
     }
 
-    /// Whether a link changes with time.
-    pub(super) fn links_move(&self) -> bool {
-        self.shape.components.iter().any(|component| component.rows.moving)
-    }
-
     pub(crate) fn component(&self, c: usize) -> &Rows {
         &self.shape.components[c].rows
     }

@@ -10,11 +10,9 @@
 //! factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
 
 use crate::effect::list::Forces;
-use crate::error::StepFailure;
 use crate::kernel::recurrences::Recurrences;
 use crate::kernel::series::{AnyOrder, Products, blocks};
 use crate::motion::bodies::Count;
-use crate::motion::failure::Failure;
 use crate::motion::witness::Witness;
 use crate::number::vector::{scaled, sum};
 use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
@@ -37,10 +35,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         blocks(2 * D * self.shape.blocks + self.shape.equations)
     }
 
-    pub(super) fn room_for_series(&self, orders: usize) -> Option<Box<SeriesRoom<D>>> {
+    /// Room for so many coefficients of functions that all have series.
+    pub(super) fn room_for_series(&self, orders: usize) -> Box<SeriesRoom<D>> {
         let (shape, n) = (&*self.shape, self.count.number());
-        Some(Box::new(SeriesRoom {
-            products: Products::new(self.series_blocks()? + self.own_blocks(), orders),
+        Box::new(SeriesRoom {
+            products: Products::new(self.series_blocks().unwrap_or(0) + self.own_blocks(), orders),
             normals: vec![[0.0; D]; shape.blocks],
             acting: vec![[0.0; D]; shape.blocks],
             rates: vec![0.0; shape.equations],
@@ -50,7 +49,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             velocity: vec![[0.0; D]; n],
             lambda: vec![0.0; shape.equations],
             work: vec![0.0; orders],
-        }))
+        })
     }
 
     /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
@@ -59,11 +58,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         bodies: &mut BodiesOf<F, N, D>,
         series: &mut [[f64; D]],
         witness: &mut W,
-    ) -> Result<(), Failure> {
+    ) {
         let (shape, n) = (&*self.shape, self.count.number());
-        let Kept { series: Some(expansion), solvers, blocks, rates, room, .. } = &mut bodies.kept else {
-            return Err(Failure { body: 0, cause: StepFailure::NoSeries });
-        };
+        let Kept { series: expansion, solvers, blocks, rates, room, .. } = &mut bodies.kept;
+        let expansion = expansion.get_or_insert_with(|| self.room_for_series(series.len() / n));
         let SeriesRoom { products, normals, acting, rates: moves, force, pull, push, velocity, lambda, work } =
             &mut **expansion;
         series[..n].copy_from_slice(bodies.q.as_ref());
@@ -138,7 +136,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 self.effects.contribute_series(&series[now], force, order);
             }
         }
-        Ok(())
     }
 }
 

@@ -2,14 +2,14 @@
 
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::motion::bodies::Body;
-use crate::motion::method::Method;
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::systems::linked::flight::LOST;
+use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::shape::Shape;
-use crate::systems::network::solver::{LinearAlgebra, Solver};
+use crate::systems::network::solver::Solver;
 
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
 /// condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
@@ -60,7 +60,8 @@ pub(crate) fn check<const D: usize>(
     shape: &mut Shape<D>,
     algebra: LinearAlgebra,
     state: &State<D>,
-    method: &impl Method,
+    h: f64,
+    tangent: bool,
 ) -> Result<(), Error> {
     check_bodies(shape, &state.bodies)?;
     check_fixed(shape, state)?;
@@ -68,7 +69,8 @@ pub(crate) fn check<const D: usize>(
     for c in 0..shape.components.len() {
         start.evaluate(shape, c, state.time);
         for row in 0..shape.components[c].rows.equations() {
-            check_row(shape, c, row, &mut start, state, method).map_err(|cause| at(shape, c, row, cause))?;
+            check_row(shape, c, row, &mut start, state, h, tangent)
+                .map_err(|cause| at(shape, c, row, cause))?;
         }
         check_normals(shape, c, algebra, &start)?;
     }
@@ -103,7 +105,8 @@ fn check_row<const D: usize>(
     row: usize,
     start: &mut Start<D>,
     state: &State<D>,
-    method: &impl Method,
+    h: f64,
+    tangent: bool,
 ) -> Result<(), StartFailure> {
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
@@ -140,14 +143,14 @@ fn check_row<const D: usize>(
         return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
     }
     let distance = value.abs() / length;
-    let size = size.max(method.step_size().abs() * speed).min(singular);
+    let size = size.max(h.abs() * speed).min(singular);
     let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
     let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
     if distance > tolerance {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
-    if state.must_be_tangent(method) && rate.abs() > START_TOLERANCE * scale {
+    if tangent && rate.abs() > START_TOLERANCE * scale {
         let (sine, tolerance) = (rate.abs() / scale, START_TOLERANCE);
         return Err(StartFailure::NotAlong { equation: at(), rate, sine, tolerance });
     }

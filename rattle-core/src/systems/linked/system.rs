@@ -6,9 +6,9 @@ use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::need::{FORCES_CHANGE, Need};
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -27,6 +27,26 @@ use crate::systems::linked::room::Stages;
 impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
     type Count = N;
     type Kept = Kept<F, D>;
+    type Rates = Self;
+    type Collocation = Self;
+    type Series = Self;
+
+    fn kind(&self) -> &'static str {
+        "linked bodies"
+    }
+
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    fn collocation(&self) -> Result<&Self, &'static str> {
+        let acting = self.shape.components.iter().any(|component| component.rows.acting);
+        if acting { Err("a network whose multipliers act on chosen coordinates") } else { Ok(self) }
+    }
+
+    fn series(&self) -> Result<&Self, &'static str> {
+        self.series_blocks().map(|_| self).ok_or(NO_SERIES)
+    }
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<F, N, D> {
         let (shape, n) = (&self.shape, self.count.number());
@@ -75,19 +95,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.evaluate_forces(bodies);
     }
 
-    fn refuses(&self, need: Need) -> Option<&'static str> {
-        let acting = self.shape.components.iter().any(|component| component.rows.acting);
-        match need {
-            Need::Stages => acting.then_some("a network whose multipliers act on chosen coordinates"),
-            Need::Differences if self.links_move() => Some("a network whose links move"),
-            Need::Differences => self.effects.changes_with_time().then_some(FORCES_CHANGE),
-            Need::Series => self.series_blocks().is_none().then_some(NO_SERIES),
-            Need::Verbs | Need::PositionEquation => None,
-        }
-    }
-
     fn moves_with_time(&self) -> bool {
-        self.links_move() || self.effects.changes_with_time()
+        let links_move = self.shape.components.iter().any(|component| component.rows.moving);
+        links_move || self.effects.changes_with_time()
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -249,7 +259,54 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         Ok(())
     }
 
-    fn rates<W: Witness<f64>>(
+    fn equations(&self) -> usize {
+        self.shape.equations
+    }
+
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
+        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
+    }
+
+    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
+        let mut multipliers = vec![0.0; self.shape.equations];
+        self.multipliers(bodies, &mut multipliers);
+        forces.fill([0.0; D]);
+        for (c, component) in self.shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let mut blocks =
+                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
+            self.shape.mask(c, &mut blocks);
+            for row in 0..rows.equations() {
+                for (block, body) in rows.touched_by(row) {
+                    let multiplier = multipliers[rows.equation(row)];
+                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
+                }
+            }
+        }
+    }
+
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
+    }
+
+    fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
+        self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
+    }
+
+    fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
+        let velocity = self.velocities(bodies);
+        self.for_rows(rates, |c, out| {
+            let (rows, (row, block)) = (self.component(c), self.shape.components[c].first);
+            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+            for (i, rate) in out.iter_mut().enumerate() {
+                *rate = along(rows, i, blocks, &velocity) + bodies.kept.rates[row + i];
+            }
+        });
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
+    fn evaluate_rates<W: Witness<f64>>(
         &self,
         bodies: &mut BodiesOf<F, N, D>,
         rates: &mut [[f64; D]],
@@ -335,6 +392,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         Ok(())
     }
 
+    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.shape.roots[body].product(a, b)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
         let room = || Box::new(Stages::new(stages, self.count.number(), &self.shape, &self.effects));
         bodies.kept.stages = (stages > 0).then(room);
@@ -350,9 +413,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     ) -> Result<(), Failure> {
         self.collocate(table, h, bodies, memory, witness)
     }
+}
 
+impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize) {
-        bodies.kept.series = self.room_for_series(orders);
+        bodies.kept.series = Some(self.room_for_series(orders));
     }
 
     fn expand<W: Witness<f64>>(
@@ -360,103 +425,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         series: &mut [[f64; D]],
         witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.expand_motion(bodies, series, witness)
+    ) {
+        self.expand_motion(bodies, series, witness);
     }
 
     fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
         let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
         work.fold(0.0, |sum, coefficient| coefficient + h * sum)
-    }
-
-    fn equations(&self) -> usize {
-        self.shape.equations
-    }
-
-    fn velocity(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> [f64; D] {
-        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
-    }
-
-    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.shape.roots[body].product(a, b)
-    }
-
-    fn accelerations(&self, bodies: &BodiesOf<F, N, D>, accelerations: &mut [[f64; D]]) {
-        let mut forces = vec![F::Force::zero(); accelerations.len()];
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.forces(at, &mut bodies.kept.of_effects.clone(), &mut forces);
-        let mut pulls = vec![[0.0; D]; bodies.q.as_ref().len()];
-        self.constraint_forces(bodies, &mut pulls);
-        for (body, a) in accelerations.iter_mut().enumerate() {
-            *a = self.shape.roots[body].velocity(&forces[body].add_to(pulls[body], 1.0));
-        }
-    }
-
-    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
-        let mut multipliers = vec![0.0; self.shape.equations];
-        self.multipliers(bodies, &mut multipliers);
-        forces.fill([0.0; D]);
-        for (c, component) in self.shape.components.iter().enumerate() {
-            let rows = &component.rows;
-            let mut blocks =
-                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
-            self.shape.mask(c, &mut blocks);
-            for row in 0..rows.equations() {
-                for (block, body) in rows.touched_by(row) {
-                    let multiplier = multipliers[rows.equation(row)];
-                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
-                }
-            }
-        }
-    }
-
-    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).zip(&self.shape.roots);
-        let energy = parts.map(|((p, low), root)| {
-            let v = root.velocity(p);
-            0.5 * dot(p, &v) + dot(low, &v)
-        });
-        energy.sum()
-    }
-
-    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
-    }
-
-    fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
-        self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
-    }
-
-    fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
-        let velocity = self.velocities(bodies);
-        self.for_rows(rates, |c, out| {
-            let (rows, (row, block)) = (self.component(c), self.shape.components[c].first);
-            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
-            for (i, rate) in out.iter_mut().enumerate() {
-                *rate = along(rows, i, blocks, &velocity) + bodies.kept.rates[row + i];
-            }
-        });
-    }
-
-    fn multipliers(&self, bodies: &BodiesOf<F, N, D>, multipliers: &mut [f64]) {
-        let velocity = self.velocities(bodies);
-        let mut forces = vec![F::Force::zero(); velocity.len()];
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.forces(at, &mut bodies.kept.of_effects.clone(), &mut forces);
-        let pulls: Vec<_> =
-            forces.iter().zip(&self.shape.roots).map(|(f, root)| root.velocity(&f.components())).collect();
-        self.for_rows(multipliers, |c, out| {
-            let (rows, (_, block)) = (self.component(c), self.shape.components[c].first);
-            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
-            let (mut bends, mut turns) = (vec![0.0; out.len()], vec![0.0; out.len()]);
-            self.shape.bends(c, bodies.time, bodies.q.as_ref(), &velocity, &mut bends, &mut turns);
-            for (i, bend) in bends.iter_mut().enumerate() {
-                *bend = -*bend - along(rows, i, blocks, &pulls);
-            }
-            let mut solver = bodies.kept.solvers[c].clone();
-            let mut x = vec![0.0; out.len()];
-            solver.respond(rows, blocks, &self.shape.roots, &mut bends, &mut x);
-            solver.multipliers(&x, out);
-        });
     }
 }

@@ -8,10 +8,10 @@
 //! M q̈ = f(q) + G(q, t)ᵀ λ,    g(q, t) = 0,    one block of M for each body
 //! ```
 
+pub(crate) use crate::systems::network::algebra::LinearAlgebra;
 pub(crate) use crate::systems::network::mass::Mass;
 use crate::systems::network::shape::Component;
 use crate::systems::network::shape::Shape;
-pub(crate) use crate::systems::network::solver::LinearAlgebra;
 
 pub(crate) use crate::systems::network::group::Group;
 pub(crate) use crate::systems::network::mass::Root;
@@ -116,7 +116,9 @@ impl<const D: usize> Network<D> {
                 let solver = match self.algebra {
                     LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
                     LinearAlgebra::Automatic if few => Solver::orthogonal(&rows),
-                    _ => Solver::elimination(&rows),
+                    #[cfg(feature = "faer")]
+                    LinearAlgebra::Supernodal => Solver::supernodal(&rows),
+                    LinearAlgebra::Automatic | LinearAlgebra::Elimination => Solver::elimination(&rows),
                 };
                 Component { rows, solver, first }
             })

@@ -6,10 +6,14 @@
 //! costs as many operations as there are equations.
 
 use crate::number::vector::{add_scaled, dot};
-use crate::systems::network::factor::Factor;
+use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::factor::{Factor, TOGETHER};
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
+#[cfg(feature = "faer")]
+use crate::systems::network::supernodal::Supernodal;
+use std::mem::take;
 
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination<const D: usize> {
@@ -22,6 +26,9 @@ pub(crate) struct Elimination<const D: usize> {
     lifted: Vec<[f64; D]>,
     at_start: Factor,
     at_trial: Factor,
+    /// In place of the factor at the start.
+    #[cfg(feature = "faer")]
+    supernodal: Option<Box<Supernodal>>,
     permuted: Vec<f64>,
 }
 
@@ -53,13 +60,45 @@ impl<const D: usize> Elimination<D> {
             lifted: blocks,
             at_start: factor.clone(),
             at_trial: factor,
+            #[cfg(feature = "faer")]
+            supernodal: None,
             permuted: vec![0.0; m],
         }
     }
 
-    /// Entries of the factor below the diagonal, and how many of them were not in the matrix.
-    pub(crate) fn fill(&self) -> (usize, usize) {
-        (self.pattern.lower.len(), self.pattern.lower.len() - self.pattern.entries)
+    /// The same with a supernodal factor where the step starts, if it pays.
+    #[cfg(feature = "faer")]
+    pub(crate) fn supernodal(rows: &Rows) -> Self {
+        let mut elimination = Self::new(rows);
+        let Self { pattern, touching, touching_start, .. } = &elimination;
+        let columns = |k: usize| {
+            let bodies = rows.blocks_of(pattern.order[k]).map(|(_, body)| body);
+            let rows = bodies.flat_map(|body| &touching[touching_start[body]..touching_start[body + 1]]);
+            let mut columns: Vec<_> =
+                rows.map(|&(row, _)| pattern.rank_of[row]).filter(|&rank| rank <= k).collect();
+            columns.sort_unstable();
+            columns.dedup();
+            columns
+        };
+        elimination.supernodal = Supernodal::new(pattern, columns).map(Box::new);
+        if elimination.supernodal.is_some() {
+            elimination.at_start = Factor::default();
+        }
+        elimination
+    }
+
+    /// How the momentum equation is solved.
+    pub(crate) fn by(&self) -> LinearAlgebra {
+        #[cfg(feature = "faer")]
+        if self.supernodal.is_some() {
+            return LinearAlgebra::Supernodal;
+        }
+        LinearAlgebra::Elimination
+    }
+
+    /// Entries of the factor below the diagonal that were not in the matrix.
+    pub(crate) fn fill(&self) -> usize {
+        self.pattern.lower.len() - self.pattern.entries
     }
 
     /// Takes the normals over. Returns the sine of the angle of the least independent one to those before, and its row.
@@ -70,25 +109,70 @@ impl<const D: usize> Elimination<D> {
             }
         }
         self.normals.copy_from_slice(blocks);
-        let (square, k) = self.factor::<false>(rows, blocks, true);
+        #[cfg(feature = "faer")]
+        if let Some(mut supernodal) = self.supernodal.take() {
+            let (square, k) = self.factor_supernodal(rows, &mut supernodal);
+            self.supernodal = Some(supernodal);
+            return (square.max(0.0).sqrt(), self.pattern.order[k]);
+        }
+        let mut factor = take(&mut self.at_start);
+        let (square, k) = self.factor::<false>(rows, blocks, &mut factor, true);
+        self.at_start = factor;
         (square.max(0.0).sqrt(), self.pattern.order[k])
+    }
+
+    /// Factors (normals)(lifted)ᵀ, of which it forms the entries up to the diagonal.
+    #[cfg(feature = "faer")]
+    fn factor_supernodal(&mut self, rows: &Rows, supernodal: &mut Supernodal) -> (f64, usize) {
+        let Self { pattern, touching, touching_start, normals, lifted, permuted: line, .. } = self;
+        line.fill(0.0);
+        for k in 0..pattern.order.len() {
+            for (block, body) in rows.blocks_of(pattern.order[k]) {
+                for &(row, other) in &touching[touching_start[body]..touching_start[body + 1]] {
+                    if pattern.rank_of[row] <= k {
+                        line[pattern.rank_of[row]] += dot(&normals[block], &lifted[other]);
+                    }
+                }
+            }
+            for at in supernodal.start[k]..supernodal.start[k + 1] {
+                supernodal.entries[at] = take(&mut line[supernodal.columns[at]]);
+            }
+        }
+        supernodal.factor()
     }
 
     /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest pivot,
     /// relative to its entry.
     pub(crate) fn chord<const SYMMETRIC: bool>(&mut self, rows: &Rows, blocks: &[[f64; D]]) -> f64 {
-        self.factor::<SYMMETRIC>(rows, blocks, false).0
+        let mut factor = take(&mut self.at_trial);
+        let (smallest, _) = self.factor::<SYMMETRIC>(rows, blocks, &mut factor, false);
+        self.at_trial = factor;
+        smallest
     }
 
     /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, and where.
     fn factor<const SYMMETRIC: bool>(
-        &mut self,
+        &self,
         rows: &Rows,
         blocks: &[[f64; D]],
+        factor: &mut Factor,
+        at_start: bool,
+    ) -> (f64, usize) {
+        if self.pattern.widest < TOGETHER {
+            self.factor_rows::<SYMMETRIC, false>(rows, blocks, factor, at_start)
+        } else {
+            self.factor_rows::<SYMMETRIC, true>(rows, blocks, factor, at_start)
+        }
+    }
+
+    fn factor_rows<const SYMMETRIC: bool, const WIDE: bool>(
+        &self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        factor: &mut Factor,
         at_start: bool,
     ) -> (f64, usize) {
         let Self { pattern, touching, touching_start, lifted, .. } = self;
-        let factor = if at_start { &mut self.at_start } else { &mut self.at_trial };
         let mut weakest = (f64::INFINITY, 0);
         for k in 0..pattern.order.len() {
             for (block, body) in rows.blocks_of(pattern.order[k]) {
@@ -100,7 +184,7 @@ impl<const D: usize> Elimination<D> {
                 }
             }
             let entry = factor.line[k];
-            let ratio = factor.eliminate(pattern, k) / entry;
+            let ratio = factor.eliminate::<WIDE>(pattern, k) / entry;
             let ratio = if at_start { ratio } else { ratio * entry.signum() };
             if ratio < weakest.0 || ratio.is_nan() {
                 weakest = (ratio, k);
@@ -111,6 +195,10 @@ impl<const D: usize> Elimination<D> {
 
     /// Λ such that G moves at these rates when the bodies move by M⁻¹GᵀΛ.
     pub(crate) fn solve(&mut self, rates: &[f64], x: &mut [f64]) {
+        #[cfg(feature = "faer")]
+        if let Some(supernodal) = &mut self.supernodal {
+            return supernodal.solve(&self.pattern, rates, x, &mut self.permuted);
+        }
         self.at_start.solve(&self.pattern, rates, x, &mut self.permuted);
     }
 

@@ -9,7 +9,7 @@ use std::array::from_fn;
 use std::mem::take;
 
 /// L and U with ones on their diagonals, on one pattern: column k of L mirrors row k of U.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Factor {
     lower: Vec<f64>,
     upper: Vec<f64>,
@@ -21,7 +21,7 @@ pub(super) struct Factor {
 }
 
 /// So many rows of U with the same columns are subtracted together: fewer cost as much to gather as they save.
-const TOGETHER: usize = 4;
+pub(super) const TOGETHER: usize = 4;
 
 impl Factor {
     pub(super) fn new(pattern: &Pattern) -> Self {
@@ -36,20 +36,22 @@ impl Factor {
         }
     }
 
-    /// Eliminates row k, which is in `line`; its pivot.
+    /// Eliminates row k, which is in `line`; its pivot. `WIDE` where [`TOGETHER`] rows are alike anywhere: a chain, where none
+    /// are, does not wait for the question.
     #[inline(always)]
-    pub(super) fn eliminate(&mut self, pattern: &Pattern, k: usize) -> f64 {
+    pub(super) fn eliminate<const WIDE: bool>(&mut self, pattern: &Pattern, k: usize) -> f64 {
         let end = pattern.lower_start[k + 1];
         let mut at = pattern.lower_start[k];
         while at < end {
             let j = pattern.lower[at];
-            let past = pattern.alike[j].min(k);
-            if past - j < TOGETHER {
-                let left = take(&mut self.line[j]);
-                self.lower[at] = left * self.inverse[j];
-                let upper = pattern.upper_start[j]..pattern.upper_start[j + 1];
-                for (&column, u) in pattern.upper[upper.clone()].iter().zip(&self.upper[upper]) {
-                    self.line[column] -= left * u;
+            let past = if WIDE { pattern.alike[j].min(k) } else { j };
+            if !WIDE || past < j + TOGETHER {
+                let Self { lower, upper, inverse, line, .. } = self;
+                let left = take(&mut line[j]);
+                lower[at] = left * inverse[j];
+                let range = pattern.upper_start[j]..pattern.upper_start[j + 1];
+                for (&column, u) in pattern.upper[range.clone()].iter().zip(&upper[range]) {
+                    line[column] -= left * u;
                 }
                 at += 1;
             } else {

@@ -1,5 +1,6 @@
 //! Constraints between bodies and their linear algebra.
 
+pub(crate) mod algebra;
 pub(crate) mod constraints;
 mod elimination;
 mod factor;
@@ -11,9 +12,12 @@ mod pattern;
 pub(crate) mod rows;
 pub(crate) mod shape;
 pub(crate) mod solver;
+#[cfg(feature = "faer")]
+mod supernodal;
 pub(crate) mod tie;
 
+pub use algebra::LinearAlgebra;
 pub use constraints::Network;
 pub use mass::Mass;
-pub use solver::{LinearAlgebra, Report};
+pub use solver::Report;
 pub use tie::Tie;

@@ -16,6 +16,8 @@ pub(super) struct Pattern {
     pub(super) upper_start: Vec<usize>,
     /// Rows k to `alike[k]` of U have the same columns, as far as these are beyond the rows themselves.
     pub(super) alike: Vec<usize>,
+    /// How many rows are alike at most.
+    pub(super) widest: usize,
     /// Entries of the lower triangle before elimination.
     pub(super) entries: usize,
 }
@@ -43,7 +45,8 @@ impl Pattern {
                 alike[k - 1] = alike[k];
             }
         }
-        Self { order, rank_of, lower, lower_start, upper, upper_start, alike, entries }
+        let widest = (0..m).map(|k| alike[k] - k).max().unwrap_or(0);
+        Self { order, rank_of, lower, lower_start, upper, upper_start, alike, widest, entries }
     }
 }
 

@@ -1,24 +1,11 @@
 //! Which linear algebra a component gets.
 
+use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::elimination::Elimination;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::Basis;
 use crate::systems::network::rows::Rows;
 use std::fmt;
-
-/// How the multipliers of a component of linked bodies are found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LinearAlgebra {
-    /// An orthonormal basis for a few equations and where equations depend on each other, elimination otherwise.
-    #[default]
-    Automatic,
-    /// An orthonormal basis of the normals, by pivoted Gram–Schmidt: costs m² n operations for m equations between n
-    /// coordinates, and does not mind equations that nearly or wholly depend on each other.
-    Orthogonal,
-    /// Elimination on the pattern of the links: costs as many operations as there are links in chains and trees; equations
-    /// must be independent.
-    Elimination,
-}
 
 #[derive(Debug, Clone)]
 pub(crate) enum Solver<const D: usize> {
@@ -33,6 +20,11 @@ impl<const D: usize> Solver<D> {
 
     pub(crate) fn elimination(rows: &Rows) -> Self {
         Self::Elimination(Box::new(Elimination::new(rows)))
+    }
+
+    #[cfg(feature = "faer")]
+    pub(crate) fn supernodal(rows: &Rows) -> Self {
+        Self::Elimination(Box::new(Elimination::supernodal(rows)))
     }
 
     /// Independent equations, as far as the last normals show.
@@ -145,7 +137,7 @@ pub struct Report {
     pub equations: usize,
     /// Independent ones among them.
     pub rank: usize,
-    /// [`LinearAlgebra::Orthogonal`] or [`LinearAlgebra::Elimination`].
+    /// What is used; not [`LinearAlgebra::Automatic`].
     pub by: LinearAlgebra,
     /// Entries of the factor below the diagonal that the links themselves do not have; 0 for chains and trees.
     pub fill: usize,
@@ -155,7 +147,7 @@ impl Report {
     pub(crate) fn of<const D: usize>(rows: &Rows, solver: &Solver<D>) -> Self {
         let (by, fill) = match solver {
             Solver::Orthogonal(_) => (LinearAlgebra::Orthogonal, 0),
-            Solver::Elimination(elimination) => (LinearAlgebra::Elimination, elimination.fill().1),
+            Solver::Elimination(elimination) => (elimination.by(), elimination.fill()),
         };
         Self { bodies: rows.bodies.len(), equations: rows.equations(), rank: solver.rank(rows), by, fill }
     }
@@ -169,8 +161,12 @@ impl fmt::Display for Report {
             write!(f, " of which {} independent", self.rank)?;
         }
         match self.by {
+            LinearAlgebra::Automatic | LinearAlgebra::Orthogonal => write!(f, ": orthonormal basis"),
             LinearAlgebra::Elimination => write!(f, ": elimination, {} entries filled in", self.fill),
-            _ => write!(f, ": orthonormal basis"),
+            #[cfg(feature = "faer")]
+            LinearAlgebra::Supernodal => {
+                write!(f, ": elimination, supernodal, {} entries filled in", self.fill)
+            }
         }
     }
 }

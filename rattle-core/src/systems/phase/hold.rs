@@ -5,9 +5,7 @@ use crate::error::Error;
 use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::Hold;
-use crate::motion::method::Method;
 use crate::motion::state::State;
-use crate::systems::phase::kept::IN_PHASE_SPACE;
 use crate::systems::phase::kept::InPhaseSpace;
 use crate::systems::phase::kept::PhaseSpace;
 use crate::systems::phase::point::Point;
@@ -35,7 +33,8 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
         _: &E,
         count: N,
         start: &State<D>,
-        method: &impl Method,
+        _: f64,
+        _: bool,
     ) -> Result<Self::System<E, N>, Error> {
         const {
             assert!(
@@ -43,9 +42,6 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
                 "in phase space the Hamiltonian is the whole energy: write potentials into it"
             )
         };
-        if method.rattle_steps().is_none() {
-            return Err(Error::NeedsRattle { method: method.name(), system: IN_PHASE_SPACE });
-        }
         let system = self.in_phase_space(count);
         for (body, state) in start.bodies.iter().enumerate() {
             system.check(state).map_err(|cause| Error::Start { body, cause })?;

@@ -3,11 +3,10 @@
 use crate::error::StepFailure;
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::capability::Never;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
-use crate::motion::need::Need;
 use crate::motion::system::System;
-use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::dot;
 use crate::systems::phase::kept::BodiesOf;
@@ -27,6 +26,18 @@ where
     type Count = N;
     /// N at the points.
     type Kept = N::Of<[[f64; M]; M]>;
+    /// Forces and momenta are not apart.
+    type Rates = Never;
+    type Collocation = Never;
+    type Series = Never;
+
+    fn kind(&self) -> &'static str {
+        IN_PHASE_SPACE
+    }
+
+    fn is_cartesian(&self) -> bool {
+        false
+    }
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<N, D, M> {
         let mut bodies = Bodies::new(self.count, self.count.each([[0.0; M]; M]), place, time);
@@ -90,48 +101,13 @@ where
         Ok(())
     }
 
-    fn collocate<W: Witness<f64>, const S: usize>(
-        &self,
-        _: &Table<S>,
-        _: f64,
-        _: &mut BodiesOf<N, D, M>,
-        _: &mut [f64],
-        _: &mut W,
-    ) -> Result<(), Failure> {
-        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: IN_PHASE_SPACE } })
-    }
-
-    /// Not known here: forces and momenta are not apart. Methods that ask are refused before a run.
-    fn rates<W: Witness<f64>>(&self, _: &mut BodiesOf<N, D, M>, rates: &mut [[f64; D]], _: &mut W) -> f64 {
-        rates.fill([f64::NAN; D]);
-        f64::NAN
-    }
-
-    fn project(&self, _: f64, _: &mut BodiesOf<N, D, M>) -> Result<(), Failure> {
-        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: IN_PHASE_SPACE } })
-    }
-
-    fn refuses(&self, need: Need) -> Option<&'static str> {
-        (need != Need::Verbs).then_some(IN_PHASE_SPACE)
-    }
-
     fn equations(&self) -> usize {
         self.count.number() * M
     }
 
     /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
-    fn velocity(&self, bodies: &BodiesOf<N, D, M>, body: usize) -> [f64; D] {
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
         self.flow(&Point::high(&bodies.body(body))).q
-    }
-
-    /// No metric is known here: NaN, and so is a shadow energy.
-    fn mass_product(&self, _: usize, _: &[f64; D], _: &[f64; D]) -> f64 {
-        f64::NAN
-    }
-
-    /// NaN: q̈ has third derivatives in it.
-    fn accelerations(&self, _: &BodiesOf<N, D, M>, accelerations: &mut [[f64; D]]) {
-        accelerations.fill([f64::NAN; D]);
     }
 
     /// The part (∂g/∂q)ᵀλ that acts on momenta.

@@ -4,7 +4,6 @@ use crate::effect::list::Effects;
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::Hold;
-use crate::motion::method::Method;
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::finite;
 use crate::motion::state::State;
@@ -22,7 +21,8 @@ impl Hold<9> for Rigid {
         effects: &E,
         count: N,
         start: &State<9>,
-        _: &impl Method,
+        _: f64,
+        _: bool,
     ) -> Result<Self::System<E, N>, Error> {
         let fine = |moment: &f64| *moment > 0.0 && moment.is_finite();
         let triangle = self.column_masses().iter().all(|d| *d >= -4.0 * f64::EPSILON * self.inertia.amax());

@@ -5,10 +5,8 @@
 //! ```
 
 use crate::effect::list::Forces;
-use crate::error::StepFailure;
 use crate::kernel::series::{Order, Products, blocks};
 use crate::motion::bodies::Count;
-use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, scaled};
 use crate::systems::rigid::kept::{BodiesOf, Turning};
 use crate::systems::rigid::room::SeriesRoom;
@@ -18,22 +16,18 @@ use std::array::from_fn;
 const BLOCKS: usize = blocks(7 * 6);
 
 impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
-    pub(super) fn room_for_series(&self, orders: usize) -> Option<Box<SeriesRoom>> {
+    /// Room for so many coefficients of functions that all have series.
+    pub(super) fn room_for_series(&self, orders: usize) -> Box<SeriesRoom> {
         let n = self.count.number();
-        let products = Products::new(n * BLOCKS + self.effects.series_blocks(n)?, orders);
-        Some(Box::new(SeriesRoom { products, force: vec![[0.0; 9]; n], m: vec![[0.0; 3]; n * orders] }))
+        let products = Products::new(n * BLOCKS + self.effects.series_blocks(n).unwrap_or(0), orders);
+        Box::new(SeriesRoom { products, force: vec![[0.0; 9]; n], m: vec![[0.0; 3]; n * orders] })
     }
 
     /// Writes Q₀, Q₁, … of all bodies in turn, as many as `series` has room for.
-    pub(super) fn expand_motion(
-        &self,
-        bodies: &mut BodiesOf<F, N>,
-        series: &mut [[f64; 9]],
-    ) -> Result<(), Failure> {
+    pub(super) fn expand_motion(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]]) {
         let n = self.count.number();
-        let Some(SeriesRoom { products, force, m }) = bodies.kept.series.as_deref_mut() else {
-            return Err(Failure { body: 0, cause: StepFailure::NoSeries });
-        };
+        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n));
+        let SeriesRoom { products, force, m } = &mut **room;
         series[..n].copy_from_slice(bodies.q.as_ref());
         for (m, p) in m.iter_mut().zip(bodies.p.as_ref()) {
             *m = from_fn(|i| p[i]);
@@ -42,7 +36,6 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
         for k in 1..series.len() / n - 1 {
             self.next_coefficients(k, &mut products.next(k), series, m, force);
         }
-        Ok(())
     }
 
     fn next_coefficients<const FIRST: bool>(

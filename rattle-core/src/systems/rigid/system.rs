@@ -6,11 +6,10 @@ use crate::effect::moment::Moment;
 use crate::error::{Passing, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::capability::{Never, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
-use crate::motion::need::Need;
 use crate::motion::system::System;
-use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::systems::rigid::body::CROOKED;
 use crate::systems::rigid::body::HALVINGS;
@@ -27,6 +26,25 @@ use nalgebra::{Matrix3, Vector3};
 impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Count = N;
     type Kept = Kept<F>;
+    type Rates = Self;
+    type Collocation = Never;
+    type Series = Self;
+
+    fn kind(&self) -> &'static str {
+        REDUCED
+    }
+
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    fn series(&self) -> Result<&Self, &'static str> {
+        self.effects.series_blocks(self.count.number()).map(|_| self).ok_or(NO_SERIES)
+    }
+
+    fn is_cartesian(&self) -> bool {
+        false
+    }
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, 9>, time: f64) -> BodiesOf<F, N> {
         let n = self.count.number();
@@ -129,7 +147,56 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Ok(())
     }
 
-    fn rates<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, rates: &mut [[f64; 9]], _: &mut W) -> f64 {
+    fn equations(&self) -> usize {
+        0
+    }
+
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, 9>, body: usize) -> [f64; 9] {
+        let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
+        let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
+        Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
+    }
+
+    /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
+    fn accelerations(
+        &self,
+        bodies: &BodiesOf<F, N>,
+        accelerations: &mut [[f64; 9]],
+    ) -> Result<(), &'static str> {
+        let mut forces = vec![F::Force::zero(); accelerations.len()];
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), &mut forces);
+        for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
+            let place = Place::of(bodies, number);
+            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
+            let rate = place.m.component_div(&self.body.inertia);
+            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
+            let cross = rate.cross_matrix();
+            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
+        }
+        Ok(())
+    }
+
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
+        let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
+            let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
+            (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
+        });
+        energy.sum()
+    }
+
+    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
+    }
+}
+
+impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
+    fn evaluate_rates<W: Witness<f64>>(
+        &self,
+        bodies: &mut BodiesOf<F, N>,
+        rates: &mut [[f64; 9]],
+        _: &mut W,
+    ) -> f64 {
         for (number, rate) in rates.iter_mut().enumerate() {
             let Place { m, torque, .. } = Place::of(bodies, number);
             *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
@@ -162,92 +229,25 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Ok(())
     }
 
-    fn collocate<W: Witness<f64>, const S: usize>(
-        &self,
-        _: &Table<S>,
-        _: f64,
-        _: &mut BodiesOf<F, N>,
-        _: &mut [f64],
-        _: &mut W,
-    ) -> Result<(), Failure> {
-        Err(Failure { body: 0, cause: StepFailure::NoCollocation { system: REDUCED } })
-    }
-
-    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
-        bodies.kept.series = self.room_for_series(orders);
-    }
-
-    fn expand<W: Witness<f64>>(
-        &self,
-        bodies: &mut BodiesOf<F, N>,
-        series: &mut [[f64; 9]],
-        _: &mut W,
-    ) -> Result<(), Failure> {
-        self.expand_motion(bodies, series)
-    }
-
-    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, _: &[f64; 9], h: f64) -> [f64; 9] {
-        let impulse = bodies.kept.series.as_ref().map_or([0.0; 3], |room| room.impulse(body, h));
-        spread(&impulse.into())
-    }
-
-    fn refuses(&self, need: Need) -> Option<&'static str> {
-        match need {
-            Need::Verbs => None,
-            Need::Series => self.effects.series_blocks(self.count.number()).is_none().then_some(NO_SERIES),
-            _ => Some(REDUCED),
-        }
-    }
-
-    fn equations(&self) -> usize {
-        0
-    }
-
-    fn velocity(&self, bodies: &BodiesOf<F, N>, body: usize) -> [f64; 9] {
-        let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
-        let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
-        Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
-    }
-
     fn mass_product(&self, _: usize, a: &[f64; 9], b: &[f64; 9]) -> f64 {
         let masses = self.body.column_masses();
         (0..9).map(|k| masses[k % 3] * a[k] * b[k]).sum()
     }
+}
 
-    /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
-    fn accelerations(&self, bodies: &BodiesOf<F, N>, accelerations: &mut [[f64; 9]]) {
-        let mut forces = vec![F::Force::zero(); accelerations.len()];
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), &mut forces);
-        for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
-            let place = Place::of(bodies, number);
-            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
-            let rate = place.m.component_div(&self.body.inertia);
-            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
-            let cross = rate.cross_matrix();
-            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
-        }
+impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
+    fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
+        bodies.kept.series = Some(self.room_for_series(orders));
     }
 
-    fn constraint_forces(&self, _: &BodiesOf<F, N>, forces: &mut [[f64; 9]]) {
-        forces.fill([0.0; 9]);
+    fn expand<W: Witness<f64>>(&self, bodies: &mut BodiesOf<F, N>, series: &mut [[f64; 9]], _: &mut W) {
+        self.expand_motion(bodies, series);
     }
 
-    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
-        let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
-            let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
-            (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
-        });
-        energy.sum()
+    fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
+        let room = bodies.kept.series.as_ref()?;
+        Some(spread(&room.impulse(body, h).into()))
     }
-
-    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
-        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
-    }
-
-    fn residuals(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
-    fn drift_rates(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
-    fn multipliers(&self, _: &BodiesOf<F, N>, _: &mut [f64]) {}
 }
 
 impl<F, N> Turning<F, N> {

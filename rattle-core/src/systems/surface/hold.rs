@@ -5,7 +5,6 @@ use crate::error::Error;
 use crate::kernel::functions::Constraint;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Surfaces};
-use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::number::lanes::Fused;
 use crate::number::vector::dot;
@@ -21,13 +20,13 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
         effects: &E,
         count: N,
         start: &State<D>,
-        method: &impl Method,
+        h: f64,
+        tangent: bool,
     ) -> Result<Self::System<E, N>, Error> {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
-            let path = method.step_size().abs() * dot(&state.p, &state.p).sqrt();
-            start::check(&constraint, state, path, start.must_be_tangent(method))
-                .map_err(|cause| Error::Start { body, cause })?;
+            let path = h.abs() * dot(&state.p, &state.p).sqrt();
+            start::check(&constraint, state, path, tangent).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))
     }

@@ -9,11 +9,9 @@
 //! nₖ is known from q₀ … qₖ, so that the second sum gives λₖ₋₁. No second derivative of g is needed.
 
 use crate::effect::list::Forces;
-use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::{Products, blocks};
 use crate::motion::bodies::Count;
-use crate::motion::failure::Failure;
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use crate::number::vector::{dot, scaled, sum};
@@ -22,19 +20,17 @@ use crate::systems::surface::room::SeriesRoom;
 use std::array::from_fn;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// SeriesRoom for so many coefficients; none where a function has no series.
-    pub(super) fn room_for_series<T: Real, const D: usize>(
-        &self,
-        orders: usize,
-    ) -> Option<Box<SeriesRoom<T, D>>>
+    /// Room for so many coefficients of functions that all have series.
+    pub(super) fn room_for_series<T: Real, const D: usize>(&self, orders: usize) -> Box<SeriesRoom<T, D>>
     where
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
         let n = self.count.number();
-        let blocks = n * (self.constraint.series()? + blocks(2 * D)) + self.effects.series_blocks(n)?;
+        let of_forces = self.effects.series_blocks(n).unwrap_or(0);
+        let blocks = n * (self.constraint.series().unwrap_or(0) + blocks(2 * D)) + of_forces;
         let products = Products::new(blocks, orders);
-        Some(Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] }))
+        Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] })
     }
 
     /// Writes q₀, q₁, … of all bodies in turn, as many as `series` has room for.
@@ -43,17 +39,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         bodies: &mut BodiesOf<N, T, F, D>,
         series: &mut [[T; D]],
         witness: &mut W,
-    ) -> Result<(), Failure>
-    where
+    ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
         W: Witness<T>,
     {
         let (n, zero) = (self.count.number(), T::from_f64(0.0));
-        let Some(SeriesRoom { products, force }) = bodies.kept.series.as_deref_mut() else {
-            return Err(Failure { body: 0, cause: StepFailure::NoSeries });
-        };
+        let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n));
+        let SeriesRoom { products, force } = &mut **room;
         let (start, v) = (bodies.kept.normal.as_ref(), bodies.p.as_ref());
         series[..n].copy_from_slice(bodies.q.as_ref());
         series[n..2 * n].copy_from_slice(v);
@@ -101,6 +95,5 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 self.effects.contribute_series(&series[k * n..][..n], force, order);
             }
         }
-        Ok(())
     }
 }

@@ -8,9 +8,9 @@ use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::need::{FORCES_CHANGE, Need};
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -22,7 +22,6 @@ use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::normal::multiplier_from_curvature;
 use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::arrive;
 use crate::systems::surface::step::drift;
@@ -43,6 +42,29 @@ where
 {
     type Count = N;
     type Kept = Kept<N, T, F, D>;
+    type Rates = Self;
+    type Collocation = Self;
+    type Series = Self;
+
+    fn kind(&self) -> &'static str {
+        "bodies on surfaces"
+    }
+
+    #[inline(always)]
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    #[inline(always)]
+    fn collocation(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    #[inline(always)]
+    fn series(&self) -> Result<&Self, &'static str> {
+        let blocks = self.constraint.series().and(self.effects.series_blocks(self.count.number()));
+        blocks.map(|_| self).ok_or(NO_SERIES)
+    }
 
     fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
@@ -129,58 +151,6 @@ where
     }
 
     #[inline(always)]
-    fn rates<W: Witness<T>>(
-        &self,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        rates: &mut [[T; D]],
-        witness: &mut W,
-    ) -> T {
-        for (body, rate) in rates.iter_mut().enumerate() {
-            let (lambda, pull) = pull(&self.constraint, bodies, body);
-            witness.position_multiplier(body, lambda);
-            *rate = pull;
-        }
-        T::from_f64(0.0)
-    }
-
-    #[inline(always)]
-    fn project(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>) -> Result<(), Failure> {
-        for body in 0..bodies.q.as_ref().len() {
-            project(h, &self.constraint, bodies, body)?;
-        }
-        self.fuse_normals(bodies);
-        self.evaluate_forces(bodies);
-        Ok(())
-    }
-
-    fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
-        bodies.kept.stages =
-            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
-    }
-
-    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
-        bodies.kept.series = self.room_for_series(orders);
-    }
-
-    fn expand<W: Witness<T>>(
-        &self,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        series: &mut [[T; D]],
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.expand_motion(bodies, series, witness)
-    }
-
-    fn refuses(&self, need: Need) -> Option<&'static str> {
-        let series = || self.constraint.series().and(self.effects.series_blocks(self.count.number()));
-        match need {
-            Need::Series => series().is_none().then_some(NO_SERIES),
-            Need::Differences => self.moves_with_time().then_some(FORCES_CHANGE),
-            Need::Verbs | Need::PositionEquation | Need::Stages => None,
-        }
-    }
-
-    #[inline(always)]
     fn moves_with_time(&self) -> bool {
         self.effects.changes_with_time()
     }
@@ -210,55 +180,22 @@ where
         self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
-    fn collocate<W: Witness<T>, const S: usize>(
-        &self,
-        table: &Table<S>,
-        h: f64,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        memory: &mut [T],
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.collocate(table, h, bodies, memory, witness)
-    }
-
     fn equations(&self) -> usize {
         self.count.number()
     }
 
     #[inline(always)]
-    fn velocity(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
+    fn velocity<X>(&self, bodies: &Bodies<N, T, X, D>, body: usize) -> [T; D] {
         bodies.p.as_ref()[body]
-    }
-
-    fn mass_product(&self, _: usize, a: &[T; D], b: &[T; D]) -> T {
-        dot(a, b)
-    }
-
-    fn accelerations(&self, bodies: &BodiesOf<N, T, F, D>, accelerations: &mut [[T; D]]) {
-        let mut multipliers = vec![T::from_f64(0.0); self.count.number()];
-        <Self as System<T, D>>::multipliers(self, bodies, &mut multipliers);
-        let mut forces = self.count.each(F::Force::zero());
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), forces.as_mut());
-        for (i, a) in accelerations.iter_mut().enumerate() {
-            let pull = scaled(multipliers[i], &bodies.kept.normal.as_ref()[i].gradient);
-            *a = forces.as_ref()[i].add_to(pull, T::from_f64(1.0));
-        }
     }
 
     fn constraint_forces(&self, bodies: &BodiesOf<N, T, F, D>, forces: &mut [[T; D]]) {
         let mut multipliers = vec![T::from_f64(0.0); forces.len()];
-        self.multipliers(bodies, &mut multipliers);
+        System::multipliers(self, bodies, &mut multipliers);
         let normals = bodies.kept.normal.as_ref();
         for ((force, multiplier), normal) in forces.iter_mut().zip(multipliers).zip(normals) {
             *force = scaled(multiplier, &normal.gradient);
         }
-    }
-
-    fn kinetic_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
-        let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref());
-        let energy = parts.map(|(p, low)| T::from_f64(0.5) * dot(p, p) + dot(p, low));
-        energy.fold(T::from_f64(0.0), |sum, part| sum + part)
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
@@ -277,17 +214,89 @@ where
             *rate = dot(&normal.gradient, p);
         }
     }
+}
 
-    fn multipliers(&self, bodies: &BodiesOf<N, T, F, D>, multipliers: &mut [T]) {
-        let (q, p) = (bodies.q.as_ref(), bodies.p.as_ref());
-        let mut forces = self.count.each(F::Force::zero());
-        let at = Moment { time: bodies.time, positions: q };
-        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), forces.as_mut());
-        for (i, multiplier) in multipliers.iter_mut().enumerate() {
-            let normal = &bodies.kept.normal.as_ref()[i];
-            let [bend] = self.constraint.jet(&q[i], &p[i]).2;
-            let force = forces.as_ref()[i].dot(&normal.gradient, T::from_f64(1.0));
-            *multiplier = multiplier_from_curvature(bend, force, normal);
+impl<T, K, F, N, L, const D: usize> Rates<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    #[inline(always)]
+    fn evaluate_rates<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        rates: &mut [[T; D]],
+        witness: &mut W,
+    ) -> T {
+        for (body, rate) in rates.iter_mut().enumerate() {
+            let (lambda, pull) = pull(&self.constraint, bodies, body);
+            witness.position_multiplier(body, lambda);
+            *rate = pull;
         }
+        T::from_f64(0.0)
+    }
+
+    #[inline(always)]
+    fn project(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        for body in 0..bodies.q.as_ref().len() {
+            project(h, &self.constraint, bodies, body)?;
+        }
+        self.fuse_normals(bodies);
+        self.evaluate_forces(bodies);
+        Ok(())
+    }
+
+    fn mass_product(&self, _: usize, a: &[T; D], b: &[T; D]) -> T {
+        dot(a, b)
+    }
+}
+
+impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
+        bodies.kept.stages =
+            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
+    }
+
+    fn collocate<W: Witness<T>, const S: usize>(
+        &self,
+        table: &Table<S>,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.collocate(table, h, bodies, memory, witness)
+    }
+}
+
+impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    fn reserve_series(&self, bodies: &mut BodiesOf<N, T, F, D>, orders: usize) {
+        bodies.kept.series = Some(self.room_for_series(orders));
+    }
+
+    fn expand<W: Witness<T>>(
+        &self,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        series: &mut [[T; D]],
+        witness: &mut W,
+    ) {
+        self.expand_motion(bodies, series, witness);
     }
 }

@@ -14,15 +14,19 @@
 //! constraints, of the leapfrog; momenta do not enter. H₂ is that of momenta along the constraints, of RATTLE alone.
 //! A composition's inner steps are not even, and neither holds for it.
 
+use crate::motion::capability::Rates;
 use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, scaled, sum};
-use crate::run::recorder::Recorder;
 use crate::run::simulation::Simulation;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+use nalgebra::SVector;
 use std::collections::VecDeque;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h².
+    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h². NaN in phase space, where no
+    /// masses are known.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -32,9 +36,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     pub fn shadow_energy(&self) -> f64 {
         let (system, h) = (self.system(), self.method().step_size());
-        let mut accelerations = vec![[0.0; D]; self.len()];
-        system.accelerations(&self.bodies, &mut accelerations);
-        let square = |(body, a)| system.mass_product(body, a, a);
+        let mut accelerations = vec![[0.0; D]; self.bodies()];
+        let (Ok(masses), Ok(())) = (system.rates(), system.accelerations(&self.bodies, &mut accelerations))
+        else {
+            return f64::NAN;
+        };
+        let square = |(body, a)| masses.mass_product(body, a, a);
         let acceleration_square: f64 = accelerations.iter().enumerate().map(square).sum();
 
         // Ü by differences of fourth order along q + v s + a s²/2.
@@ -55,35 +62,51 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-/// Records the shadow energy E of a run, from positions alone.
+/// Keeps the shadow energy E of a run, from positions alone. It wants to see every step: where steps are missing between two
+/// sights it begins anew, and so does it where the trajectory is another ([`Each`](crate::run::watch::Each) keeps those of
+/// an ensemble apart).
 ///
 /// ```
-/// # use rattle::{Rattle, Scene, shadow::ShadowEnergy, State};
-/// let mut simulation = Scene::point().simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
-/// let mut shadow = ShadowEnergy::of(&simulation, 4);
-/// simulation.run_recording(10, &mut shadow)?;
+/// # use rattle::{Rattle, Scene, watch::{Each, ShadowEnergy}, State};
+/// # let scene = Scene::points(1);
+/// # let start = State::at([0.0]).moving([1.0]);
+/// let mut simulation = scene.simulate(start.clone(), Rattle::new(0.1))?;
+/// let mut shadow = ShadowEnergy::new(4);
+/// simulation.observe(10, 1, &mut shadow)?;
 /// assert_eq!(shadow.values().len(), 10 + 1 - 4);
 /// assert!(shadow.values().iter().all(|e| (e - 0.5).abs() < 1e-13));
+///
+/// let mut ensemble = scene.ensemble([start.clone(), start], Rattle::new(0.1))?;
+/// let shadows = ensemble.observe(10, 1, || Each::of(|| ShadowEnergy::new(4)));
+/// assert!((shadows.get(1).unwrap().values()[6] - 0.5).abs() < 1e-13);
 /// # Ok::<(), rattle::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct ShadowEnergy<const D: usize> {
     form: Vec<Vec<f64>>,
-    /// Positions and potential energies of the last 2K + 1 steps.
-    window: VecDeque<(Vec<[f64; D]>, f64)>,
+    /// The last 2K + 1 steps.
+    window: VecDeque<Place<D>>,
     values: Vec<f64>,
 }
 
+/// Where a trajectory was after a step.
+#[derive(Debug, Clone)]
+struct Place<const D: usize> {
+    trajectory: usize,
+    step: u64,
+    positions: Vec<SVector<f64, D>>,
+    potential: f64,
+}
+
 impl<const D: usize> ShadowEnergy<D> {
-    /// A recorder of E that is kept to h to the power of `order`, 2K, from the present state on.
+    /// An observer of E that is kept to h to the power of `order`, 2K.
     ///
     /// # Panics
     /// If the order is not one of 2, 4, … 12: higher ones drown in the rounding of positions.
+    #[must_use]
     #[track_caller]
-    pub fn of<Y: System<f64, D>, S: Method>(simulation: &Simulation<Y, S, D>, order: usize) -> Self {
-        let mut shadow = Self { form: quadratic_form(order), window: VecDeque::new(), values: Vec::new() };
-        shadow.record(simulation);
-        shadow
+    pub fn new(order: usize) -> Self {
+        Self { form: quadratic_form(order), window: VecDeque::new(), values: Vec::new() }
     }
 
     /// E at the steps that have K steps before and K after them.
@@ -93,33 +116,53 @@ impl<const D: usize> ShadowEnergy<D> {
     }
 }
 
-impl<Y: System<f64, D>, S: Method, const D: usize> Recorder<Simulation<Y, S, D>> for ShadowEnergy<D> {
-    fn record(&mut self, simulation: &Simulation<Y, S, D>) {
-        let width = self.form.len();
-        if self.window.len() == width {
-            self.window.pop_front();
+impl<const D: usize> ShadowEnergy<D> {
+    fn place(&mut self, sight: &Sight<'_, D>) {
+        // The oldest step's memory is used again.
+        let mut positions = match self.window.len() == self.form.len() {
+            true => self.window.pop_front().map_or_else(Vec::new, |oldest| oldest.positions),
+            false => Vec::new(),
+        };
+        positions.clear();
+        positions.extend_from_slice(sight.positions);
+        let (trajectory, step, potential) = (sight.trajectory, sight.step, sight.potential_energy());
+        self.window.push_back(Place { trajectory, step, positions, potential });
+    }
+}
+
+impl<const D: usize> Observer<D> for ShadowEnergy<D> {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let follows =
+            |last: &Place<D>| last.trajectory == now.trajectory && last.step.checked_add(1) == Some(now.step);
+        if !self.window.back().is_some_and(follows) {
+            self.window.clear();
+            if before.step.checked_add(1) == Some(now.step) {
+                self.place(before);
+            }
         }
-        let positions = simulation.positions().map(Into::into).collect();
-        self.window.push_back((positions, simulation.potential_energy()));
+        self.place(now);
+        let width = self.form.len();
         if self.window.len() < width {
             return;
         }
-        let (middle, potential) = &self.window[width / 2];
-        let h = simulation.method().step_size();
+        let Place { positions: middle, potential, .. } = &self.window[width / 2];
+        let h = now.step_size();
         let mut kinetic = 0.0;
         for (body, origin) in middle.iter().enumerate() {
-            let away: Vec<_> = self
-                .window
-                .iter()
-                .map(|(q, _)| scaled(1.0 / h, &add_scaled(&q[body], -1.0, origin)))
-                .collect();
+            let away: Vec<[f64; D]> =
+                self.window.iter().map(|place| ((place.positions[body] - origin) / h).into()).collect();
             for (row, a) in self.form.iter().zip(&away) {
                 for (c, b) in row.iter().zip(&away) {
-                    kinetic += c * simulation.system().mass_product(body, a, b);
+                    kinetic += c * now.mass_product(body, a, b);
                 }
             }
         }
         self.values.push(potential + kinetic);
+    }
+
+    fn join(&mut self, next: Self) {
+        self.window.clear();
+        self.values.extend(next.values);
     }
 }
 

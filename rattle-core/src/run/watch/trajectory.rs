@@ -2,13 +2,26 @@
 
 use crate::motion::method::Method;
 use crate::motion::system::System;
-use crate::run::recorder::Recorder;
 use crate::run::simulation::Simulation;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+use nalgebra::SVector;
 
 /// Times, positions and momenta of a run, row by row from its start; multipliers on request.
 ///
-/// A row holds the bodies in turn, a body its D coordinates.
-#[derive(Debug, Clone, PartialEq)]
+/// A row holds the bodies in turn, a body its D coordinates: positions and momenta have the shape [rows, bodies, D], as
+/// NumPy arrays and pages take it. An ensemble's trajectories are kept apart by [`Each`](crate::run::watch::Each).
+///
+/// ```
+/// # use rattle::{Rattle, Scene, State, Trajectory};
+/// # let start = State::of([[0.0, 1.0], [0.0, 2.0]]).moving([1.0, 0.0]);
+/// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
+/// let mut trajectory = Trajectory::of(&simulation);
+/// simulation.observe(100, 10, &mut trajectory)?; // every tenth step
+/// assert_eq!(trajectory.shape(), [11, 2, 2]);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
     bodies: usize,
     coordinates: usize,
@@ -23,26 +36,24 @@ pub struct Trajectory {
 /// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
-    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN where the trajectory was only
-    /// shown the simulation after the step, not run with it.
+    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN where no one told it:
+    /// in an ensemble.
     pub position: Vec<f64>,
     /// μ of the step that led to the row; in the first row λ(t₀) of the exact motion.
     pub momentum: Vec<f64>,
 }
 
 impl Trajectory {
-    /// A recorder whose first row is the present state.
+    /// Without rows; the first is where the trajectory was before it was first seen.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// With the present state as its first row.
     pub fn of<Y: System<f64, D>, S: Method, const D: usize>(simulation: &Simulation<Y, S, D>) -> Self {
-        let mut trajectory = Self {
-            bodies: simulation.len(),
-            coordinates: D,
-            times: Vec::new(),
-            positions: Vec::new(),
-            momenta: Vec::new(),
-            multipliers: None,
-            under_way: Multipliers::default(),
-        };
-        trajectory.record(simulation);
+        let mut trajectory = Self::new();
+        trajectory.row(simulation.time(), simulation.positions(), simulation.momenta());
         trajectory
     }
 
@@ -53,6 +64,18 @@ impl Trajectory {
         let position: Vec<f64> = simulation.multipliers();
         let at_start = Multipliers { momentum: position.clone(), position };
         Self { multipliers: Some(at_start.clone()), under_way: at_start, ..Self::of(simulation) }
+    }
+
+    fn row<const D: usize>(
+        &mut self,
+        time: f64,
+        positions: impl ExactSizeIterator<Item = SVector<f64, D>>,
+        momenta: impl Iterator<Item = SVector<f64, D>>,
+    ) {
+        (self.bodies, self.coordinates) = (positions.len(), D);
+        self.times.push(time);
+        positions.for_each(|q| self.positions.extend(q.iter()));
+        momenta.for_each(|p| self.momenta.extend(p.iter()));
     }
 
     /// Rows, bodies, and coordinates of a body: the shape of positions and momenta.
@@ -73,10 +96,26 @@ impl Trajectory {
         &self.positions
     }
 
+    /// The positions of one body, row by row; each D coordinates.
+    ///
+    /// # Panics
+    /// If there are not so many bodies.
+    #[track_caller]
+    pub fn path(&self, body: usize) -> impl ExactSizeIterator<Item = &[f64]> {
+        assert!(body < self.bodies, "body {body} of {}", self.bodies);
+        self.positions.chunks_exact(self.coordinates).skip(body).step_by(self.bodies)
+    }
+
     /// Momenta, shape [rows, bodies, D].
     #[must_use]
     pub fn momenta(&self) -> &[f64] {
         &self.momenta
+    }
+
+    /// How many equations multipliers are kept of; 0 if they were not asked for.
+    #[must_use]
+    pub fn equations(&self) -> usize {
+        self.under_way.position.len()
     }
 
     /// The multipliers, shape [rows, equations] each, if they were asked for; on surfaces a body has one equation.
@@ -86,13 +125,16 @@ impl Trajectory {
     }
 }
 
-impl<Y: System<f64, D>, S: Method, const D: usize> Recorder<Simulation<Y, S, D>> for Trajectory {
-    fn record(&mut self, simulation: &Simulation<Y, S, D>) {
-        self.times.push(simulation.time());
-        for (q, p) in simulation.positions().zip(simulation.momenta()) {
-            self.positions.extend(q.iter());
-            self.momenta.extend(p.iter());
+impl<const D: usize> Observer<D> for Trajectory {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let row = |sight: &Sight<'_, D>, trajectory: &mut Self| {
+            let (positions, momenta) = (sight.positions.iter().copied(), sight.momenta.iter().copied());
+            trajectory.row(sight.time, positions, momenta);
+        };
+        if self.times.is_empty() {
+            row(before, self);
         }
+        row(now, self);
         if let Some(rows) = &mut self.multipliers {
             for (rows, under_way) in [
                 (&mut rows.position, &mut self.under_way.position),
@@ -102,6 +144,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Recorder<Simulation<Y, S, D>>
                 under_way.fill(f64::NAN);
             }
         }
+    }
+
+    fn join(&mut self, next: Self) {
+        if next.times.is_empty() {
+            return;
+        }
+        (self.bodies, self.coordinates) = (next.bodies, next.coordinates);
+        self.times.extend(next.times);
+        self.positions.extend(next.positions);
+        self.momenta.extend(next.momenta);
     }
 
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {

@@ -1,0 +1,140 @@
+//! Methods of one step size that remember nothing: a [`Map`] is all that is left to say.
+
+use crate::error::Error;
+use crate::motion::failure::Failure;
+use crate::motion::method::{Method, check_step_size};
+use crate::motion::need::Kicks;
+use crate::motion::system::{BodiesOf, System};
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+use std::fmt::Debug;
+
+/// A map of the bodies over a time h, made of the verbs of a [`System`]. [`Fixed`] makes a method of it.
+///
+/// A splitting of one's own, the symplectic Euler method that drifts first:
+///
+/// ```
+/// use rattle::method::{Failure, Fixed, Map, Witness};
+/// use rattle::real::Real;
+/// use rattle::system::{BodiesOf, System};
+/// use rattle::{Scene, State};
+///
+/// #[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// struct DriftKick;
+///
+/// impl Map for DriftKick {
+///     const NAME: &'static str = "drift, then kick";
+///     const ORDER: u32 = 1;
+///     const SYMMETRIC: bool = false;
+///
+///     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+///         &self,
+///         h: f64,
+///         system: &Y,
+///         bodies: &mut BodiesOf<Y, T, D>,
+///         witness: &mut W,
+///     ) -> Result<(), Failure> {
+///         system.drift(0.0, h, bodies, witness)?;
+///         system.evaluate_forces(bodies);
+///         system.settle(h, h, bodies, witness)
+///     }
+/// }
+///
+/// let start = State::at([0.0]).moving([1.0]);
+/// let mut simulation = Scene::point().simulate(start, Fixed::<DriftKick>::new(0.5))?;
+/// simulation.run(4)?;
+/// assert_eq!(simulation.position().x, 2.0);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
+    /// The method's name, as in the literature.
+    const NAME: &'static str;
+    /// The order p: errors fall like hᵖ.
+    const ORDER: u32;
+    /// Whether the map of −h undoes that of h.
+    const SYMMETRIC: bool;
+    /// How much later than positions momenta are, in steps; negative if earlier. 0 but for staggered methods.
+    const DELAY: f64 = 0.0;
+
+    /// Whether the map makes sense for a system with so many equations.
+    ///
+    /// # Errors
+    /// Says what is in the way.
+    fn check(&self, _equations: usize) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Takes `bodies` on by a time `h`. Neither allocates nor panics.
+    ///
+    /// # Errors
+    /// Says which body cannot be moved and why; `bodies` are then left half way.
+    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        h: f64,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, T, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure>;
+}
+
+/// The method whose steps are this map, all of one size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fixed<M> {
+    map: M,
+    h: f64,
+}
+
+impl<M: Map + Default> Fixed<M> {
+    /// The method with step size `h`, in the unit of time.
+    #[must_use]
+    pub fn new(h: f64) -> Self {
+        Self::of(M::default(), h)
+    }
+}
+
+impl<M: Map> Fixed<M> {
+    /// The method of this map with step size `h`, in the unit of time.
+    #[must_use]
+    pub fn of(map: M, h: f64) -> Self {
+        Self { map, h }
+    }
+}
+
+impl<M: Map> Method for Fixed<M> {
+    type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        M::ORDER
+    }
+    fn name(&self) -> &'static str {
+        M::NAME
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { map: self.map.clone(), h }
+    }
+    fn is_symmetric(&self) -> bool {
+        M::SYMMETRIC
+    }
+    fn momentum_delay(&self) -> f64 {
+        M::DELAY * self.h
+    }
+    fn check(&self, equations: usize) -> Result<(), Error> {
+        self.map.check(equations)?;
+        check_step_size(self.h)
+    }
+
+    #[inline(always)]
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, T, D>,
+        _: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.map.map(self.h, system, bodies, witness)
+    }
+}

@@ -1,0 +1,47 @@
+//! What tells methods apart, and systems: whose memory a state carries.
+
+use crate::motion::system::{BodiesOf, System};
+use std::any::type_name;
+
+/// Numbers that differ by less than this part of the largest are the same.
+const SAME: f64 = 1e-8;
+
+/// A type, a name, sizes and numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identity {
+    kind: &'static str,
+    name: &'static str,
+    sizes: [usize; 2],
+    parameters: Vec<f64>,
+}
+
+impl Identity {
+    /// What is of this type, has this name and these parameters.
+    #[must_use]
+    pub fn of<X>(name: &'static str, parameters: Vec<f64>) -> Self {
+        Self { kind: type_name::<X>(), name, sizes: [0; 2], parameters }
+    }
+
+    /// The system that gives bodies in this state these energies and accelerations.
+    pub(crate) fn of_system<Y: System<f64, D>, const D: usize>(
+        system: &Y,
+        bodies: &BodiesOf<Y, f64, D>,
+    ) -> Self {
+        let n = bodies.q.as_ref().len();
+        let mut accelerations = vec![[0.0; D]; n];
+        let known = system.accelerations(bodies, &mut accelerations).is_ok();
+        let mut parameters = vec![system.kinetic_energy(bodies), system.potential_energy(bodies)];
+        parameters.extend(accelerations.as_flattened().iter().filter(|_| known));
+        Self { sizes: [n, system.equations()], ..Self::of::<Y>(system.kind(), parameters) }
+    }
+
+    /// Whether the other is of the same type, name and parameters, these but for rounding.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        let largest =
+            self.parameters.iter().chain(&other.parameters).fold(0.0_f64, |most, x| most.max(x.abs()));
+        let near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() <= SAME * largest;
+        (self.kind, self.name, self.sizes) == (other.kind, other.name, other.sizes)
+            && self.parameters.len() == other.parameters.len()
+            && self.parameters.iter().zip(&other.parameters).all(near)
+    }
+}

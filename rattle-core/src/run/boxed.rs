@@ -1,0 +1,316 @@
+//! A simulation whose type can be written down.
+
+use crate::error::Error;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::motion::system::System;
+use crate::run::simulation::Simulation;
+use crate::run::watch::observer::Observer;
+use nalgebra::SVector;
+use std::fmt;
+
+/// A simulation of any scene with D coordinates per body, moved by any method: made by
+/// [`Simulation::boxed`].
+///
+/// A [`Simulation`] has scene and method in its type, which makes it fast and its type long. This type is short: for fields
+/// of structures, for functions that return simulations, and for simulations of different scenes in one `Vec`. It does the
+/// same, bit for bit; a call costs some nanoseconds more, once for [`run`](Self::run) however many the steps.
+///
+/// ```
+/// use rattle::prelude::*;
+/// use rattle::{potentials::Gravity, surfaces::{Sphere, Torus}};
+///
+/// struct Experiment {
+///     title: String,
+///     simulation: BoxedSimulation<3>,
+/// }
+///
+/// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.5, 0.5]);
+/// let ball = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
+/// let ring = Scene::on(Torus { major: 0.7, minor: 0.3 });
+/// let mut experiments = vec![
+///     Experiment { title: "ball".into(), simulation: ball.simulate(start.clone(), Rattle::new(0.01))?.boxed() },
+///     Experiment { title: "ring".into(), simulation: ring.simulate(start, Lobatto::<4>::new(0.02))?.boxed() },
+/// ];
+/// for Experiment { title, simulation } in &mut experiments {
+///     simulation.run_until(2.0)?;
+///     println!("{title}: {} steps, energy error {:e}", simulation.steps(), simulation.energy_error());
+/// }
+/// assert_eq!(experiments[0].simulation.steps(), 200);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct BoxedSimulation<const D: usize>(Box<dyn AnySimulation<D>>);
+
+/// What [`BoxedSimulation`] asks of a simulation, whatever its scene and method.
+trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
+    fn cloned(&self) -> Box<dyn AnySimulation<D>>;
+    fn run(&mut self, steps: u64) -> Result<(), Error>;
+    fn run_until(&mut self, time: f64) -> Result<(), Error>;
+    fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error>;
+    fn steps(&self) -> u64;
+    /// Time, time of momenta, step size.
+    fn times(&self) -> [f64; 3];
+    fn bodies(&self) -> usize;
+    /// Position, momentum, velocity.
+    fn body(&self, body: usize) -> [SVector<f64, D>; 3];
+    fn state(&self) -> State<D>;
+    fn kinetic_energy(&self) -> f64;
+    fn potential_energy(&self) -> f64;
+    fn energy_error(&self) -> f64;
+    fn work(&self) -> f64;
+    fn residuals(&self) -> Vec<f64>;
+    fn constraint_residual(&self) -> f64;
+    fn cotangent_residual(&self) -> f64;
+    fn multipliers(&self) -> Vec<f64>;
+    fn constraint_forces(&self) -> Vec<SVector<f64, D>>;
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// The same simulation as a type that can be written down.
+    pub fn boxed(self) -> BoxedSimulation<D> {
+        BoxedSimulation(Box::new(self))
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulation<Y, S, D> {
+    fn cloned(&self) -> Box<dyn AnySimulation<D>> {
+        Box::new(self.clone())
+    }
+    fn run(&mut self, steps: u64) -> Result<(), Error> {
+        self.run(steps)
+    }
+    fn run_until(&mut self, time: f64) -> Result<(), Error> {
+        self.run_until(time)
+    }
+    fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error> {
+        self.observe(steps, every, observer)
+    }
+    fn steps(&self) -> u64 {
+        self.steps()
+    }
+    fn times(&self) -> [f64; 3] {
+        [self.time(), self.momentum_time(), self.method().step_size()]
+    }
+    fn bodies(&self) -> usize {
+        self.bodies()
+    }
+    fn body(&self, body: usize) -> [SVector<f64, D>; 3] {
+        let velocity = self.system().velocity(&self.bodies, body);
+        [self.bodies.q.as_ref()[body], self.bodies.p.as_ref()[body], velocity].map(Into::into)
+    }
+    fn state(&self) -> State<D> {
+        self.state()
+    }
+    fn kinetic_energy(&self) -> f64 {
+        self.kinetic_energy()
+    }
+    fn potential_energy(&self) -> f64 {
+        self.potential_energy()
+    }
+    fn energy_error(&self) -> f64 {
+        self.energy_error()
+    }
+    fn work(&self) -> f64 {
+        self.work()
+    }
+    fn residuals(&self) -> Vec<f64> {
+        self.residuals()
+    }
+    fn constraint_residual(&self) -> f64 {
+        self.constraint_residual()
+    }
+    fn cotangent_residual(&self) -> f64 {
+        self.cotangent_residual()
+    }
+    fn multipliers(&self) -> Vec<f64> {
+        self.multipliers()
+    }
+    fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        self.constraint_forces()
+    }
+}
+
+impl<const D: usize> BoxedSimulation<D> {
+    /// Takes one step.
+    ///
+    /// # Errors
+    /// As [`Simulation::step`].
+    pub fn step(&mut self) -> Result<(), Error> {
+        self.run(1)
+    }
+
+    /// Takes `steps` steps.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`].
+    pub fn run(&mut self, steps: u64) -> Result<(), Error> {
+        self.0.run(steps)
+    }
+
+    /// Takes whole steps until this time is reached, see [`Simulation::run_until`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
+        self.0.run_until(time)
+    }
+
+    /// Takes `steps` steps and shows the simulation to `see` after each.
+    ///
+    /// # Errors
+    /// As [`Simulation::run_with`].
+    pub fn run_with(&mut self, steps: u64, mut see: impl FnMut(&Self)) -> Result<(), Error> {
+        (0..steps).try_for_each(|_| {
+            self.step()?;
+            see(self);
+            Ok(())
+        })
+    }
+
+    /// Takes steps for as long as `go_on` is true, at most `steps`; see [`Simulation::run_while`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn run_while(&mut self, steps: u64, mut go_on: impl FnMut(&Self) -> bool) -> Result<u64, Error> {
+        let begun = self.steps();
+        while self.steps() - begun < steps && go_on(self) {
+            self.step()?;
+        }
+        Ok(self.steps() - begun)
+    }
+
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see [`Simulation::observe`].
+    ///
+    /// # Errors
+    /// As there.
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: &mut O) -> Result<(), Error> {
+        self.0.observe(steps, every, observer)
+    }
+
+    /// Steps taken so far.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.0.steps()
+    }
+
+    /// The time.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.0.times()[0]
+    }
+
+    /// The time of the momenta, see [`Simulation::momentum_time`].
+    #[must_use]
+    pub fn momentum_time(&self) -> f64 {
+        self.0.times()[1]
+    }
+
+    /// The step size of the method.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.0.times()[2]
+    }
+
+    /// The number of bodies.
+    #[must_use]
+    pub fn bodies(&self) -> usize {
+        self.0.bodies()
+    }
+
+    /// Positions of the bodies in turn.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        (0..self.bodies()).map(|body| self.0.body(body)[0])
+    }
+
+    /// Momenta p of the bodies in turn.
+    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        (0..self.bodies()).map(|body| self.0.body(body)[1])
+    }
+
+    /// Velocities M⁻¹p of the bodies in turn.
+    pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        (0..self.bodies()).map(|body| self.0.body(body)[2])
+    }
+
+    /// The present state, see [`Simulation::state`].
+    #[must_use]
+    pub fn state(&self) -> State<D> {
+        self.0.state()
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.0.kinetic_energy()
+    }
+
+    /// Potential energy U of all effects.
+    #[must_use]
+    pub fn potential_energy(&self) -> f64 {
+        self.0.potential_energy()
+    }
+
+    /// Energy H = K + U.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy() + self.potential_energy()
+    }
+
+    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
+    #[must_use]
+    pub fn energy_error(&self) -> f64 {
+        self.0.energy_error()
+    }
+
+    /// Work that moving constraints have done on the bodies since the start, see [`Simulation::work`].
+    #[must_use]
+    pub fn work(&self) -> f64 {
+        self.0.work()
+    }
+
+    /// g(q, t) of each equation, in the unit of g.
+    #[must_use]
+    pub fn residuals(&self) -> Vec<f64> {
+        self.0.residuals()
+    }
+
+    /// The largest |g(q, t)| of all equations, in the unit of g.
+    #[must_use]
+    pub fn constraint_residual(&self) -> f64 {
+        self.0.constraint_residual()
+    }
+
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
+    #[must_use]
+    pub fn cotangent_residual(&self) -> f64 {
+        self.0.cotangent_residual()
+    }
+
+    /// Multipliers λ of the equations in turn, see [`Simulation::multipliers`].
+    #[must_use]
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.0.multipliers()
+    }
+
+    /// The force Gᵀλ of all constraints on each body, see [`Simulation::constraint_forces`].
+    #[must_use]
+    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        self.0.constraint_forces()
+    }
+}
+
+impl<const D: usize> Clone for Box<dyn AnySimulation<D>> {
+    fn clone(&self) -> Self {
+        (**self).cloned()
+    }
+}
+
+impl<const D: usize> fmt::Debug for BoxedSimulation<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}

@@ -1,0 +1,241 @@
+//! What can be read off a simulation: time, positions and momenta, energies, residuals, multipliers.
+
+use crate::effect::list::Forces;
+use crate::motion::bodies::{Body, Count, One};
+use crate::motion::capability::Rates;
+use crate::motion::identity::Identity;
+use crate::motion::method::Method;
+use crate::motion::state::{Remembered, State};
+use crate::motion::system::System;
+use crate::number::clock::after_steps;
+use crate::run::simulation::Simulation;
+use crate::run::watch::seen::Page;
+use crate::run::watch::sight::{Sight, Source};
+use crate::systems::linked::kept::{Counts, Linked};
+use nalgebra::SVector;
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// Steps taken so far.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// The time: that of the start, 0 if none was given, and steps times step size, or the sum of the steps where they
+    /// differ in length.
+    pub fn time(&self) -> f64 {
+        self.exact_time().0
+    }
+
+    /// The time and what rounding took from it: the same after any number of stops and starts on the way.
+    fn exact_time(&self) -> (f64, f64) {
+        if self.method.time_taken(self.memory.as_ref()).is_some() {
+            return self.clock;
+        }
+        after_steps(self.clock, self.steps, self.method.step_size())
+    }
+
+    /// The time of the momenta: half a step later than [`Self::time`] with the staggered leapfrog, half a step earlier
+    /// with SHAKE.
+    pub fn momentum_time(&self) -> f64 {
+        self.time() + self.method.momentum_delay()
+    }
+
+    /// The step size of the method.
+    pub fn step_size(&self) -> f64 {
+        self.method.step_size()
+    }
+
+    /// What is simulated.
+    pub fn system(&self) -> &Y {
+        &self.system
+    }
+
+    /// The method.
+    pub fn method(&self) -> &S {
+        &self.method
+    }
+
+    /// The number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.bodies.q.as_ref().len()
+    }
+
+    /// Positions of the bodies in turn.
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.q.as_ref().iter().map(|&q| q.into())
+    }
+
+    /// Momenta p of the bodies in turn; with unit masses also velocities.
+    pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        self.bodies.p.as_ref().iter().map(|&p| p.into())
+    }
+
+    /// Velocities M⁻¹p of the bodies in turn.
+    pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+        (0..self.bodies()).map(|i| self.system.velocity(&self.bodies, i).into())
+    }
+
+    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
+    /// from there. (Linked bodies whose equations have come to depend on each other may choose another
+    /// [linear algebra](crate::systems::network::solver::LinearAlgebra) at the new start, and round otherwise.)
+    pub fn state(&self) -> State<D> {
+        let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
+        let (time, time_low) = self.exact_time();
+        let numbers = self.memory.as_ref();
+        let remembered = (!numbers.is_empty()).then(|| Remembered {
+            method: self.method.identity(),
+            system: Identity::of_system(&self.system, &self.bodies),
+            numbers: numbers.into(),
+        });
+        State { bodies, time, time_low, remembered, surplus_momenta: None }
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
+    pub fn kinetic_energy(&self) -> f64 {
+        self.system.kinetic_energy(&self.bodies)
+    }
+
+    /// Potential energy U of all effects.
+    pub fn potential_energy(&self) -> f64 {
+        self.system.potential_energy(&self.bodies)
+    }
+
+    /// Energy H = K + U.
+    pub fn energy(&self) -> f64 {
+        self.kinetic_energy() + self.potential_energy()
+    }
+
+    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, and by
+    /// [flows](crate::effect::Flow) of momenta; 0 where there are none.
+    pub fn work(&self) -> f64 {
+        self.bodies.work
+    }
+
+    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the
+    /// energy too, by ∂U/∂t; that is no work here.
+    pub fn energy_error(&self) -> f64 {
+        self.energy() - self.start_energy - self.work()
+    }
+
+    /// g(q, t) of each equation, in the unit of g.
+    pub fn residuals(&self) -> Vec<f64> {
+        self.of_equations(|out| self.system.residuals(&self.bodies, out))
+    }
+
+    /// The largest |g(q, t)| of all equations, in the unit of g.
+    pub fn constraint_residual(&self) -> f64 {
+        largest(&self.residuals())
+    }
+
+    /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
+    pub fn cotangent_residual(&self) -> f64 {
+        largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
+    }
+
+    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such that g̈ = 0; of the order of the
+    /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
+    pub fn multipliers(&self) -> Vec<f64> {
+        self.of_equations(|out| self.system.multipliers(&self.bodies, out))
+    }
+
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
+    /// the pull of its links, without the potentials that act on it.
+    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        let mut forces = vec![[0.0; D]; self.bodies()];
+        self.system.constraint_forces(&self.bodies, &mut forces);
+        forces.into_iter().map(Into::into).collect()
+    }
+
+    fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
+        let mut numbers = vec![0.0; self.system.equations()];
+        write(&mut numbers);
+        numbers
+    }
+
+    /// Writes the present state.
+    pub(crate) fn look(&self, page: Page<'_, D>) {
+        page.times[0] = self.time();
+        page.positions.iter_mut().zip(self.positions()).for_each(|(place, q)| *place = q);
+        page.momenta.iter_mut().zip(self.momenta()).for_each(|(place, p)| *place = p);
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
+    /// What the position equations have cost since the start.
+    pub fn counts(&self) -> Counts {
+        self.system.counts(&self.bodies)
+    }
+}
+
+impl<Y: System<f64, D, Count = One>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// The body's position.
+    pub fn position(&self) -> SVector<f64, D> {
+        self.bodies.q[0].into()
+    }
+
+    /// The body's momentum; with unit mass also its velocity.
+    pub fn momentum(&self) -> SVector<f64, D> {
+        self.bodies.p[0].into()
+    }
+
+    /// Its velocity M⁻¹p.
+    pub fn velocity(&self) -> SVector<f64, D> {
+        self.system.velocity(&self.bodies, 0).into()
+    }
+
+    /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
+    /// [`Self::multipliers`].
+    pub fn multiplier(&self) -> f64 {
+        self.multipliers().first().copied().unwrap_or(f64::NAN)
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// Whether the bodies are there, to the last bit.
+    fn is_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> bool {
+        self.positions().eq(positions.iter().copied()) && self.momenta().eq(momenta.iter().copied())
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {
+    fn energies(&self, _: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
+        if self.is_at(positions, momenta) {
+            return [self.kinetic_energy(), self.potential_energy()];
+        }
+        let mut bodies = self.before.clone();
+        let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
+        places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
+        let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
+        ways.for_each(|((high, low), &p)| (*high, *low) = (p.into(), [0.0; D]));
+        [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
+    }
+
+    fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        if sight.time == self.time() && self.is_at(sight.positions, sight.momenta) {
+            return (self.multipliers(), self.constraint_forces());
+        }
+        let place = |i: usize| {
+            let (q, p) = (sight.positions[i].into(), sight.momenta[i].into());
+            Body { q, q_low: [0.0; D], p, p_low: [0.0; D] }
+        };
+        let bodies = self.system.bodies(place, sight.time);
+        let (mut multipliers, mut forces) =
+            (vec![0.0; self.system.equations()], vec![[0.0; D]; self.bodies()]);
+        self.system.multipliers(&bodies, &mut multipliers);
+        self.system.constraint_forces(&bodies, &mut forces);
+        (multipliers, forces.into_iter().map(Into::into).collect())
+    }
+
+    fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.system.rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
+    }
+
+    fn step_size(&self) -> f64 {
+        self.method.step_size()
+    }
+}
+
+/// The largest |x|; NaN if one is.
+fn largest(numbers: &[f64]) -> f64 {
+    numbers.iter().fold(0.0, |largest, x| if x.abs() <= largest { largest } else { x.abs() })
+}

@@ -1,0 +1,51 @@
+//! An observer for each trajectory.
+
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+use std::collections::BTreeMap;
+
+/// One observer for each trajectory of an ensemble, made by `new` when the trajectory is first seen.
+///
+/// ```
+/// # use rattle::{Rattle, Scene, State, Trajectory, watch::Each};
+/// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+/// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+/// let paths = ensemble.observe(20, 2, || Each::of(Trajectory::new));
+/// let path = paths.get(99).unwrap();
+/// assert_eq!((path.shape(), path.positions()[1]), ([11, 1, 1], 99.0));
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Each<F, O> {
+    new: F,
+    observers: BTreeMap<usize, O>,
+}
+
+impl<F: Fn() -> O, O> Each<F, O> {
+    /// With observers made so.
+    pub fn of(new: F) -> Self {
+        Self { new, observers: BTreeMap::new() }
+    }
+}
+
+impl<F, O> Each<F, O> {
+    /// The observer of this trajectory; none if the trajectory failed before it was seen.
+    pub fn get(&self, trajectory: usize) -> Option<&O> {
+        self.observers.get(&trajectory)
+    }
+
+    /// The trajectories in turn, each with its observer.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &O)> {
+        self.observers.iter().map(|(&trajectory, observer)| (trajectory, observer))
+    }
+}
+
+impl<F: Fn() -> O, O: Observer<D>, const D: usize> Observer<D> for Each<F, O> {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.observers.entry(now.trajectory).or_insert_with(&self.new).see(before, now);
+    }
+
+    fn join(&mut self, mut next: Self) {
+        self.observers.append(&mut next.observers);
+    }
+}

@@ -1,0 +1,82 @@
+//! How often a quantity fell where.
+
+use crate::error::Error;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+
+/// How often a quantity fell into each of equal bins.
+#[derive(Debug, Clone)]
+pub struct Histogram<Q> {
+    quantity: Q,
+    from: f64,
+    to: f64,
+    /// Bins per unit.
+    density: f64,
+    counts: Vec<u64>,
+    outside: u64,
+}
+
+impl<Q> Histogram<Q> {
+    /// Of this quantity, in so many bins between two numbers. It is asked for once, and each group of trajectories is
+    /// given a copy:
+    ///
+    /// ```
+    /// # use rattle::{Scene, State, Rattle, watch::{Histogram, Sight}};
+    /// # let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// # let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.5))?;
+    /// let speeds = Histogram::of(|now: &Sight<'_, 1>| now.momentum().norm(), 0.0, 80.0, 4)?;
+    /// let speeds = ensemble.observe(10, 1, || speeds.clone());
+    /// assert_eq!((speeds.counts(), speeds.outside()), (&[200, 200, 200, 200][..], 200));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Bins`] without bins, or if the numbers are not finite, or the first not below the second.
+    #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
+    pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
+    where
+        Q: Fn(&Sight<'_, D>) -> f64,
+    {
+        let density = bins as f64 / (to - from);
+        if !(bins > 0 && from < to && from.is_finite() && to.is_finite() && density.is_normal()) {
+            return Err(Error::Bins { from, to, bins });
+        }
+        Ok(Self { quantity, from, to, density, counts: vec![0; bins], outside: 0 })
+    }
+
+    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x − from.
+    pub fn counts(&self) -> &[u64] {
+        &self.counts
+    }
+
+    /// Sights outside of all bins, and such that are not numbers.
+    pub fn outside(&self) -> u64 {
+        self.outside
+    }
+}
+
+impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Histogram<Q> {
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a bin, after it was seen to be one"
+    )]
+    #[inline(always)]
+    fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let x = (self.quantity)(now);
+        let last = self.counts.len() - 1;
+        let count = if x >= self.from && x < self.to {
+            &mut self.counts[(((x - self.from) * self.density) as usize).min(last)]
+        } else {
+            &mut self.outside
+        };
+        *count += 1;
+    }
+
+    fn join(&mut self, next: Self) {
+        self.outside += next.outside;
+        for (count, more) in self.counts.iter_mut().zip(next.counts) {
+            *count += more;
+        }
+    }
+}

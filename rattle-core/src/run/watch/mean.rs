@@ -1,0 +1,114 @@
+//! Mean and variance of a quantity along runs.
+
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+
+/// Number, mean and variance of a quantity over all sights.
+///
+/// Those of 64 sights at a time are joined to the numbers before as Chan, Golub and LeVeque (1979) do; so are those of two
+/// groups. No sight waits for the one before.
+#[derive(Debug, Clone)]
+pub struct Mean<Q> {
+    quantity: Q,
+    all: Moments,
+    /// What is not yet in `all`: so many of these.
+    number: usize,
+    recent: [f64; RECENT],
+}
+
+/// So many sights are joined at a time.
+const RECENT: usize = 64;
+
+/// Number, mean, and sum of the squares of differences to it.
+#[derive(Debug, Clone, Copy)]
+struct Moments {
+    number: f64,
+    mean: f64,
+    squares: f64,
+}
+
+impl Moments {
+    #[allow(clippy::cast_precision_loss, reason = "a number of things")]
+    fn of(all: &[f64]) -> Self {
+        let number = all.len() as f64;
+        let mean = if all.is_empty() { 0.0 } else { sum_of(all, |x| x) / number };
+        Self { number, mean, squares: sum_of(all, |x| (x - mean) * (x - mean)) }
+    }
+
+    fn and(self, next: Self) -> Self {
+        if self.number == 0.0 || next.number == 0.0 {
+            return if self.number == 0.0 { next } else { self };
+        }
+        let (number, off) = (self.number + next.number, next.mean - self.mean);
+        Self {
+            number,
+            mean: self.mean + off * (next.number / number),
+            squares: self.squares + next.squares + off * off * (self.number * next.number / number),
+        }
+    }
+}
+
+/// Several sums side by side, and then theirs.
+fn sum_of(all: &[f64], term: impl Fn(f64) -> f64) -> f64 {
+    let (whole, rest) = all.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for chunk in whole {
+        for (sum, &x) in sums.iter_mut().zip(chunk) {
+            *sum += term(x);
+        }
+    }
+    sums.into_iter().chain(rest.iter().map(|&x| term(x))).sum()
+}
+
+impl<Q> Mean<Q> {
+    /// Of this quantity.
+    pub fn of<const D: usize>(quantity: Q) -> Self
+    where
+        Q: Fn(&Sight<'_, D>) -> f64,
+    {
+        Self { quantity, all: Moments::of(&[]), number: 0, recent: [0.0; RECENT] }
+    }
+
+    fn moments(&self) -> Moments {
+        self.all.and(Moments::of(&self.recent[..self.number]))
+    }
+
+    #[inline(never)]
+    fn settle(&mut self) {
+        (self.all, self.number) = (self.moments(), 0);
+    }
+
+    /// How many sights there were.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of things")]
+    pub fn number(&self) -> u64 {
+        self.moments().number as u64
+    }
+
+    /// The mean; NaN of none.
+    pub fn mean(&self) -> f64 {
+        let Moments { number, mean, .. } = self.moments();
+        if number == 0.0 { f64::NAN } else { mean }
+    }
+
+    /// The mean square deviation from the mean, with n − 1 in the denominator; NaN of fewer than two.
+    pub fn variance(&self) -> f64 {
+        let Moments { number, squares, .. } = self.moments();
+        if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }
+    }
+}
+
+impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Mean<Q> {
+    #[inline(always)]
+    fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.recent[self.number] = (self.quantity)(now);
+        self.number += 1;
+        if self.number == RECENT {
+            self.settle();
+        }
+    }
+
+    fn join(&mut self, next: Self) {
+        self.settle();
+        self.all = self.all.and(next.moments());
+    }
+}

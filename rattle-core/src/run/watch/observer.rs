@@ -1,0 +1,94 @@
+//! What an observer is.
+
+use crate::run::watch::sight::Sight;
+
+/// Is shown trajectories as they go: that of a [simulation](crate::run::simulation::Simulation::observe), or those of an
+/// [ensemble](crate::run::ensemble::Ensemble::observe). A pair and an array of observers are observers too.
+///
+/// In an ensemble each group of trajectories has an observer of its own, which is shown them in turn. At the end these
+/// observers are joined in the order of the trajectories; so the outcome is the same, bit for bit, for any number of threads.
+///
+/// ```
+/// # use rattle::{Rattle, Scene, State, watch::{Observer, Sight}};
+/// /// The largest height and the largest multiplier of a run.
+/// #[derive(Default)]
+/// struct Largest { height: f64, multiplier: f64 }
+///
+/// impl Observer<3> for Largest {
+///     fn see(&mut self, _before: &Sight<'_, 3>, now: &Sight<'_, 3>) {
+///         self.height = self.height.max(now.position().z);
+///     }
+///     fn join(&mut self, next: Self) {
+///         self.height = self.height.max(next.height);
+///         self.multiplier = self.multiplier.max(next.multiplier);
+///     }
+///     fn position_multiplier(&mut self, _equation: usize, lambda: f64) {
+///         self.multiplier = self.multiplier.max(lambda.abs());
+///     }
+/// }
+///
+/// let sphere = Scene::on(rattle::surfaces::Sphere { r: 1.0 });
+/// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+/// let mut simulation = sphere.simulate(start, Rattle::new(0.01))?;
+/// let mut largest = Largest::default();
+/// simulation.observe(1000, 1, &mut largest)?;
+/// assert!((largest.height - 0.8).abs() < 1e-4);
+/// assert!((largest.multiplier - 0.5).abs() < 1e-4); // |v|²/|∇g|, and ∇g has length 2
+/// # Ok::<(), rattle::Error>(())
+/// ```
+pub trait Observer<const D: usize> {
+    /// Is shown a trajectory now, and as it was at the sight before; at the first sight, as it was at the start.
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>);
+    /// Takes over what another observer saw of the trajectories that come next. A simulation is one trajectory, and
+    /// joins nothing.
+    fn join(&mut self, next: Self)
+    where
+        Self: Sized;
+    /// Is told λ of a position equation, in every step of a simulation. Ensembles do not tell it; see
+    /// [`Sight::multipliers`].
+    #[inline(always)]
+    fn position_multiplier(&mut self, _equation: usize, _lambda: f64) {}
+    /// Is told μ of a momentum equation, in every step of a simulation.
+    #[inline(always)]
+    fn momentum_multiplier(&mut self, _equation: usize, _mu: f64) {}
+}
+
+impl<A: Observer<D>, B: Observer<D>, const D: usize> Observer<D> for (A, B) {
+    #[inline(always)]
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.0.see(before, now);
+        self.1.see(before, now);
+    }
+    fn join(&mut self, next: Self) {
+        self.0.join(next.0);
+        self.1.join(next.1);
+    }
+    #[inline(always)]
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.0.position_multiplier(equation, lambda);
+        self.1.position_multiplier(equation, lambda);
+    }
+    #[inline(always)]
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.0.momentum_multiplier(equation, mu);
+        self.1.momentum_multiplier(equation, mu);
+    }
+}
+
+impl<A: Observer<D>, const N: usize, const D: usize> Observer<D> for [A; N] {
+    #[inline(always)]
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.iter_mut().for_each(|member| member.see(before, now));
+    }
+    fn join(&mut self, next: Self) {
+        self.iter_mut().zip(next).for_each(|(member, next)| member.join(next));
+    }
+    #[inline(always)]
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.iter_mut().for_each(|member| member.position_multiplier(equation, lambda));
+    }
+    #[inline(always)]
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.iter_mut().for_each(|member| member.momentum_multiplier(equation, mu));
+    }
+}

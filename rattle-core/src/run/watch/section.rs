@@ -1,0 +1,126 @@
+//! Poincaré sections: where trajectories pass through a surface in phase space.
+
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+use nalgebra::SVector;
+
+/// A Poincaré section: where and when trajectories pass from s < 0 to s ≥ 0.
+///
+/// Between two sights a body's way is the cubic through both places with the velocities there, for which momenta of unit
+/// mass are taken; the crossing is where s is zero on it.
+#[derive(Debug, Clone)]
+pub struct Section<Q, const D: usize> {
+    quantity: Q,
+    crossings: Vec<Crossing<D>>,
+}
+
+/// A crossing of a [`Section`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crossing<const D: usize> {
+    /// Which trajectory.
+    pub trajectory: usize,
+    /// When.
+    pub time: f64,
+    /// Positions of its bodies.
+    pub positions: Vec<SVector<f64, D>>,
+    /// Momenta of its bodies.
+    pub momenta: Vec<SVector<f64, D>>,
+}
+
+impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
+    /// Where this quantity s is zero.
+    pub fn of(quantity: Q) -> Self {
+        Self { quantity, crossings: Vec::new() }
+    }
+
+    /// All crossings, of the first group of trajectories as they came, then of the next. [`return_times`](Self::return_times)
+    /// puts them in order.
+    pub fn crossings(&self) -> &[Crossing<D>] {
+        &self.crossings
+    }
+
+    /// Where s passes from s₀ < 0 to s₁ ≥ 0.
+    #[inline(never)]
+    fn crossing(&self, (before, s0): (&Sight<'_, D>, f64), (now, s1): (&Sight<'_, D>, f64)) -> Crossing<D> {
+        // The root by regula falsi; s at an end that stays twice is halved (Dowell and Jarratt 1971). It is nearly linear in a step.
+        let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, s0, s1);
+        let (mut crossing, mut last, mut was_below) = (Crossing::of(now), f64::NAN, None);
+        for _ in 0..60 {
+            let part = low - at_low * (high - low) / (at_high - at_low);
+            crossing.move_to(before, now, part);
+            let s = (self.quantity)(&crossing.sight(now));
+            let below = s < 0.0;
+            let (end, at_end, at_other) = if below {
+                (&mut low, &mut at_low, &mut at_high)
+            } else {
+                (&mut high, &mut at_high, &mut at_low)
+            };
+            (*end, *at_end) = (part, s);
+            if was_below == Some(below) {
+                *at_other *= 0.5;
+            }
+            if s == 0.0 || high - low <= f64::EPSILON || (part - last).abs() <= f64::EPSILON {
+                break;
+            }
+            (last, was_below) = (part, Some(below));
+        }
+        crossing
+    }
+
+    /// How long each trajectory took from one crossing to its next, with the number of the trajectory.
+    pub fn return_times(&self) -> Vec<(usize, f64)> {
+        let mut order: Vec<&Crossing<D>> = self.crossings.iter().collect();
+        order.sort_by(|a, b| {
+            (a.trajectory, a.time).partial_cmp(&(b.trajectory, b.time)).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        let pairs = order.windows(2).filter(|pair| pair[0].trajectory == pair[1].trajectory);
+        pairs.map(|pair| (pair[1].trajectory, pair[1].time - pair[0].time)).collect()
+    }
+}
+
+impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Observer<D> for Section<Q, D> {
+    #[inline(always)]
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let (s0, s1) = ((self.quantity)(before), (self.quantity)(now));
+        if s0 < 0.0 && s1 >= 0.0 {
+            self.crossings.push(self.crossing((before, s0), (now, s1)));
+        }
+    }
+
+    fn join(&mut self, mut next: Self) {
+        self.crossings.append(&mut next.crossings);
+    }
+}
+
+impl<const D: usize> Crossing<D> {
+    fn of(now: &Sight<'_, D>) -> Self {
+        let (positions, momenta) = (now.positions.to_vec(), now.momenta.to_vec());
+        Self { trajectory: now.trajectory, time: now.time, positions, momenta }
+    }
+
+    fn sight<'a>(&'a self, now: &Sight<'a, D>) -> Sight<'a, D> {
+        let Self { trajectory, time, positions, momenta } = self;
+        Sight { trajectory: *trajectory, time: *time, positions, momenta, ..*now }
+    }
+
+    /// Puts it a part of the way from one sight to the next, on Hermite's cubic; momenta are its derivative by time.
+    fn move_to(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>, part: f64) {
+        let (t, h) = (part, now.time - before.time);
+        self.time = before.time + part * h;
+        let place = [
+            (1.0 + 2.0 * t) * (1.0 - t).powi(2),
+            t * (1.0 - t).powi(2),
+            t * t * (3.0 - 2.0 * t),
+            t * t * (t - 1.0),
+        ];
+        let rate =
+            [6.0 * t * (t - 1.0), (1.0 - t) * (1.0 - 3.0 * t), 6.0 * t * (1.0 - t), t * (3.0 * t - 2.0)];
+        for body in 0..self.positions.len() {
+            let (q0, q1) = (before.positions[body], now.positions[body]);
+            let (p0, p1) = (before.momenta[body] * h, now.momenta[body] * h);
+            let sum = |[a, b, c, d]: [f64; 4]| q0 * a + p0 * b + q1 * c + p1 * d;
+            self.positions[body] = sum(place);
+            self.momenta[body] = sum(rate) / h;
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! A trajectory at a time, as an observer is shown it.
+
+use nalgebra::SVector;
+use std::fmt;
+
+/// Answers what a [`Sight`] is asked for beyond positions and momenta, evaluated when asked.
+pub trait Source<const D: usize> {
+    /// Kinetic and potential energy that this trajectory, which goes on, would have there.
+    fn energies(
+        &self,
+        trajectory: usize,
+        positions: &[SVector<f64, D>],
+        momenta: &[SVector<f64, D>],
+    ) -> [f64; 2];
+    /// λ of each equation, and Gᵀλ on each body.
+    fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
+    /// aᵀM b, for changes of position of a body.
+    fn mass_product(&self, trajectory: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64;
+    /// The step size of the method.
+    fn step_size(&self) -> f64;
+}
+
+/// A trajectory at a time: its bodies' positions and momenta.
+#[derive(Clone, Copy)]
+pub struct Sight<'a, const D: usize> {
+    /// Which trajectory of the ensemble, counted from 0; 0 in a simulation.
+    pub trajectory: usize,
+    /// Steps taken since the simulation or the ensemble was made.
+    pub step: u64,
+    /// The time.
+    pub time: f64,
+    /// Positions of its bodies.
+    pub positions: &'a [SVector<f64, D>],
+    /// Momenta of its bodies.
+    pub momenta: &'a [SVector<f64, D>],
+    /// What answers further questions, and under which number it knows the trajectory.
+    pub(crate) source: (&'a dyn Source<D>, usize),
+}
+
+impl<const D: usize> Sight<'_, D> {
+    /// The position of the first body, which in lanes is the only one.
+    #[must_use]
+    pub fn position(&self) -> SVector<f64, D> {
+        self.positions[0]
+    }
+
+    /// The momentum of the first body.
+    #[must_use]
+    pub fn momentum(&self) -> SVector<f64, D> {
+        self.momenta[0]
+    }
+
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). As that of a
+    /// [`Simulation`](crate::run::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked for.
+    #[must_use]
+    pub fn kinetic_energy(&self) -> f64 {
+        self.energies()[0]
+    }
+
+    /// Potential energy U of all effects, of the trajectory's own scene in a sweep.
+    #[must_use]
+    pub fn potential_energy(&self) -> f64 {
+        self.energies()[1]
+    }
+
+    /// Energy H = K + U.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        let [kinetic, potential] = self.energies();
+        kinetic + potential
+    }
+
+    /// Multipliers λ of the equations in turn such that g̈ = 0, as
+    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers); evaluated when asked for, which
+    /// allocates, and at an earlier sight evaluates the constraints anew.
+    #[must_use]
+    pub fn multipliers(&self) -> Vec<f64> {
+        let (source, trajectory) = self.source;
+        source.constraints(trajectory, self).0
+    }
+
+    /// The force Gᵀλ of all constraints on each body, in the unit of force; as
+    /// [`multipliers`](Self::multipliers) evaluated when asked for.
+    #[must_use]
+    pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
+        let (source, trajectory) = self.source;
+        source.constraints(trajectory, self).1
+    }
+
+    /// The step size of the method.
+    #[must_use]
+    pub fn step_size(&self) -> f64 {
+        self.source.0.step_size()
+    }
+
+    pub(crate) fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        let (source, trajectory) = self.source;
+        source.mass_product(trajectory, body, a, b)
+    }
+
+    fn energies(&self) -> [f64; 2] {
+        let (source, trajectory) = self.source;
+        source.energies(trajectory, self.positions, self.momenta)
+    }
+}
+
+impl<const D: usize> fmt::Debug for Sight<'_, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Sight");
+        debug.field("trajectory", &self.trajectory).field("step", &self.step).field("time", &self.time);
+        debug.field("positions", &self.positions).field("momenta", &self.momenta).finish_non_exhaustive()
+    }
+}

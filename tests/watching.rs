@@ -1,0 +1,251 @@
+//! Who watches and who runs: observers see the same in simulations and in ensembles; runs end when they are told to; a boxed
+//! simulation is the same simulation.
+
+mod common;
+use common::linked::Rod;
+use common::*;
+use rattle::prelude::*;
+
+fn scene() -> Scene<Lemniscate, impl rattle::effect::Effects<3> + use<>, rattle::bodies::One, 3> {
+    Scene::on(SURFACE).with(Gravity { g: 1.0 })
+}
+
+fn pendulum() -> (
+    Scene<
+        impl rattle::scene::Hold<2> + use<>,
+        impl rattle::effect::Effects<2> + use<>,
+        rattle::bodies::Many,
+        2,
+    >,
+    State<2>,
+) {
+    let scene = Scene::points(2)
+        .masses([1.0, 2.0])
+        .link(Rod { length: 1.0 }, [[0, 1]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    (scene, State::of([[0.0, 0.0], [1.0, 0.0]]))
+}
+
+fn near(a: &[f64], b: &[f64], bound: f64) {
+    assert_eq!(a.len(), b.len());
+    let off = a.iter().zip(b).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
+    assert!(off <= bound, "{off:e} apart");
+}
+
+#[test]
+fn every_observer_watches_simulations_and_ensembles() {
+    let z = |now: &Sight<'_, 3>| now.position().z;
+    let energy = |now: &Sight<'_, 3>| now.energy();
+    let bins = Histogram::of(z, -0.2, 0.2, 5).unwrap();
+    let watch = || ((Mean::of(energy), bins.clone()), (Section::of(z), ShadowEnergy::new(4)));
+    let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let mut seen = watch();
+    simulation.observe(700, 1, &mut seen).unwrap();
+    let mut ensemble = scene().ensemble([billiard(0.3)], Rattle::new(0.01)).unwrap();
+    let found = ensemble.observe(700, 1, watch);
+    let (((mean, bins), (section, shadow)), ((mean_2, bins_2), (section_2, shadow_2))) = (seen, found);
+    assert_eq!((mean.number(), shadow.values().len()), (700, 697));
+    assert!((mean.mean() - mean_2.mean()).abs() < 1e-12, "{} {}", mean.mean(), mean_2.mean());
+    assert_eq!(bins.counts(), bins_2.counts());
+    near(shadow.values(), shadow_2.values(), 1e-9);
+    assert!(section.crossings().len() > 2);
+    let times = |section: &[rattle::watch::Crossing<3>]| section.iter().map(|c| c.time).collect::<Vec<_>>();
+    near(&times(section.crossings()), &times(section_2.crossings()), 1e-9);
+}
+
+#[test]
+fn trajectories_of_an_ensemble_are_kept_apart_and_are_those_of_simulations() {
+    let (scene, start) = pendulum();
+    let starts = || (0..5).map(|i| start.clone().with_momenta([[0.0, 0.0], [0.0, 0.1 * f64::from(i)]]));
+    let mut ensemble = scene.ensemble(starts(), Rattle::new(0.02)).unwrap();
+    let seen = ensemble.observe(100, 7, || Each::of(|| (Trajectory::new(), ShadowEnergy::new(2))));
+    for (i, start) in starts().enumerate() {
+        let mut alone = scene.simulate(start, Rattle::new(0.02)).unwrap();
+        let mut own = Trajectory::of(&alone);
+        alone.observe(100, 7, &mut own).unwrap();
+        let (path, shadow) = seen.get(i).unwrap();
+        assert_eq!((path, own.shape()), (&own, [15, 2, 2]), "{i}");
+        assert!(shadow.values().is_empty(), "steps are missing between sights");
+    }
+    assert_eq!(seen.iter().map(|(i, _)| i).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+}
+
+/// λ and the forces of constraints, asked for at both sights.
+struct Asked(Vec<(u64, [Vec<f64>; 2], [f64; 2])>);
+
+impl<const D: usize> Observer<D> for Asked {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        let forces = [before, now].map(|sight| sight.constraint_forces().iter().map(|f| f.norm()).sum());
+        self.0.push((now.step, [before.multipliers(), now.multipliers()], forces));
+    }
+    fn join(&mut self, next: Self) {
+        self.0.extend(next.0);
+    }
+}
+
+#[test]
+fn sights_tell_multipliers_in_simulations_and_in_lanes() {
+    let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let mut expected = vec![(simulation.multiplier(), simulation.constraint_forces()[0].norm())];
+    for _ in 0..4 {
+        simulation.run(25).unwrap();
+        expected.push((simulation.multiplier(), simulation.constraint_forces()[0].norm()));
+    }
+    let mut again = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let mut alone = Asked(vec![]);
+    again.observe(100, 25, &mut alone).unwrap();
+    let lanes =
+        scene()
+            .ensemble([billiard(0.3), billiard(0.4)], Rattle::new(0.01))
+            .unwrap()
+            .observe(100, 25, || Each::of(|| Asked(vec![])));
+    for (seen, bound) in [(&alone.0, 1e-13), (&lanes.get(0).unwrap().0, 1e-10)] {
+        assert_eq!(seen.len(), 4);
+        for (i, (step, multipliers, forces)) in seen.iter().enumerate() {
+            assert_eq!(*step, 25 * (i as u64 + 1));
+            for (sight, (lambda, force)) in expected[i..i + 2].iter().enumerate() {
+                assert!((multipliers[sight][0] - lambda).abs() <= bound, "{i} {multipliers:?} {lambda}");
+                assert!((forces[sight] - force).abs() <= bound, "{i} {forces:?} {force}");
+            }
+        }
+    }
+}
+
+#[test]
+fn looks_do_not_allocate() {
+    let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let mut seen =
+        (Mean::of(|now: &Sight<'_, 3>| now.energy()), Mean::of(|now: &Sight<'_, 3>| now.position().z));
+    let mut allocated = |steps| {
+        let measured = allocation_counter::measure(|| simulation.observe(steps, 1, &mut seen).unwrap());
+        measured.count_total
+    };
+    assert_eq!(allocated(1), allocated(500));
+}
+
+#[test]
+fn progress_tells_each_sight_once() {
+    use std::sync::atomic::{AtomicU64, Ordering};
+    let (told, calls) = (AtomicU64::new(0), AtomicU64::new(0));
+    let tell = |sights| {
+        told.fetch_add(sights, Ordering::Relaxed);
+        calls.fetch_add(1, Ordering::Relaxed);
+    };
+    let mut ensemble =
+        scene().ensemble((0..100).map(|i| billiard(0.01 * f64::from(i))), Rattle::new(0.01)).unwrap();
+    ensemble.observe(105, 10, || Progress::of(300, tell));
+    assert_eq!(told.swap(0, Ordering::Relaxed), 100 * 10);
+    assert_eq!(calls.swap(0, Ordering::Relaxed), 5); // 640 and 360 sights, of two groups
+    let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    simulation.observe(1000, 4, &mut (Progress::of(100, tell), Trajectory::new())).unwrap();
+    assert_eq!((told.into_inner(), calls.into_inner()), (250, 3));
+}
+
+#[test]
+fn runs_end_at_the_first_step_that_is_there() {
+    let run = |h: f64, start: f64, until: f64| {
+        let free = Scene::point().simulate(State::at([0.0]).moving([1.0]).at_time(start), Rattle::new(h));
+        let mut simulation = free.unwrap();
+        simulation.run_until(until).unwrap();
+        (simulation.steps(), simulation.time())
+    };
+    for n in (1..2000_u32).step_by(7) {
+        for h in [0.1, 0.01, 1.0 / 3.0, 0.7e-3] {
+            let (exact, summed) = (f64::from(n) * h, (0..n).fold(0.0, |t, _| t + h));
+            for until in [exact, exact.next_up(), exact.next_down(), summed] {
+                assert_eq!(run(h, 0.0, until).0, u64::from(n), "{n} × {h}");
+            }
+            assert_eq!(run(h, 0.0, exact + 1e-3 * h).0, u64::from(n) + 1);
+            assert_eq!(run(-h, 0.0, -exact).0, u64::from(n));
+            assert_eq!(run(h, 1e5, 1e5 + exact).0, u64::from(n));
+        }
+    }
+    assert_eq!(run(0.1, 2.0, 1.0), (0, 2.0));
+    assert_eq!(run(0.1, 2.0, 2.0), (0, 2.0));
+    for time in [f64::NAN, f64::INFINITY] {
+        let mut simulation = Scene::point().simulate(State::at([0.0]), Rattle::new(0.1)).unwrap();
+        let error = simulation.run_until(time).unwrap_err();
+        assert!(error.to_string().starts_with("the time until which to run must be finite"), "{error}");
+        assert_eq!(simulation.steps(), 0);
+    }
+}
+
+#[test]
+fn steps_of_different_lengths_end_there_too() {
+    let mut simulation = scene().simulate(billiard(0.3), Dop853::adaptive(0.01, 1e-10)).unwrap();
+    let mut last = 0.0;
+    for until in [0.5, 0.5, 0.8, 2.0] {
+        simulation.run_until(until).unwrap();
+        assert!(simulation.time() >= until - 1e-8, "{}", simulation.time());
+        let mut one_less = scene().simulate(billiard(0.3), Dop853::adaptive(0.01, 1e-10)).unwrap();
+        one_less.run(simulation.steps() - 1).unwrap();
+        assert!(one_less.time() < until, "{} {until}", one_less.time());
+        last = simulation.time();
+    }
+    assert!(last < 2.5);
+}
+
+#[test]
+fn runs_stop_early() {
+    let mut simulation = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let steps = simulation.run_while(5000, |now| now.position().x < 0.4).unwrap();
+    assert_eq!(steps, simulation.steps());
+    assert!(simulation.position().x >= 0.4);
+    let mut other = scene().simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    other.run(steps - 1).unwrap();
+    assert!(other.position().x < 0.4);
+    assert_eq!(simulation.run_while(10, |_| true).unwrap(), 10);
+    assert_eq!(simulation.run_while(10, |_| false).unwrap(), 0);
+    let failing =
+        Scene::on(SURFACE).simulate(billiard(0.3), Rattle::new(10.0)).unwrap().run_while(10, |_| true);
+    assert!(matches!(failing, Err(rattle::Error::Step { step: 1, .. })));
+}
+
+#[test]
+fn boxed_simulations_are_the_same_simulations() {
+    let (linked, start) = pendulum();
+    let mut pendulum = linked.simulate(start.clone(), Rattle::new(0.02)).unwrap();
+    let points = Scene::points::<2>(2).simulate(start, Shake::new(0.02)).unwrap();
+    let mut all: Vec<BoxedSimulation<2>> = vec![pendulum.clone().boxed(), points.boxed()];
+    let (mut path, mut own) = (Trajectory::new(), Trajectory::new());
+    all[0].observe(60, 3, &mut path).unwrap();
+    pendulum.observe(60, 3, &mut own).unwrap();
+    all.iter_mut().for_each(|simulation| simulation.run_until(2.0).unwrap());
+    pendulum.run_until(2.0).unwrap();
+    let boxed = &all[0];
+    assert_eq!((path, boxed.steps(), boxed.time()), (own, 100, pendulum.time()));
+    assert_eq!(bits(&boxed.state()), bits(&pendulum.state()));
+    assert_eq!(boxed.positions().collect::<Vec<_>>(), pendulum.positions().collect::<Vec<_>>());
+    assert_eq!(boxed.momenta().collect::<Vec<_>>(), pendulum.momenta().collect::<Vec<_>>());
+    assert_eq!(boxed.velocities().collect::<Vec<_>>(), pendulum.velocities().collect::<Vec<_>>());
+    assert_ne!(boxed.velocities().nth(1), boxed.momenta().nth(1));
+    let numbers = |one: [f64; 7]| one.map(f64::to_bits);
+    assert_eq!(
+        numbers([
+            boxed.kinetic_energy(),
+            boxed.potential_energy(),
+            boxed.energy(),
+            boxed.energy_error(),
+            boxed.work(),
+            boxed.constraint_residual(),
+            boxed.cotangent_residual()
+        ]),
+        numbers([
+            pendulum.kinetic_energy(),
+            pendulum.potential_energy(),
+            pendulum.energy(),
+            pendulum.energy_error(),
+            pendulum.work(),
+            pendulum.constraint_residual(),
+            pendulum.cotangent_residual()
+        ])
+    );
+    assert_eq!((boxed.multipliers(), boxed.residuals()), (pendulum.multipliers(), pendulum.residuals()));
+    assert_eq!(boxed.constraint_forces(), pendulum.constraint_forces());
+    assert_eq!((boxed.bodies(), all[1].multipliers().len(), all[1].steps()), (2, 0, 100));
+    assert_eq!((boxed.momentum_time(), all[1].momentum_time()), (boxed.time(), 2.0 - 0.01));
+    let mut clone = all[0].clone();
+    clone.step().unwrap();
+    assert_eq!((clone.steps(), all[0].steps()), (101, 100));
+}
