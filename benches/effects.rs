@@ -10,7 +10,7 @@
 
 use rattle::Counted;
 use rattle::bodies::{Bodies, One};
-use rattle::effect::Absent;
+use rattle::effect::Effects;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::surface::Kept;
@@ -91,8 +91,11 @@ fn evaluations() {
 }
 
 fn bytes() {
-    let free = size_of::<Bodies<One, f64, Kept<One, f64, Absent, 3>, 3>>();
-    let forced = size_of::<Bodies<One, f64, Kept<One, f64, [f64; 3], 3>, 3>>();
+    fn of<C, E: Effects<3>>(_: &Scene<C, E, One, 3>) -> usize {
+        size_of::<Bodies<One, f64, Kept<One, f64, E::Forces<f64>, 3>, 3>>()
+    }
+    let scene = Scene::on(SURFACE);
+    let (free, forced) = (of(&scene), of(&scene.with(Gravity { g: 1.0 })));
     println!("\nbytes per particle: {free} free, {forced} with a force; no multiplier is among them");
     assert_eq!(free + size_of::<[f64; 3]>(), forced);
 }

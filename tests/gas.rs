@@ -7,7 +7,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rattle::Error;
 use rattle::bodies::Many;
-use rattle::effect::{Acting, BetweenPairs, Effect, Effects};
+use rattle::effect::{Acting, BetweenPairs, Effect, Effects, Moment};
 use rattle::error::StartFailure;
 use rattle::potentials::Gaussian;
 use rattle::prelude::*;
@@ -29,8 +29,8 @@ fn places<const D: usize>(n: usize) -> Vec<[f64; D]> {
 fn forces_off<P: PairPotential, const D: usize>(potential: &P, n: usize) -> [f64; 2] {
     let places = places::<D>(n);
     let mut forces = vec![[0.0; D]; n];
-    let acting = <P as Effect<D, BetweenPairs<()>>>::acting::<f64>(potential);
-    acting.add_forces(&places, &mut forces);
+    let acting = <P as Effect<D, BetweenPairs>>::acting::<f64>(potential);
+    acting.add_forces(Moment { time: 0.0, positions: &places }, &mut (), &mut forces);
     let (mut worst, mut total, mut size) = (0.0_f64, [0.0; D], 0.0);
     for (i, q) in places.iter().enumerate() {
         let (mut expected, mut sizes) = ([0.0; D], 0.0);

@@ -8,7 +8,7 @@ use rattle::linked::Linked;
 use rattle::network::LinearAlgebra::Elimination;
 use rattle::prelude::*;
 use rattle::system::System;
-use rattle::{Error, bodies::Count, effect::Field};
+use rattle::{Error, bodies::Count, effect::Forces};
 
 /// The message has all of these.
 fn says(error: &Error, words: &[&str]) {
@@ -21,7 +21,7 @@ fn says(error: &Error, words: &[&str]) {
 /// Runs until a step fails, and checks that the simulation is then as it was, to the bit, also in what it keeps.
 fn fails<F, N, S, const D: usize>(simulation: &mut Simulation<Linked<F, N, D>, S, D>, steps: u64) -> Error
 where
-    F: Field<f64, D>,
+    F: Forces<f64, D>,
     N: Count,
     S: Method,
     Linked<F, N, D>: System<f64, D, Count = N>,
@@ -43,7 +43,7 @@ where
 }
 
 /// What is evaluated at the state.
-fn seen<F: Field<f64, D>, N: Count, S: Method, const D: usize>(
+fn seen<F: Forces<f64, D>, N: Count, S: Method, const D: usize>(
     simulation: &Simulation<Linked<F, N, D>, S, D>,
 ) -> String
 where

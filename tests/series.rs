@@ -95,7 +95,7 @@ fn size<const E: usize>(values: impl Fn(Complex) -> [Complex; E]) -> f64 {
 
 fn of_potential<P: Potential<D>, const D: usize>(potential: &P, start: [f64; D]) -> (f64, usize) {
     let (plain, complex) = (potential.kernel::<f64>(), potential.kernel::<Complex>());
-    let blocks = <P::Kernel<f64> as PotentialKernel<f64, D>>::SERIES.unwrap();
+    let blocks = plain.series().unwrap();
     let curve = curve(start);
     let values = |t| complex.gradient(&at(&curve, t));
     let found = coefficients(blocks, &curve, &Gradient(plain));
@@ -180,7 +180,7 @@ pair_potential! {
 fn slopes_and_jacobians() {
     let (bond, start) = (Bond { depth: 0.7, width: 1.3 }, curve([1.2]));
     let (plain, complex) = (bond.kernel::<f64>(), bond.kernel::<Complex>());
-    let blocks = <<Bond as PairPotential>::Kernel<f64> as PairKernel<f64>>::SERIES.unwrap();
+    let blocks = plain.series().unwrap();
     let values = |t| [complex.slope(at(&start, t)[0])];
     let found = coefficients(blocks, &start, &Slope(plain));
     let (off, seen) = compare(&found, &cauchy(ORDERS, RADIUS, values), size(values));
@@ -188,8 +188,7 @@ fn slopes_and_jacobians() {
 
     let (torus, start) = (TorusByDistance { major: 1.0, minor: 0.3 }, curve([0.7, 0.9, 0.2]));
     let (plain, complex) = (torus.kernel::<f64>(), torus.kernel::<Complex>());
-    let blocks =
-        <<TorusByDistance as Constraint<3, 1>>::Kernel<f64> as ConstraintKernel<f64, 3, 1>>::SERIES.unwrap();
+    let blocks = plain.series().unwrap();
     let values = |t| complex.jacobian(&at(&start, t))[0];
     let found = coefficients(blocks, &start, &Row(plain));
     let (off, seen) = compare(&found, &cauchy(ORDERS, RADIUS, values), size(values));
@@ -223,8 +222,7 @@ fn polynomials_are_exact() {
 
     let lemniscate = Lemniscate { a: 3.0, r: 0.1 };
     let kernel = lemniscate.kernel::<f64>();
-    let blocks =
-        <<Lemniscate as Constraint<3, 1>>::Kernel<f64> as ConstraintKernel<f64, 3, 1>>::SERIES.unwrap();
+    let blocks = kernel.series().unwrap();
     let curve: Vec<[f64; 3]> = curve.iter().map(|q| q.map(|q| q as f64)).collect();
     assert_eq!(coefficients(blocks, &curve, &Row(kernel)), expected);
 }
@@ -239,8 +237,8 @@ fn where_there_is_no_series_coefficients_are_none() {
     potential! { struct Logged {} |x| x * ln(x) }
     potential! { struct Chosen {} |x| if x < 1 { x^2 } else { x } }
     fn gradient<P: Potential<1>>(potential: &P, curve: &[[f64; 1]]) -> Vec<[f64; 1]> {
-        let blocks = <P::Kernel<f64> as PotentialKernel<f64, 1>>::SERIES.unwrap();
-        coefficients(blocks, curve, &Gradient(potential.kernel::<f64>()))
+        let kernel = potential.kernel::<f64>();
+        coefficients(kernel.series().unwrap(), curve, &Gradient(kernel))
     }
     let through = [[0.0], [1.0], [0.0], [0.0]];
     let broken = |found: Vec<[f64; 1]>| found.iter().any(|[c]| !c.is_finite());
@@ -288,7 +286,7 @@ fn great_circles() {
 fn lanes_have_series_of_their_own() {
     potential! { struct Hill {} |x, y, z| if x < 1 { exp(x * y) } else { sin(x) / z } }
     let starts = [[0.6, 0.9, 0.4], [1.6, 0.9, 0.4], [-0.6, 0.2, 0.1], [2.0, 0.0, 1.0]];
-    let blocks = <<Hill as Potential<3>>::Kernel<f64> as PotentialKernel<f64, 3>>::SERIES.unwrap();
+    let blocks = Hill {}.kernel::<f64>().series().unwrap();
     let curves = starts.map(curve);
     let alone = curves.each_ref().map(|curve| coefficients(blocks, curve, &Gradient(Hill {}.kernel())));
     let kernel = Hill {}.kernel::<Four>();

@@ -1,7 +1,8 @@
 //! What is simulated: the constraint, the bodies and the effects.
 
 use crate::effect::force::Force;
-use crate::effect::list::{Effects, Field, With};
+use crate::effect::list::{Effects, Forces, With};
+use crate::effect::moment::Moment;
 use crate::effect::one::Effect;
 use crate::error::Error;
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
@@ -251,8 +252,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
-    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Field<T>, N, OneByOne> {
-        OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.field(), self.count)
+    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
+        OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }
 }
 
@@ -277,7 +278,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// staggered method from momenta of the same time.
     pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> State<D> {
         let mut state = state.clone();
-        let forces = self.forces(&state.bodies);
+        let forces = self.forces(&state.bodies, state.time);
         let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
         for (_, (body, force)) in state.bodies.iter_mut().zip(forces).enumerate().filter(moving) {
             let pull = self.constraint.pull(&body.q, &force.components());
@@ -288,11 +289,16 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         state
     }
 
-    /// Forces on these bodies.
-    pub(crate) fn forces(&self, bodies: &[Body<f64, D>]) -> Vec<<E::Field<f64> as Field<f64, D>>::Force> {
+    /// Forces on these bodies at this time.
+    pub(crate) fn forces(
+        &self,
+        bodies: &[Body<f64, D>],
+        time: f64,
+    ) -> Vec<<E::Forces<f64> as Forces<f64, D>>::Force> {
         let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
         let mut forces = vec![Force::zero(); bodies.len()];
-        self.effects.field::<f64>().evaluate(&positions, &mut forces);
+        let (effects, at) = (self.effects.forces::<f64>(), Moment { time, positions: &positions });
+        effects.evaluate(at, &mut effects.room(bodies.len()), &mut forces);
         forces
     }
 }

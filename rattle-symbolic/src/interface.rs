@@ -143,7 +143,6 @@ impl Macro {
                 vec![
                     method("value", &[("q", &q)], number.clone()),
                     method("gradient", &[("q", &q)], q.clone()),
-                    method("value_and_gradient", &[("q", &q)], tuple(&[&number, &q])),
                 ]
             }
             Macro::PairPotential => {

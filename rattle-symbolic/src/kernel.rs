@@ -27,7 +27,7 @@ impl Kernel<'_> {
         let written = |name| self.routines.list.is_empty() || self.routines.named(name).is_some();
         let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
         let functions = functions.map(|method| self.function(&method, which));
-        let (constants, kinks) = self.structure_of_equations(which);
+        let (acts_along, kinks) = (self.acts_along(which), self.kinks(which));
         let series = self.series(which);
         let map = self.map(which);
         let declarations = self.emitter.declarations();
@@ -46,7 +46,6 @@ impl Kernel<'_> {
                 #[automatically_derived]
                 impl ::rattle::kernel::#owner for #name {
                     type Kernel<T: ::rattle::real::Real> = #kernel<T>;
-                    #constants
 
                     #[inline(always)]
                     fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
@@ -64,6 +63,7 @@ impl Kernel<'_> {
                 #[automatically_derived]
                 impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
+                    #acts_along
                     #kinks
                     #series
                 }
@@ -89,46 +89,39 @@ impl Kernel<'_> {
         }
     }
 
-    /// Which derivatives can be other than zero, and where the function is not smooth.
-    fn structure_of_equations(&self, which: Macro) -> (TokenStream, TokenStream) {
-        if let (Macro::Potential, Some(gradient)) = (which, self.routines.named("gradient")) {
-            let acts = gradient.roots.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
-            let d = Literal::usize_unsuffixed(self.sizes.variables);
-            return (TokenStream::new(), quote!(const ACTS_ALONG: [bool; #d] = [#(#acts),*];));
-        }
-        if which != Macro::Constraint {
-            return Default::default();
-        }
-        let (d, m) = (self.sizes.variables, self.sizes.roots);
-        let sparsity = match self.routines.named("value_and_jacobian") {
-            Some(both) => {
-                let rows = both.roots[m..].chunks(d).map(|row| {
-                    let entries = row.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
-                    quote!([#(#entries),*])
-                });
-                let (d, m) = (Literal::usize_unsuffixed(d), Literal::usize_unsuffixed(m));
-                quote!(const SPARSITY: [[bool; #d]; #m] = [#(#rows),*];)
-            }
-            None => TokenStream::new(),
+    /// Which components of a potential's gradient can be other than zero.
+    fn acts_along(&self, which: Macro) -> TokenStream {
+        let (Macro::Potential, Some(gradient)) = (which, self.routines.named("gradient")) else {
+            return TokenStream::new();
         };
+        let acts = gradient.roots.iter().map(|&root| self.routines.graph.number(root) != Some(0.0));
+        let d = Literal::usize_unsuffixed(self.sizes.variables);
+        quote! {
+            #[inline(always)]
+            fn acts_along(&self) -> [bool; #d] {
+                [#(#acts),*]
+            }
+        }
+    }
+
+    /// Where equations are not smooth.
+    fn kinks(&self, which: Macro) -> TokenStream {
         let Some(kinks) = self.routines.named("kinks").filter(|kinks| !kinks.roots.is_empty()) else {
-            return (sparsity, TokenStream::new());
+            return TokenStream::new();
         };
         let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
-        let count = Literal::usize_unsuffixed(kinks.roots.len());
-        let kinks = quote! {
-            const KINKS: usize = #count;
-
+        let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        quote! {
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> usize {
                 #statements
                 let __values = [#(#values),*];
                 let __count = if __found.len() < #count { __found.len() } else { #count };
                 __found[..__count].copy_from_slice(&__values[..__count]);
+                #count
             }
-        };
-        (sparsity, kinks)
+        }
     }
 
     /// The recurrences of the derivatives along a curve, for functions that are not too large for it.
@@ -143,7 +136,10 @@ impl Kernel<'_> {
         let result = method.result.filled(&mut results.into_iter());
         let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
         quote! {
-            const SERIES: Option<usize> = Some(#blocks);
+            #[inline(always)]
+            fn series(&self) -> Option<usize> {
+                Some(#blocks)
+            }
 
             #[inline(always)]
             #signature {

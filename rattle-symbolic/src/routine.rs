@@ -58,6 +58,12 @@ impl Routines {
         self.list.push(Routine { name, roots });
     }
 
+    /// A function that shares what it can with `others`, as if one function had the results of both.
+    fn add_beside(&mut self, name: &'static str, source: &Graph, others: &[Scaled], roots: &[Scaled]) {
+        let both = schedule(source, &[others, roots].concat(), &mut self.graph);
+        self.list.push(Routine { name, roots: both[others.len()..].to_vec() });
+    }
+
     /// The last function again, with the results from `skip` on.
     fn rest(&mut self, name: &'static str, skip: usize) {
         if let Some(last) = self.list.last() {
@@ -174,8 +180,7 @@ pub fn potential(mut source: Graph, root: Id, variables: u32) -> Routines {
     let mut routines = Routines::empty();
     let gradient = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
     routines.add("value", &source, &[root.into()]);
-    routines.add("value_and_gradient", &source, &[&[root.into()][..], &gradient].concat());
-    routines.rest("gradient", 1);
+    routines.add_beside("gradient", &source, &[root.into()], &gradient);
     routines.gradients = (source, gradient);
     routines
 }

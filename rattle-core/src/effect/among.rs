@@ -1,5 +1,6 @@
 //! A potential over chosen bodies, several at a time.
 
+use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::over::Over;
@@ -8,17 +9,19 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// A potential of K = A·D variables over members of A bodies.
+/// The kind of effect that acts among chosen bodies, A at a time: [`Over`] them, a potential of K = A·D variables.
+#[derive(Debug, Clone, Copy)]
+pub struct Among<const K: usize, const A: usize>;
+
+/// A potential of K = A·D variables over members of A bodies, over a scalar.
 #[derive(Debug, Clone)]
-pub struct Among<X, const K: usize, const A: usize> {
+pub struct ActsAmong<X, const K: usize, const A: usize> {
     kernels: Vec<X>,
     members: Vec<[usize; A]>,
 }
 
-impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, Among<(), K, A>>
-    for Over<P, A>
-{
-    type Acting<T: Real> = Among<P::Kernel<T>, K, A>;
+impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, Among<K, A>> for Over<P, A> {
+    type Acting<T: Real> = ActsAmong<P::Kernel<T>, K, A>;
 
     fn acting<T: Real>(&self) -> Self::Acting<T> {
         const {
@@ -27,7 +30,7 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
                 "a potential over A bodies has A times as many variables as a body coordinates"
             )
         };
-        Among { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
+        ActsAmong { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
@@ -35,7 +38,7 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     where
         Self: 'a,
     {
-        from_fn(|i| Effect::<D, Among<(), K, A>>::acting(lane(i)))
+        from_fn(|i| Effect::<D, Among<K, A>>::acting(lane(i)))
     }
 
     fn stray(&self, bodies: usize) -> Option<(usize, usize)> {
@@ -44,37 +47,43 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     }
 }
 
-impl<X, const K: usize, const A: usize> Among<X, K, A> {
+impl<X, const K: usize, const A: usize> ActsAmong<X, K, A> {
+    #[inline(always)]
+    fn kernel(&self, member: usize) -> &X {
+        &self.kernels[if self.kernels.len() == 1 { 0 } else { member }]
+    }
+
     /// Each member's kernel and bodies, and its variables.
     #[inline(always)]
     fn each<'a, T: Real, const D: usize>(
         &'a self,
         positions: &'a [[T; D]],
     ) -> impl Iterator<Item = (&'a X, &'a [usize; A], [T; K])> + 'a {
-        self.members.iter().enumerate().map(|(i, member)| {
-            let kernel = &self.kernels[if self.kernels.len() == 1 { 0 } else { i }];
-            (kernel, member, from_fn(|k| positions[member[k / D]][k % D]))
-        })
+        let members = self.members.iter().enumerate();
+        members.map(|(i, member)| (self.kernel(i), member, from_fn(|k| positions[member[k / D]][k % D])))
     }
 }
 
 impl<T: Real, X: PotentialKernel<T, K>, const D: usize, const K: usize, const A: usize> Acting<T, D>
-    for Among<X, K, A>
+    for ActsAmong<X, K, A>
 {
-    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
-        for (kernel, member, variables) in self.each(positions) {
+    type Room = ();
+    fn room(&self, _: usize) {}
+
+    fn add_forces(&self, at: Moment<'_, T, D>, (): &mut (), forces: &mut [[T; D]]) {
+        for (kernel, member, variables) in self.each(at.positions) {
             let gradient = kernel.gradient(&variables);
             for (a, &body) in member.iter().enumerate() {
                 forces[body] = from_fn(|d| forces[body][d] - gradient[a * D + d]);
             }
         }
     }
-    fn energy(&self, positions: &[[T; D]]) -> T {
-        let energies = self.each(positions).map(|(kernel, _, variables)| kernel.value(&variables));
+    fn energy(&self, at: Moment<'_, T, D>) -> T {
+        let energies = self.each(at.positions).map(|(kernel, _, variables)| kernel.value(&variables));
         energies.fold(T::from_f64(-0.0), |sum, energy| sum + energy)
     }
     fn series_blocks(&self, _: usize) -> Option<usize> {
-        Some(self.members.len() * X::SERIES?)
+        (0..self.members.len()).map(|member| self.kernel(member).series()).sum()
     }
     fn add_series<const FIRST: bool>(
         &self,

@@ -1,5 +1,6 @@
 //! A potential between every two bodies.
 
+use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::tiles;
 use crate::kernel::functions::{PairKernel, PairPotential};
@@ -12,20 +13,24 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, sum};
 use std::array::from_fn;
 
-/// A potential between every two bodies.
+/// The kind of effect that acts between every two bodies: every [`PairPotential`].
+#[derive(Debug, Clone, Copy)]
+pub struct BetweenPairs;
+
+/// A potential between every two bodies, over a scalar.
 ///
 /// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::number::lanes) of their own, where there are some bodies and
 /// the processor has fused multiply-add. Forces then differ by rounding from those of few bodies, or of a processor without it.
 #[derive(Debug, Clone, Copy)]
-pub struct BetweenPairs<K, L = K> {
+pub struct ActsBetweenPairs<K, L> {
     kernel: K,
     in_lanes: L,
 }
 
-impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
-    type Acting<T: Real> = BetweenPairs<P::Kernel<T>, P::Kernel<Fused<f64>>>;
+impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs> for P {
+    type Acting<T: Real> = ActsBetweenPairs<P::Kernel<T>, P::Kernel<Fused<f64>>>;
     fn acting<T: Real>(&self) -> Self::Acting<T> {
-        BetweenPairs { kernel: self.kernel(), in_lanes: self.kernel() }
+        ActsBetweenPairs { kernel: self.kernel(), in_lanes: self.kernel() }
     }
 
     type Swept<S: Lane, const L: usize> = [Self::Acting<S>; L];
@@ -33,15 +38,19 @@ impl<P: PairPotential, const D: usize> Effect<D, BetweenPairs<()>> for P {
     where
         Self: 'a,
     {
-        from_fn(|i| Effect::<D, BetweenPairs<()>>::acting(lane(i)))
+        from_fn(|i| Effect::<D, BetweenPairs>::acting(lane(i)))
     }
 }
 
 impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Acting<T, D>
-    for BetweenPairs<K, L>
+    for ActsBetweenPairs<K, L>
 {
+    type Room = ();
+    fn room(&self, _: usize) {}
+
     #[inline(always)]
-    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
+    fn add_forces(&self, at: Moment<'_, T, D>, (): &mut (), forces: &mut [[T; D]]) {
+        let positions = at.positions;
         if positions.len() >= tiles::MANY
             && let (Some(positions), Some(forces)) = (T::doubles(positions), T::doubles_mut(forces))
             && tiles::add_forces(&self.in_lanes, positions, forces)
@@ -59,7 +68,7 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
             forces[i] = on_i;
         }
     }
-    fn energy(&self, positions: &[[T; D]]) -> T {
+    fn energy(&self, Moment { positions, .. }: Moment<'_, T, D>) -> T {
         let mut energy = T::from_f64(-0.0);
         for i in 1..positions.len() {
             for j in 0..i {
@@ -70,7 +79,7 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
         energy
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + K::SERIES?))
+        Some(bodies * bodies.saturating_sub(1) / 2 * (blocks(2 * D) + self.kernel.series()?))
     }
     fn add_series<const FIRST: bool>(
         &self,

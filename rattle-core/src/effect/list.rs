@@ -1,24 +1,26 @@
-//! A scene's effects are a list in its type: `()` is none, [`With`] adds one. The list without effects has a force of size
-//! zero, so the force phase of a step vanishes when compiling.
+//! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the same over
+//! a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when compiling.
 
 use crate::effect::force::{Absent, Force};
+use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
+use std::fmt::Debug;
 use std::marker::PhantomData;
 
-/// A list of effects, as users name them.
+/// All effects of a scene, as users name them.
 pub trait Effects<const D: usize> {
-    /// The list, ready for the scalar `T`.
-    type Field<T: Real>: Field<T, D>;
-    /// The field with these effects' parameters.
-    fn field<T: Real>(&self) -> Self::Field<T>;
+    /// The effects over the scalar `T`.
+    type Forces<T: Real>: Forces<T, D>;
+    /// The effects with these values' parameters.
+    fn forces<T: Real>(&self) -> Self::Forces<T>;
 
     /// The list in L lanes, each with parameters of its own.
-    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Field<S>>;
+    type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Forces<S>>;
     /// Lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
@@ -30,25 +32,51 @@ pub trait Effects<const D: usize> {
     }
 }
 
-/// All effects of a scene together, over the scalar `T`.
-pub trait Field<T: Real, const D: usize>: Clone + Send + Sync + 'static {
+/// All effects of a scene over the scalar `T`: the sum of what each of them, an [`Acting`], does.
+pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// What is stored per body: `[T; D]`, or [`Absent`].
     type Force: Force<T, D>;
+    /// The [room](Acting::Room) of all effects.
+    type Room: Clone + Debug + Send + Sync + 'static;
+    /// Room for so many bodies, made before the first step.
+    fn room(&self, bodies: usize) -> Self::Room;
 
-    /// Sets the force −∇ᵢU on every body i.
-    fn evaluate(&self, positions: &[[T; D]], forces: &mut [Self::Force]);
-    /// Adds −∇ᵢU to the force on every body i.
-    fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
-    /// p + c f, with the force f on a body that is the only one.
+    /// Whether forces at the same positions change with time.
+    fn changes_with_time(&self) -> bool;
+    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    fn flows(&self) -> usize;
+    /// Writes what the momenta change by in a time h by a flow, the first of which has number 0.
+    #[allow(clippy::too_many_arguments, reason = "all that a flow may depend on")]
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        at: Moment<'_, T, D>,
+        room: &mut Self::Room,
+        momenta: &[[T; D]],
+        velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    );
+    /// Whether the effects can act in the lanes of an ensemble: at any time the same forces, without room of their own.
+    #[inline(always)]
+    fn in_lanes(&self) -> bool {
+        size_of::<Self::Room>() == 0 && !self.changes_with_time() && self.flows() == 0
+    }
+
+    /// Sets the force on every body. Neither allocates nor panics.
+    fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [Self::Force]);
+    /// Adds the force on every body.
+    fn contribute(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
+    /// p + c f, with the force f on a body that is the only one; see [`Acting::kick`].
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D];
-    /// U, summed over the effects.
-    fn energy(&self, positions: &[[T; D]]) -> T;
-    /// The first effect whose force on `body` is not finite, by the name of its type, and that force.
-    fn culprit(&self, positions: &[[T; D]], body: usize) -> Option<(&'static str, [T; D])>;
+    /// U, summed over the effects. May allocate.
+    fn energy(&self, at: Moment<'_, T, D>) -> T;
+    /// The first effect whose force on `body` is not finite, by the name of its type, and that force. Allocates.
+    fn culprit(&self, at: Moment<'_, T, D>, body: usize) -> Option<(&'static str, [T; D])>;
 
     /// Blocks of products that a coefficient of all forces takes; none if one has no power series.
     fn series_blocks(&self, bodies: usize) -> Option<usize>;
-    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions.
+    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions.
     fn contribute_series<const FIRST: bool>(
         &self,
         positions: &[[T; D]],
@@ -57,7 +85,7 @@ pub trait Field<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     );
 }
 
-/// The effects `E` and one more, `P`.
+/// The effects `E` and one more, `P`, of this [kind](Effect).
 #[derive(Debug, Clone, Copy)]
 pub struct With<E, P, Kind> {
     pub(crate) others: E,
@@ -66,28 +94,50 @@ pub struct With<E, P, Kind> {
 }
 
 impl<const D: usize> Effects<D> for () {
-    type Field<T: Real> = ();
-    fn field<T: Real>(&self) {}
+    type Forces<T: Real> = ();
+    fn forces<T: Real>(&self) {}
 
     type Swept<S: Lane, const L: usize> = ();
     fn swept<'a, S: Lane, const L: usize>(_: impl Fn(usize) -> &'a Self) {}
 }
 
-impl<T: Real, const D: usize> Field<T, D> for () {
+impl<T: Real, const D: usize> Forces<T, D> for () {
     type Force = Absent;
+    type Room = ();
+    fn room(&self, _: usize) {}
 
     #[inline(always)]
-    fn evaluate(&self, _: &[[T; D]], _: &mut [Absent]) {}
+    fn changes_with_time(&self) -> bool {
+        false
+    }
     #[inline(always)]
-    fn contribute(&self, _: &[[T; D]], _: &mut [[T; D]]) {}
+    fn flows(&self) -> usize {
+        0
+    }
+    fn flow(
+        &self,
+        _: usize,
+        _: f64,
+        _: Moment<'_, T, D>,
+        (): &mut (),
+        _: &[[T; D]],
+        _: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        changes.fill([T::from_f64(0.0); D]);
+    }
+    #[inline(always)]
+    fn evaluate(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [Absent]) {}
+    #[inline(always)]
+    fn contribute(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}
     #[inline(always)]
     fn kick(&self, _: &[T; D], _: T, p: [T; D]) -> [T; D] {
         p
     }
-    fn energy(&self, _: &[[T; D]]) -> T {
+    fn energy(&self, _: Moment<'_, T, D>) -> T {
         T::from_f64(0.0)
     }
-    fn culprit(&self, _: &[[T; D]], _: usize) -> Option<(&'static str, [T; D])> {
+    fn culprit(&self, _: Moment<'_, T, D>, _: usize) -> Option<(&'static str, [T; D])> {
         None
     }
     fn series_blocks(&self, _: usize) -> Option<usize> {
@@ -104,10 +154,10 @@ impl<T: Real, const D: usize> Field<T, D> for () {
 }
 
 impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for With<E, P, Kind> {
-    type Field<T: Real> = Superposed<<P as Effect<D, Kind>>::Acting<T>, E::Field<T>>;
+    type Forces<T: Real> = Superposed<<P as Effect<D, Kind>>::Acting<T>, E::Forces<T>>;
 
-    fn field<T: Real>(&self) -> Self::Field<T> {
-        Superposed { effect: self.effect.acting(), name: short_name::<P>(), others: self.others.field() }
+    fn forces<T: Real>(&self) -> Self::Forces<T> {
+        Superposed { effect: self.effect.acting(), name: short_name::<P>(), others: self.others.forces() }
     }
 
     type Swept<S: Lane, const L: usize> = Superposed<<P as Effect<D, Kind>>::Swept<S, L>, E::Swept<S, L>>;
@@ -126,7 +176,7 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
     }
 }
 
-/// One effect on top of others.
+/// The effects `F` and one more, `A`, over a scalar: the sum of their forces.
 #[derive(Debug, Clone)]
 pub struct Superposed<A, F> {
     effect: A,
@@ -134,30 +184,59 @@ pub struct Superposed<A, F> {
     others: F,
 }
 
-impl<T: Real, A: Acting<T, D>, F: Field<T, D>, const D: usize> Field<T, D> for Superposed<A, F> {
+impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for Superposed<A, F> {
     type Force = [T; D];
+    type Room = (F::Room, A::Room);
+    fn room(&self, bodies: usize) -> Self::Room {
+        (self.others.room(bodies), self.effect.room(bodies))
+    }
 
     #[inline(always)]
-    fn evaluate(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
-        forces.fill(Force::zero());
-        self.contribute(positions, forces);
+    fn changes_with_time(&self) -> bool {
+        self.others.changes_with_time() || self.effect.changes_with_time()
     }
     #[inline(always)]
-    fn contribute(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
-        self.others.contribute(positions, forces);
-        self.effect.add_forces(positions, forces);
+    fn flows(&self) -> usize {
+        self.others.flows() + usize::from(self.effect.flows())
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        at: Moment<'_, T, D>,
+        (others, own): &mut Self::Room,
+        momenta: &[[T; D]],
+        velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        if number < self.others.flows() {
+            self.others.flow(number, h, at, others, momenta, velocities, changes);
+        } else {
+            self.effect.flow(h, at, own, momenta, velocities, changes);
+        }
+    }
+    #[inline(always)]
+    fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]) {
+        forces.fill(Force::zero());
+        self.contribute(at, room, forces);
+    }
+    #[inline(always)]
+    fn contribute(&self, at: Moment<'_, T, D>, (others, own): &mut Self::Room, forces: &mut [[T; D]]) {
+        self.others.contribute(at, others, forces);
+        self.effect.add_forces(at, own, forces);
     }
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         self.effect.kick(q, c, self.others.kick(q, c, p))
     }
-    fn energy(&self, positions: &[[T; D]]) -> T {
-        self.others.energy(positions) + self.effect.energy(positions)
+    fn energy(&self, at: Moment<'_, T, D>) -> T {
+        self.others.energy(at) + self.effect.energy(at)
     }
-    fn culprit(&self, positions: &[[T; D]], body: usize) -> Option<(&'static str, [T; D])> {
-        self.others.culprit(positions, body).or_else(|| {
-            let mut forces = vec![Force::zero(); positions.len()];
-            self.effect.add_forces(positions, &mut forces);
+    fn culprit(&self, at: Moment<'_, T, D>, body: usize) -> Option<(&'static str, [T; D])> {
+        self.others.culprit(at, body).or_else(|| {
+            let bodies = at.positions.len();
+            let mut forces = vec![Force::zero(); bodies];
+            self.effect.add_forces(at, &mut self.effect.room(bodies), &mut forces);
             let force = forces[body];
             let finite = force.iter().all(|f| f.lanes().all(f64::is_finite));
             (!finite).then_some((self.name, force))

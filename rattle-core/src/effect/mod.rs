@@ -1,19 +1,31 @@
 //! Effects: what acts on the bodies besides the constraint. What a scene does not name costs nothing. An effect knows no system.
+//!
+//! | | of a scene | one of them |
+//! |---|---|---|
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`Among`], [`Flowing`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsAmong`], [`ActsByFlow`] |
+//! | in lanes of a sweep | [`Swept`] | [`Swept`] |
+//!
+//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
 
 pub mod among;
 pub mod between_pairs;
+pub mod flow;
 pub mod force;
 pub mod list;
+pub mod moment;
 pub mod on_each;
 pub mod one;
 pub mod swept;
 mod tiles;
 
 pub use crate::kernel::over::Over;
-pub use among::Among;
-pub use between_pairs::BetweenPairs;
+pub use among::{ActsAmong, Among};
+pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
+pub use flow::{ActsByFlow, Flow, Flowing};
 pub use force::{Absent, Force};
-pub use list::{Effects, Field, Superposed, With};
-pub use on_each::{OnEach, OnEachLane};
+pub use list::{Effects, Forces, Superposed, With};
+pub use moment::Moment;
+pub use on_each::{ActsOnEach, OnEach, SweptOnEach};
 pub use one::{Acting, Effect};
 pub use swept::Swept;

@@ -1,5 +1,6 @@
 //! A potential on each body by itself.
 
+use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Potential, PotentialKernel};
@@ -9,42 +10,50 @@ use crate::number::real::Real;
 use crate::number::vector::add_scaled;
 use std::array::from_fn;
 
-/// A potential that acts on each body by itself.
+/// The kind of effect that acts on each body by itself: every [`Potential`].
 #[derive(Debug, Clone, Copy)]
-pub struct OnEach<K>(K);
+pub struct OnEach;
 
-impl<P: Potential<D>, const D: usize> Effect<D, OnEach<()>> for P {
-    type Acting<T: Real> = OnEach<P::Kernel<T>>;
+/// A potential that acts on each body by itself, over a scalar.
+#[derive(Debug, Clone, Copy)]
+pub struct ActsOnEach<K>(K);
+
+impl<P: Potential<D>, const D: usize> Effect<D, OnEach> for P {
+    type Acting<T: Real> = ActsOnEach<P::Kernel<T>>;
     fn acting<T: Real>(&self) -> Self::Acting<T> {
-        OnEach(self.kernel())
+        ActsOnEach(self.kernel())
     }
 
-    type Swept<S: Lane, const L: usize> = OnEachLane<P, S, L, D>;
+    type Swept<S: Lane, const L: usize> = SweptOnEach<P, S, L, D>;
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
         Self: 'a,
     {
-        OnEachLane::new(lane)
+        SweptOnEach::new(lane)
     }
 }
 
-impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<K> {
+impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnEach<K> {
+    type Room = ();
+    fn room(&self, _: usize) {}
+
     #[inline(always)]
-    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]) {
-        for (q, force) in positions.iter().zip(forces) {
+    fn add_forces(&self, at: Moment<'_, T, D>, (): &mut (), forces: &mut [[T; D]]) {
+        for (q, force) in at.positions.iter().zip(forces) {
             *force = add_scaled(force, T::from_f64(-1.0), &self.0.gradient(q));
         }
     }
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let gradient = self.0.gradient(q);
-        from_fn(|d| if K::ACTS_ALONG[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
+        let along = self.0.acts_along();
+        from_fn(|d| if along[d] { (-c).multiply_add(gradient[d], p[d]) } else { p[d] })
     }
-    fn energy(&self, positions: &[[T; D]]) -> T {
-        positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
+    fn energy(&self, at: Moment<'_, T, D>) -> T {
+        at.positions.iter().fold(T::from_f64(-0.0), |energy, q| energy + self.0.value(q))
     }
     fn series_blocks(&self, bodies: usize) -> Option<usize> {
-        Some(bodies * K::SERIES?)
+        Some(bodies * self.0.series()?)
     }
     #[inline(always)]
     fn add_series<const FIRST: bool>(
@@ -61,9 +70,9 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for OnEach<
 
 /// A potential on the body of each lane: the kernel whose numbers are lanes.
 #[derive(Debug)]
-pub struct OnEachLane<P: Potential<D>, S: Lane, const L: usize, const D: usize>(P::Kernel<Lanes<S, L>>);
+pub struct SweptOnEach<P: Potential<D>, S: Lane, const L: usize, const D: usize>(P::Kernel<Lanes<S, L>>);
 
-impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> OnEachLane<P, S, L, D> {
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> SweptOnEach<P, S, L, D> {
     pub(super) fn new<'a>(lane: impl Fn(usize) -> &'a P) -> Self
     where
         P: 'a,
@@ -76,19 +85,19 @@ impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> OnEachLane<P, S, 
     }
 }
 
-impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Clone for OnEachLane<P, S, L, D> {
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Clone for SweptOnEach<P, S, L, D> {
     #[inline(always)]
     fn clone(&self) -> Self {
         Self(self.0.clone())
     }
 }
 
-impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, D> for OnEachLane<P, S, L, D> {
-    type Lane = OnEach<P::Kernel<S>>;
+impl<P: Potential<D>, S: Lane, const L: usize, const D: usize> Swept<S, D> for SweptOnEach<P, S, L, D> {
+    type Lane = ActsOnEach<P::Kernel<S>>;
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> Self::Lane {
-        OnEach(P::map_kernel(&self.0, |number| number.0[lane]))
+        ActsOnEach(P::map_kernel(&self.0, |number| number.0[lane]))
     }
     #[inline(always)]
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {

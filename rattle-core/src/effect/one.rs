@@ -1,14 +1,20 @@
 //! One effect: as a user names it, and over a scalar.
 
 use crate::effect::force::Force;
+use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;
+use std::fmt::Debug;
 
-/// What a scene takes in `with`. The kind ([`OnEach`](crate::effect::OnEach) or [`BetweenPairs`](crate::effect::BetweenPairs)) is found by inference:
-/// every [`Potential`](crate::kernel::Potential) acts on each body, every [`PairPotential`](crate::kernel::PairPotential) between every two.
+/// One effect as users name it: what a scene takes in `with`.
+///
+/// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on each body
+/// ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)), and a potential `over` chosen bodies among them
+/// ([`Among`](crate::effect::Among)). An effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
     note = "an effect is made by `potential!` with {D} variables, by `pair_potential!`, or from a potential of several bodies by `.over(members)`"
@@ -32,25 +38,65 @@ pub trait Effect<const D: usize, Kind> {
     }
 }
 
-/// One effect over the scalar `T`.
+/// One effect over the scalar `T`: a force fᵢ(q, t) on every body i.
+///
+/// ```text
+/// fᵢ = −∂U/∂qᵢ        in the unit of energy over that of the coordinates, D numbers for each body
+/// ```
+///
+/// A force depends on positions and time. What depends on momenta is a flow of them: see [`Flow`](crate::effect::Flow).
+///
+/// **Room.** What an effect needs besides its parameters, such as a list of near pairs, is its [`Room`](Self::Room): made
+/// before the first step, kept by the system, cloned with the simulation. Steps that fail, restarts and observations leave it as it
+/// happens to be, and it may have been used at other positions. So forces must not depend on it, not in
+/// the last bit: room saves work, and decides nothing.
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
-    /// Adds −∇ᵢU to the force on every body i.
-    fn add_forces(&self, positions: &[[T; D]], forces: &mut [[T; D]]);
-    /// p − c ∇U, for a body that is the only one.
+    /// Room of the effect's own; `()` for none.
+    type Room: Clone + Debug + Send + Sync + 'static;
+    /// Room for so many bodies. All that is allocated is allocated here.
+    fn room(&self, bodies: usize) -> Self::Room;
+
+    /// Whether forces at the same positions change with time. Such an effect goes in no lanes, and has no power series.
+    #[inline(always)]
+    fn changes_with_time(&self) -> bool {
+        false
+    }
+
+    /// Adds the force on every body. Neither allocates nor panics.
+    fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
+    /// p + c f, for a body that is the only one: the way in lanes, where an effect has no room and does not change with time.
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let mut force = [Force::zero()];
-        self.add_forces(&[*q], &mut force);
+        self.add_forces(Moment { time: 0.0, positions: &[*q] }, &mut self.room(1), &mut force);
         add_scaled(&p, c, &force[0])
     }
-    /// U.
-    fn energy(&self, positions: &[[T; D]]) -> T;
+    /// U. Called by observations, not in a step; may allocate.
+    fn energy(&self, at: Moment<'_, T, D>) -> T;
+
+    /// Whether the effect moves momenta by a [`Flow`](crate::effect::Flow). Such an effect goes in no lanes.
+    #[inline(always)]
+    fn flows(&self) -> bool {
+        false
+    }
+    /// Writes what the momenta change by in a time h, as [`Flow::flow`](crate::effect::Flow::flow) does.
+    fn flow(
+        &self,
+        _h: f64,
+        _at: Moment<'_, T, D>,
+        _room: &mut Self::Room,
+        _momenta: &[[T; D]],
+        _velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        changes.fill([T::from_f64(0.0); D]);
+    }
 
     /// Blocks of products that a coefficient of the forces takes; none if they have no power series.
     fn series_blocks(&self, _bodies: usize) -> Option<usize> {
         None
     }
-    /// Adds the next coefficient of −∇ᵢU along the motion, a power series in time, from that of the positions. Not called
+    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions. Not called
     /// where there is none.
     fn add_series<const FIRST: bool>(
         &self,

@@ -1,4 +1,4 @@
-//! Effects of a sweep: lanes side by side, each with parameters of its own.
+//! Effects in the lanes of a sweep, each lane with parameters of its own.
 
 use crate::number::lanes::Lane;
 

@@ -132,7 +132,7 @@ fn ring<K: PairKernel<Number>, const D: usize, const L: usize>(
         }
         let chunks = (shifts.len() * L).div_ceil(TILE);
         for squares in &mut pairs.0.as_chunks_mut::<TILE>().0[..chunks] {
-            slopes(kernel, squares);
+            kernel.slope_block(squares);
         }
         let rows = pairs.0.as_chunks::<L>().0;
         for (shift, slopes) in shifts.zip(rows) {
@@ -156,14 +156,6 @@ fn squares_of_shift<const D: usize, const L: usize>(
     for l in 0..L {
         let apart: [Number; D] = from_fn(|d| places.0[d][l] - shifted[d][l]);
         squares[l] = dot(&apart, &apart);
-    }
-}
-
-/// U′(s) in place of s.
-#[inline(always)]
-fn slopes<K: PairKernel<Number>>(kernel: &K, squares: &mut [Number; TILE]) {
-    for l in 0..TILE {
-        squares[l] = kernel.slope(squares[l]);
     }
 }
 
@@ -203,7 +195,7 @@ fn meet<K: PairKernel<Number>, const D: usize>(
         let apart: [Number; D] = from_fn(|d| q[d] - places.0[d][l]);
         slope[l] = dot(&apart, &apart);
     }
-    slopes(kernel, &mut slope);
+    kernel.slope_block(&mut slope);
     for l in 0..TILE {
         for d in 0..D {
             let apart = q[d] - places.0[d][l];

@@ -114,7 +114,9 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
         self.inner.jet(q, v)
     }
 
-    const SERIES: Option<usize> = K::SERIES;
+    fn series(&self) -> Option<usize> {
+        self.inner.series()
+    }
     fn jacobian_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [[T; D]; M] {
         self.inner.jacobian_series(q, order)
     }
@@ -144,7 +146,9 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> PotentialKernel<T, D> fo
         self.inner.gradient(q)
     }
 
-    const SERIES: Option<usize> = K::SERIES;
+    fn series(&self) -> Option<usize> {
+        self.inner.series()
+    }
     fn gradient_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [T; D] {
         self.inner.gradient_series(q, order)
     }

@@ -13,14 +13,16 @@ use crate::kernel::over::Over;
 use crate::kernel::series::Order;
 use crate::number::real::Real;
 use nalgebra::{SMatrix, SVector};
+use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
+///
+/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or a root, its derivatives may jump. A step across such a place
+/// ends on the constraint to rounding like any other, and is less accurate than the order of the method says: no method sees
+/// the kink, and no error tells it. [`ConstraintKernel::kinks`] does.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
-
-    /// Which entries of the Jacobian can be other than zero.
-    const SPARSITY: [[bool; D]; M] = [[true; D]; M];
 
     /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
@@ -92,6 +94,25 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
+    /// g and ∂g/∂q at L places at once, number by number: the coordinates of place l are `q[0][l]`, `q[1][l]`, … A kernel that is not
+    /// compiled, such as a program that is read when it runs, can go through itself once for the whole block.
+    #[inline(always)]
+    fn value_and_jacobian_block<const L: usize>(
+        &self,
+        q: &[[T; L]; D],
+        values: &mut [[T; L]; M],
+        jacobians: &mut [[[T; L]; D]; M],
+    ) {
+        for l in 0..L {
+            let (value, jacobian) = self.value_and_jacobian(&from_fn(|d| q[d][l]));
+            for i in 0..M {
+                values[i][l] = value[i];
+                for d in 0..D {
+                    jacobians[i][d][l] = jacobian[i][d];
+                }
+            }
+        }
+    }
     /// Row i is vᵀ∇²gᵢ.
     fn hessian_vector(&self, q: &[T; D], v: &[T; D]) -> [[T; D]; M];
     /// g, G v and vᵀ∇²g v.
@@ -124,7 +145,10 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
 
     /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series, for
     /// functions of more than 2000 operations.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of ∂g/∂q along a curve as a power series in time, from that of q; lower ones are known.
     fn jacobian_series<const FIRST: bool>(
         &self,
@@ -134,11 +158,24 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// How many numbers [`kinks`](Self::kinks) writes.
-    const KINKS: usize = 0;
     /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
-    /// differences that `min`, `max` and `if` compare. A step across which one changes sign saw a kink.
-    fn kinks(&self, _q: &[T; D], _found: &mut [T]) {}
+    /// differences that `min`, `max` and `if` compare. If one has another sign at another point, g may have a kink between the
+    /// two points. Writes as many as `found` has room for, and returns how many there are.
+    ///
+    /// ```
+    /// use rattle::{kernel::ConstraintKernel, prelude::*};
+    /// constraint! { struct Roof {} |x, y, z| z + abs(x) }
+    ///
+    /// let right_of_the_ridge = |q: [f64; 3]| {
+    ///     let mut found = [0.0];
+    ///     Roof {}.kernel().kinks(&q, &mut found);
+    ///     found[0] > 0.0
+    /// };
+    /// assert!(right_of_the_ridge([0.1, 0.0, -0.1]) && !right_of_the_ridge([-0.1, 0.0, -0.1]));
+    /// ```
+    fn kinks(&self, _q: &[T; D], _found: &mut [T]) -> usize {
+        0
+    }
 }
 
 /// A potential energy U(q) of one body with D coordinates. Written by `potential!`.
@@ -183,19 +220,31 @@ pub trait Potential<const D: usize>: Sized {
 /// The functions of a [`Potential`] over the scalar `T`.
 pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Which components of ∇U can be other than zero.
-    const ACTS_ALONG: [bool; D] = [true; D];
+    #[inline(always)]
+    fn acts_along(&self) -> [bool; D] {
+        [true; D]
+    }
 
     /// U(q).
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
-    /// U(q) and ∇U(q), sharing their subexpressions.
-    fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
-        (self.value(q), self.gradient(q))
+    /// ∇U at L places at once, number by number, as [`ConstraintKernel::value_and_jacobian_block`].
+    #[inline(always)]
+    fn gradient_block<const L: usize>(&self, q: &[[T; L]; D], gradients: &mut [[T; L]; D]) {
+        for l in 0..L {
+            let gradient = self.gradient(&from_fn(|d| q[d][l]));
+            for d in 0..D {
+                gradients[d][l] = gradient[d];
+            }
+        }
     }
 
     /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of ∇U along a curve as a power series in time, from that of q; lower ones are known.
     fn gradient_series<const FIRST: bool>(&self, _q: &[T; D], _order: &mut Order<'_, T, FIRST>) -> [T; D] {
         [T::from_f64(f64::NAN); D]
@@ -236,9 +285,19 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
     fn slope(&self, s: T) -> T;
+    /// dU/ds in place of each s of a block: what forces between many bodies are made of.
+    #[inline(always)]
+    fn slope_block<const L: usize>(&self, s: &mut [T; L]) {
+        for s in s {
+            *s = self.slope(*s);
+        }
+    }
 
     /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
-    const SERIES: Option<usize> = None;
+    #[inline(always)]
+    fn series(&self) -> Option<usize> {
+        None
+    }
     /// The next coefficient of dU/ds as a power series in time, from that of s; lower ones are known.
     fn slope_series<const FIRST: bool>(&self, _s: T, _order: &mut Order<'_, T, FIRST>) -> T {
         T::from_f64(f64::NAN)

@@ -13,35 +13,41 @@ use crate::methods::symplectic_euler::SymplecticEuler;
 use crate::methods::taylor::Taylor;
 use crate::motion::method::{Method, View};
 use crate::motion::need::Need;
+use crate::motion::stir::FLOW;
 use crate::motion::system::System;
 
 /// The system as a step of this method is handed it.
 ///
 /// # Errors
-/// [`Error::CannotMove`] where the system has not what the method needs, with the methods that can move it.
+/// [`Error::CannotMove`] where the system has not what the method needs, or flows of momenta by which its step cannot be divided;
+/// with the methods that can move it.
 #[inline(always)]
 pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,
     system: &'a Y,
 ) -> Result<View<'a, S, f64, Y, D>, Error> {
+    let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
+    if system.flows() > 0 && !divided {
+        return Err(refused(method.name(), FLOW, system));
+    }
     S::Need::of(system).map_err(|kind| refused(method.name(), kind, system))
 }
 
 #[cold]
 #[inline(never)]
 fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'static str, system: &Y) -> Error {
-    let free = system.equations() == 0;
+    let (free, whole) = (system.equations() == 0, system.flows() == 0);
     let rows = [
         ("Rattle", moves::<Rattle, Y, D>(system)),
         ("Geodesic", moves::<Geodesic, Y, D>(system)),
         ("PositionVerlet", moves::<PositionVerlet, Y, D>(system)),
-        ("Shake", moves::<Shake, Y, D>(system)),
-        ("SymplecticEuler", moves::<SymplecticEuler, Y, D>(system)),
-        ("Leapfrog", moves::<Leapfrog, Y, D>(system) && free),
+        ("Shake", moves::<Shake, Y, D>(system) && whole),
+        ("SymplecticEuler", moves::<SymplecticEuler, Y, D>(system) && whole),
+        ("Leapfrog", moves::<Leapfrog, Y, D>(system) && free && whole),
         ("Lobatto", moves::<Lobatto<2>, Y, D>(system)),
-        ("Dop853", moves::<Dop853, Y, D>(system)),
-        ("Taylor", moves::<Taylor, Y, D>(system)),
-        ("Bdf2", moves::<Bdf2, Y, D>(system)),
+        ("Dop853", moves::<Dop853, Y, D>(system) && whole),
+        ("Taylor", moves::<Taylor, Y, D>(system) && whole),
+        ("Bdf2", moves::<Bdf2, Y, D>(system) && whole),
     ];
     let others = rows.into_iter().filter_map(|(name, moves)| moves.then_some(name)).collect();
     Error::CannotMove { method, system: kind, others }

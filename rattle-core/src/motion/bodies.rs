@@ -79,7 +79,7 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub p_low: N::Of<[T; D]>,
     /// The time; only a system with moving constraints looks at it.
     pub time: f64,
-    /// Work done by moving constraints since the start.
+    /// Work done by moving constraints and by flows of momenta since the start.
     pub work: T,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,

@@ -11,6 +11,7 @@ pub mod method;
 pub mod need;
 pub mod start;
 pub mod state;
+pub(crate) mod stir;
 pub mod system;
 pub mod table;
 mod tables;

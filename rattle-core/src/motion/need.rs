@@ -30,7 +30,7 @@ pub struct Steps<X = Newton>(PhantomData<X>);
 #[derive(Debug)]
 pub struct Kicks;
 
-/// Momenta that are mass times velocity, and constraints that do not move.
+/// Momenta that are mass times velocity; constraints and forces that do not change with time.
 #[derive(Debug)]
 pub struct Differences;
 
@@ -66,7 +66,7 @@ need!(Kicks: Y, |system| system.rates().map(|_| system));
 need!(Differences: Y, |system| {
     match (system.is_cartesian(), system.moves_with_time()) {
         (true, false) => Ok(system),
-        (true, true) => Err("constraints that move"),
+        (true, true) => Err("constraints or forces that change with time"),
         (false, _) => Err(system.kind()),
     }
 });

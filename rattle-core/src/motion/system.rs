@@ -152,6 +152,24 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
+    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    #[inline(always)]
+    fn flows(&self) -> usize {
+        0
+    }
+    /// Writes what the momenta change by in a time h by the flow of this number, at the present places and time, constraints
+    /// aside. `velocities` are those of the bodies. Neither allocates nor panics.
+    fn flow(
+        &self,
+        _number: usize,
+        _h: f64,
+        _bodies: &mut BodiesOf<Self, T, D>,
+        _velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        changes.fill([T::from_f64(0.0); D]);
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

@@ -1,6 +1,6 @@
 //! What can be read off a simulation: time, positions and momenta, energies, residuals, multipliers.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::motion::bodies::{Body, Count, One};
 use crate::motion::capability::Rates;
 use crate::motion::identity::Identity;
@@ -105,13 +105,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Work that moving constraints have done on the bodies since the start, −∫ λᵀ ∂g/∂t dt, to the order of the
-    /// method; 0 where none moves.
+    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, and by
+    /// [flows](crate::effect::Flow) of momenta; 0 where there are none.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
+    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the
+    /// energy too, by ∂U/∂t; that is no work here.
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }
@@ -159,7 +160,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-impl<F: Field<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
+impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
     /// What the position equations have cost since the start.
     pub fn counts(&self) -> Counts {
         self.system.counts(&self.bodies)

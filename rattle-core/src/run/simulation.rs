@@ -1,8 +1,8 @@
 //! A scene under way.
 
 use crate::effect::force::Force;
-use crate::effect::list::Effects;
-use crate::effect::list::Field;
+use crate::effect::list::{Effects, Forces};
+use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::error::NetworkMistake;
 use crate::error::StartFailure;
@@ -15,6 +15,7 @@ use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::method::check_step_size;
 use crate::motion::state::{Remembered, State};
+use crate::motion::stir::{self, step};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::clock::later;
@@ -122,19 +123,23 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             self.constraint.system(&self.effects, self.count, &start, method.step_size(), tangent)?;
         method.check(system.equations())?;
         let seen = view(&method, &system)?;
-        self.check_forces(&start.bodies)?;
+        self.check_forces(&start.bodies, start.time)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         method.prepare(seen, &mut bodies);
+        if system.flows() > 0 {
+            bodies.make_room(stir::ROOM);
+        }
         Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
     }
 
-    fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies).iter().enumerate() {
+    fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
+        for (body, force) in self.forces(bodies, time).iter().enumerate() {
             let force = force.components();
             if !force.iter().all(|f| f.is_finite()) {
                 let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
-                let field = self.effects.field::<f64>();
-                let effect = field.culprit(&positions, body).map_or("sum of effects", |(name, _)| name);
+                let at = Moment { time, positions: &positions };
+                let effect =
+                    self.effects.forces::<f64>().culprit(at, body).map_or("sum of effects", |(name, _)| name);
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });
             }
@@ -372,7 +377,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&self.method, &self.system)?;
         self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        match self.method.step(system, &mut self.bodies, self.memory.as_mut(), witness) {
+        match step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -428,7 +433,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&method, &self.system)?;
         let mut memory = method.memory(system, &self.bodies);
         for _ in 0..parts {
-            method.step(system, &mut self.bodies, memory.as_mut(), witness)?;
+            step(&method, system, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
@@ -447,7 +452,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
-        let back = (0..parts).try_for_each(|_| backwards.step(system, &mut self.bodies, memory, &mut ()));
+        let bodies = &mut self.bodies;
+        let back =
+            (0..parts).try_for_each(|_| step(&backwards, system, &self.system, bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));

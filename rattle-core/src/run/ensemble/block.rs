@@ -41,6 +41,7 @@
 //!
 //! Every lane is a function of its own past alone.
 
+use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
 use crate::number::lanes::Lane;
@@ -378,7 +379,8 @@ type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
 #[inline(never)]
 fn not_finite<S: Lane, const D: usize>(laws: &impl Laws<S, D>, lane: usize, q: [S; D]) -> Failure {
     let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
-    FailureAt::of(0, false).not_finite(laws.field(lane).borrow(), &[q], &[Normal::new(gradient)])
+    let at = Moment { time: 0.0, positions: &[q] };
+    FailureAt::of(0, false).not_finite(laws.effects(lane).borrow(), at, &[Normal::new(gradient)])
 }
 
 /// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.

@@ -1,6 +1,6 @@
 //! What the trajectories of a block obey: all the same, or each with parameters of its own.
 
-use crate::effect::list::{Effects, Field};
+use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::lanes::{Lane, Lanes, side_by_side};
@@ -10,10 +10,10 @@ use std::borrow::Borrow;
 /// loop writes.
 pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
     type Constraint: ConstraintKernel<S, D, 1>;
-    type Field: Field<S, D>;
+    type Forces: Forces<S, D>;
 
     fn constraint(&self, lane: usize) -> impl Borrow<Self::Constraint>;
-    fn field(&self, lane: usize) -> impl Borrow<Self::Field>;
+    fn effects(&self, lane: usize) -> impl Borrow<Self::Forces>;
     /// p + c f, with the force f on the body of this lane.
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D];
     /// Has lane `to` obey what lane `from` does.
@@ -24,16 +24,16 @@ pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
 #[derive(Clone)]
 pub(crate) struct Same<K, F>(pub(crate) K, pub(crate) F);
 
-impl<S: Lane, K: ConstraintKernel<S, D, 1>, F: Field<S, D>, const D: usize> Laws<S, D> for Same<K, F> {
+impl<S: Lane, K: ConstraintKernel<S, D, 1>, F: Forces<S, D>, const D: usize> Laws<S, D> for Same<K, F> {
     type Constraint = K;
-    type Field = F;
+    type Forces = F;
 
     #[inline(always)]
     fn constraint(&self, _: usize) -> impl Borrow<K> {
         &self.0
     }
     #[inline(always)]
-    fn field(&self, _: usize) -> impl Borrow<F> {
+    fn effects(&self, _: usize) -> impl Borrow<F> {
         &self.1
     }
     #[inline(always)]
@@ -78,14 +78,14 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize
     for Each<C, E, S, L, D>
 {
     type Constraint = C::Kernel<S>;
-    type Field = E::Field<S>;
+    type Forces = E::Forces<S>;
 
     #[inline(always)]
     fn constraint(&self, lane: usize) -> impl Borrow<C::Kernel<S>> {
         C::map_kernel(&self.constraint, |number| number.0[lane])
     }
     #[inline(always)]
-    fn field(&self, lane: usize) -> impl Borrow<E::Field<S>> {
+    fn effects(&self, lane: usize) -> impl Borrow<E::Forces<S>> {
         self.effects.lane(lane)
     }
     #[inline(always)]

@@ -101,7 +101,7 @@ fn same<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS:
     starts: &[State<D>],
     InLanes { lengths, h, .. }: &InLanes,
 ) -> Box<dyn Group<D>> {
-    let laws = Same(constraint.kernel::<S>(), effects.field::<S>());
+    let laws = Same(constraint.kernel::<S>(), effects.forces::<S>());
     if starts.len() == 1 {
         Box::new(SideBySide::<S, _, 1, D, SUMS>::new(starts, laws, lengths, *h))
     } else {

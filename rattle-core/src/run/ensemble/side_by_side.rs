@@ -1,6 +1,7 @@
 //! Trajectories of a block side by side in lanes: which fail, which stand in, and what is shown.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::methods::rattle::Rattle;
 use crate::motion::bodies::{Body, One};
@@ -152,8 +153,8 @@ where
     #[cold]
     fn in_parts(&self, lane: usize, mut failure: Failure) -> Result<Place<S, D>, Error> {
         let ([q, q_low], [p, p_low]) = (self.block.position(lane), self.momentum(lane));
-        let (constraint, field) = (self.laws.constraint(lane), self.laws.field(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, field.borrow().clone(), One);
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         for halved in 1..=self.halvings {
             let number = 1_u32 << halved;
             let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
@@ -359,13 +360,14 @@ where
 {
     fn energies(&self, lane: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
         let place: [f64; D] = positions[0].into();
-        let potential = self.laws.field(lane).borrow().energy(&[place.map(S::from_f64)]);
+        let at = Moment { time: 0.0, positions: &[place.map(S::from_f64)] };
+        let potential = self.laws.effects(lane).borrow().energy(at);
         [0.5 * momenta[0].norm_squared(), potential.to_f64()]
     }
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        let (constraint, field) = (self.laws.constraint(lane), self.laws.field(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, field.borrow().clone(), One);
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
         let (q, p, low) = (own(sight.position()), own(sight.momentum()), own(SVector::zeros()));
         let bodies = system.bodies(|_| Body { q, q_low: low, p, p_low: low }, sight.time);

@@ -9,7 +9,7 @@ use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
 use crate::systems::surface::tiles::MOST_COORDINATES;
 
-use crate::effect::list::Effects;
+use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
@@ -149,7 +149,8 @@ impl<const D: usize> Ensemble<D> {
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let single = starts.iter().all(|start| start.len() == 1);
+            let single = starts.iter().all(|start| start.len() == 1)
+                && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
             let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
             let alone =
                 || simulations.into_iter().map(|simulation| Box::new(Alone::new(simulation)) as _).collect();

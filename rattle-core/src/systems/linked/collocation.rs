@@ -11,7 +11,8 @@
 //! That contracts by the part of a right angle that normals turn within the step: well while steps are accurate.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::motion::bodies::Count;
 use crate::motion::capability::Rates;
@@ -30,7 +31,7 @@ const MAX_ITERATIONS: usize = 100;
 /// … and after which it is begun again with the acceleration at its start.
 const PATIENCE: usize = 20;
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// One step of the collocation method with this table.
     pub(super) fn collocate<W: Witness<f64>, const S: usize>(
         &self,
@@ -44,7 +45,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let (n, m) = (self.count.number(), shape.equations);
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,
-            _ => Box::new(Stages::new(S, n, m, shape.blocks)),
+            _ => Box::new(Stages::new(S, n, shape, &self.effects)),
         };
         self.guess::<S>(bodies, &mut stages);
         let past = memory.split_first().filter(|(filled, _)| **filled == 1.0);
@@ -104,7 +105,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     /// Constant acceleration, that with g̈ = 0 at the start.
-    fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F::Force, D>) {
+    fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F, D>) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         self.evaluate_rates(bodies, &mut stages.total[..n], &mut ());
         let kept = &mut bodies.kept;
@@ -128,7 +129,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         table: &Table<S>,
         h: f64,
         bodies: &BodiesOf<F, N, D>,
-        stages: &Stages<F::Force, D>,
+        stages: &Stages<F, D>,
         stage: usize,
         body: usize,
     ) -> [f64; D] {
@@ -148,7 +149,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
-        stages: &mut Stages<F::Force, D>,
+        stages: &mut Stages<F, D>,
         patience: usize,
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
@@ -163,7 +164,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 }
                 let q = &stages.q[stage * n..][..n];
                 let force = &mut stages.force[stage * n..][..n];
-                self.forces(q, force);
+                let at = Moment { time: bodies.time + h * table.nodes[stage], positions: q };
+                self.forces(at, &mut stages.of_effects, force);
                 let total = &mut stages.change[stage * n..][..n];
                 total.iter_mut().zip(force).for_each(|(total, force)| *total = force.components());
                 for (c, component) in shape.components.iter().enumerate() {
@@ -241,7 +243,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 for stage in 1..S {
                     let q = &stages.q[stage * n..][..n];
                     let reached = q.iter().flatten().all(|q| q.is_finite());
-                    let culprit = (0..n).find_map(|body| Some((body, self.field.culprit(q, body)?)));
+                    let at = Moment { time: bodies.time + h * table.nodes[stage], positions: q };
+                    let culprit = (0..n).find_map(|body| Some((body, self.effects.culprit(at, body)?)));
                     if let (true, Some((body, (effect, force)))) = (reached, culprit) {
                         let (force, position) = (force.to_vec(), q[body].to_vec());
                         let cause = StepFailure::ForceNotFinite { effect, force, position };
@@ -259,13 +262,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     /// h² Σⱼ aᵢⱼ M⁻¹(change of stage j) of every body.
-    fn shift<const S: usize>(
-        &self,
-        table: &Table<S>,
-        h: f64,
-        stages: &mut Stages<F::Force, D>,
-        stage: usize,
-    ) {
+    fn shift<const S: usize>(&self, table: &Table<S>, h: f64, stages: &mut Stages<F, D>, stage: usize) {
         let n = self.count.number();
         for (body, root) in self.shape.roots.iter().enumerate() {
             let mut shift = [0.0; D];
@@ -283,7 +280,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<F, N, D>,
-        stages: &Stages<F::Force, D>,
+        stages: &Stages<F, D>,
         witness: &mut W,
     ) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);

@@ -1,6 +1,7 @@
 //! Why a step of linked bodies failed: found out afterwards, out of the way of steps that succeed.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::{EquationAt, Passing, StepFailure};
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
@@ -95,7 +96,7 @@ impl<const D: usize> Flight<'_, D> {
     }
 }
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Whether the normals at the new positions are as independent as they were at the start.
     pub(crate) fn check_rank(
         &self,
@@ -134,7 +135,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let q = bodies.q.as_ref();
         // Links hand a force that is none on to other bodies.
         let culprits = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
-        let mut culprits = culprits.filter_map(|body| Some((body, self.field.culprit(q, body)?)));
+        let at = Moment { time: bodies.time, positions: q };
+        let mut culprits = culprits.filter_map(|body| Some((body, self.effects.culprit(at, body)?)));
         if let Some((body, (effect, force))) = culprits.next() {
             let (force, position) = (force.to_vec(), q[body].to_vec());
             return Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } };

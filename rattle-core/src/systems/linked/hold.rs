@@ -12,7 +12,7 @@ use crate::systems::network::group::Group;
 use std::sync::Arc;
 
 impl<const D: usize> Hold<D> for Network<D> {
-    type System<E: Effects<D>, N: Count> = Linked<E::Field<f64>, N, D>;
+    type System<E: Effects<D>, N: Count> = Linked<E::Forces<f64>, N, D>;
 
     fn system<E: Effects<D>, N: Count>(
         &self,
@@ -24,7 +24,7 @@ impl<const D: usize> Hold<D> for Network<D> {
     ) -> Result<Self::System<E, N>, Error> {
         let mut shape = self.shape(count.number())?;
         start::check(&mut shape, self.algebra, start, h, tangent)?;
-        Ok(Linked::new(shape, effects.field(), count))
+        Ok(Linked::new(shape, effects.forces(), count))
     }
 
     fn pinned(&self, body: usize) -> bool {

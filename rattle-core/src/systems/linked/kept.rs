@@ -1,7 +1,8 @@
 //! A network of bodies, and what is kept from one step to the next.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{dot, largest};
 use crate::systems::linked::room::SeriesRoom;
@@ -9,20 +10,23 @@ use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::{Report, Solver};
+use std::fmt;
 use std::sync::Arc;
 
 /// A network of constraints on bodies in a field of force.
 #[derive(Debug, Clone)]
 pub struct Linked<F, N, const D: usize> {
     pub(super) shape: Arc<Shape<D>>,
-    pub(super) field: F,
+    pub(super) effects: F,
     pub(super) count: N,
 }
 
 /// What is kept at the positions, and room to work in.
-#[derive(Debug, Clone)]
-pub struct Kept<F, const D: usize> {
-    pub(super) force: Vec<F>,
+#[derive(Clone)]
+pub struct Kept<F: Forces<f64, D>, const D: usize> {
+    pub(super) force: Vec<F::Force>,
+    /// Room of the effects.
+    pub(super) of_effects: F::Room,
     /// ∂g/∂q in blocks, and ∂g/∂t, at the positions.
     pub(super) blocks: Vec<[f64; D]>,
     pub(super) rates: Vec<f64>,
@@ -81,11 +85,11 @@ pub(crate) struct Room<const D: usize> {
     pub(super) learned: Vec<f64>,
 }
 
-pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<<F as Field<f64, D>>::Force, D>, D>;
+pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<F, D>, D>;
 
 impl<F, N, const D: usize> Linked<F, N, D> {
-    pub(crate) fn new(shape: Shape<D>, field: F, count: N) -> Self {
-        Self { shape: Arc::new(shape), field, count }
+    pub(crate) fn new(shape: Shape<D>, effects: F, count: N) -> Self {
+        Self { shape: Arc::new(shape), effects, count }
     }
 
     /// The components, and how the multipliers of each are found.
@@ -98,10 +102,10 @@ impl<F, N, const D: usize> Linked<F, N, D> {
     }
 }
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
-    /// Forces at these positions; none on what is pinned.
-    pub(crate) fn forces(&self, q: &[[f64; D]], forces: &mut [F::Force]) {
-        self.field.evaluate(q, forces);
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Forces at this moment; none on what is pinned.
+    pub(crate) fn forces(&self, at: Moment<'_, f64, D>, room: &mut F::Room, forces: &mut [F::Force]) {
+        self.effects.evaluate(at, room, forces);
         for &(body, _) in &self.shape.pins {
             forces[body] = F::Force::zero();
         }
@@ -151,7 +155,14 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 }
 
-impl<F, const D: usize> Kept<F, D> {
+impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Kept");
+        debug.field("force", &self.force).field("blocks", &self.blocks).finish_non_exhaustive()
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
     /// Evaluates gradients at q and takes the normals over. Returns the sine of the least independent one, and its row.
     pub(crate) fn normals(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> (f64, usize) {
         let component = &shape.components[c];

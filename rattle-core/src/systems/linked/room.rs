@@ -1,16 +1,20 @@
 //! Room that methods ask for: stages that are solved together, and power series.
 
 use crate::effect::force::Force;
+use crate::effect::list::Forces;
 use crate::kernel::series::Products;
 use crate::motion::table::Table;
 use crate::number::vector::scaled;
+use crate::systems::network::shape::Shape;
 use std::array::from_fn;
 
 /// Room for the stages: stage by stage; within a stage by body, or by row and block of all components.
-#[derive(Debug, Clone)]
-pub(super) struct Stages<F, const D: usize> {
+#[derive(Clone)]
+pub(super) struct Stages<F: Forces<f64, D>, const D: usize> {
     pub(super) q: Vec<[f64; D]>,
-    pub(super) force: Vec<F>,
+    pub(super) force: Vec<F::Force>,
+    /// Room of the effects, for places away from those of the bodies.
+    pub(super) of_effects: F::Room,
     /// f + Gᵀλ, and its change in the last evaluation.
     pub(super) total: Vec<[f64; D]>,
     pub(super) change: Vec<[f64; D]>,
@@ -25,12 +29,14 @@ pub(super) struct Stages<F, const D: usize> {
     pub(super) multipliers: Vec<f64>,
 }
 
-impl<F: Force<f64, D>, const D: usize> Stages<F, D> {
-    pub(super) fn new(stages: usize, bodies: usize, equations: usize, blocks: usize) -> Self {
+impl<F: Forces<f64, D>, const D: usize> Stages<F, D> {
+    pub(super) fn new(stages: usize, bodies: usize, shape: &Shape<D>, effects: &F) -> Self {
+        let Shape { equations, blocks, .. } = *shape;
         let zero = [0.0; D];
         Self {
             q: vec![zero; stages * bodies],
-            force: vec![F::zero(); stages * bodies],
+            force: vec![Force::zero(); stages * bodies],
+            of_effects: effects.room(bodies),
             total: vec![zero; stages * bodies],
             change: vec![zero; stages * bodies],
             blocks: vec![zero; stages * blocks],

@@ -9,7 +9,7 @@
 //! nₖ and rₖ are known from q₀ … qₖ. What is not known of the first sum is G₀ᵀλₖ₋₁, so that the second one gives λₖ₋₁ by the
 //! factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::kernel::recurrences::Recurrences;
 use crate::kernel::series::{AnyOrder, Products, blocks};
 use crate::motion::bodies::Count;
@@ -20,14 +20,14 @@ use crate::systems::linked::room::SeriesRoom;
 use crate::systems::network::shape::Shape;
 use std::array::from_fn;
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Blocks of products of all functions together; none where one has no series.
     pub(super) fn series_blocks(&self) -> Option<usize> {
         let shape = &*self.shape;
         let runs = shape.components.iter().flat_map(|component| &component.rows.runs);
         let links: Option<usize> =
-            runs.map(|run| Some(run.members.len() * shape.groups[run.group].series_blocks()?)).sum();
-        Some(links? + self.field.series_blocks(self.count.number())?)
+            runs.map(|run| shape.groups[run.group].series_blocks(run.members.clone())).sum();
+        Some(links? + self.effects.series_blocks(self.count.number())?)
     }
 
     /// The products of λ with n and of n with v for each block, then of λ with r for each row.
@@ -75,7 +75,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         lambda.fill(0.0);
         note(shape, &mut order.take(self.own_blocks()), lambda, [normals, acting], moves, velocity);
         force.fill([0.0; D]);
-        self.field.contribute_series(&series[..n], force, order);
+        self.effects.contribute_series(&series[..n], force, order);
 
         let last = series.len() / n - 1;
         for k in 1..last {
@@ -133,7 +133,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             note(shape, &mut own, lambda, [normals, acting], moves, velocity);
             if k + 1 < last {
                 force.fill([0.0; D]);
-                self.field.contribute_series(&series[now], force, order);
+                self.effects.contribute_series(&series[now], force, order);
             }
         }
     }

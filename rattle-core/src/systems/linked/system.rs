@@ -1,7 +1,8 @@
 //! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
@@ -23,9 +24,9 @@ use crate::systems::linked::kept::along;
 use crate::systems::linked::kept::along_and_size;
 use crate::systems::linked::room::Stages;
 
-impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
     type Count = N;
-    type Kept = Kept<F::Force, D>;
+    type Kept = Kept<F, D>;
     type Rates = Self;
     type Collocation = Self;
     type Series = Self;
@@ -72,6 +73,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
+            of_effects: self.effects.room(n),
             blocks: vec![[0.0; D]; shape.blocks],
             rates: vec![0.0; shape.equations],
             solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
@@ -94,7 +96,8 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn moves_with_time(&self) -> bool {
-        self.shape.components.iter().any(|component| component.rows.moving)
+        let links_move = self.shape.components.iter().any(|component| component.rows.moving);
+        links_move || self.effects.changes_with_time()
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -103,7 +106,26 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
             for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
                 bodies.kept.normals(&self.shape, c, time, bodies.q.as_ref());
             }
+            if self.effects.changes_with_time() {
+                self.evaluate_forces(bodies);
+            }
         }
+    }
+
+    fn flows(&self) -> usize {
+        self.effects.flows()
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut BodiesOf<F, N, D>,
+        velocities: &[[f64; D]],
+        changes: &mut [[f64; D]],
+    ) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
+        self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -177,7 +199,9 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
-        self.forces(bodies.q.as_ref(), &mut bodies.kept.force);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let Kept { of_effects, force, .. } = &mut bodies.kept;
+        self.forces(at, of_effects, force);
     }
 
     fn settle<W: Witness<f64>>(
@@ -262,7 +286,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        self.field.energy(bodies.q.as_ref())
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
     fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
@@ -281,7 +305,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N,
     }
 }
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Rates<N, Kept<F::Force, D>, f64, D> for Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn evaluate_rates<W: Witness<f64>>(
         &self,
         bodies: &mut BodiesOf<F, N, D>,
@@ -373,12 +397,10 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Rates<N, Kept<F::Force, D>, f64
     }
 }
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F::Force, D>, f64, D>
-    for Linked<F, N, D>
-{
+impl<F: Forces<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn reserve(&self, bodies: &mut BodiesOf<F, N, D>, stages: usize) {
-        let (n, m, blocks) = (self.count.number(), self.shape.equations, self.shape.blocks);
-        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, n, m, blocks)));
+        let room = || Box::new(Stages::new(stages, self.count.number(), &self.shape, &self.effects));
+        bodies.kept.stages = (stages > 0).then(room);
     }
 
     fn collocate<W: Witness<f64>, const S: usize>(
@@ -393,7 +415,7 @@ impl<F: Field<f64, D>, N: Count, const D: usize> Collocation<N, Kept<F::Force, D
     }
 }
 
-impl<F: Field<f64, D>, N: Count, const D: usize> Series<N, Kept<F::Force, D>, f64, D> for Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
     fn reserve_series(&self, bodies: &mut BodiesOf<F, N, D>, orders: usize) {
         bodies.kept.series = Some(self.room_for_series(orders));
     }

@@ -46,8 +46,8 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
         turns: &mut [f64],
     );
 
-    /// Blocks of products that the power series of a member's gradients take; none where there is no series.
-    fn series_blocks(&self) -> Option<usize>;
+    /// Blocks of products that the power series of these members' gradients take; none where one has no series.
+    fn series_blocks(&self, members: Range<usize>) -> Option<usize>;
     /// The next coefficient of the blocks ∂g/∂q, and of ∂g/∂t if g moves, along a motion; `time` is that of t.
     fn gradients_series(
         &self,
@@ -190,8 +190,8 @@ where
         }
     }
 
-    fn series_blocks(&self) -> Option<usize> {
-        G::SERIES
+    fn series_blocks(&self, members: Range<usize>) -> Option<usize> {
+        members.map(|member| self.kernel(member).series()).sum()
     }
 
     fn gradients_series(

@@ -1,6 +1,6 @@
 //! A constraint and an energy hold a body in phase space.
 
-use crate::effect::list::{Effects, Field};
+use crate::effect::list::{Effects, Forces};
 use crate::error::Error;
 use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count};
@@ -38,7 +38,7 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
     ) -> Result<Self::System<E, N>, Error> {
         const {
             assert!(
-                size_of::<<E::Field<f64> as Field<f64, D>>::Force>() == 0,
+                size_of::<<E::Forces<f64> as Forces<f64, D>>::Force>() == 0,
                 "in phase space the Hamiltonian is the whole energy: write potentials into it"
             )
         };

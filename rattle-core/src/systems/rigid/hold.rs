@@ -14,7 +14,7 @@ use crate::systems::rigid::kept::Turning;
 use nalgebra::{Matrix3, Vector3};
 
 impl Hold<9> for Rigid {
-    type System<E: Effects<9>, N: Count> = Turning<E::Field<f64>, N>;
+    type System<E: Effects<9>, N: Count> = Turning<E::Forces<f64>, N>;
 
     fn system<E: Effects<9>, N: Count>(
         &self,
@@ -32,7 +32,7 @@ impl Hold<9> for Rigid {
         for (body, state) in start.bodies.iter().enumerate() {
             check(state).map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(Turning { body: *self, field: effects.field(), count })
+        Ok(Turning { body: *self, effects: effects.forces(), count })
     }
 
     fn pull(&self, q: &[f64; 9], force: &[f64; 9]) -> [f64; 9] {

@@ -1,7 +1,7 @@
 //! Rigid bodies in a field of force, and what is kept from one step to the next.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::number::vector::{sum, two_sum};
 use crate::systems::rigid::body::Rigid;
@@ -9,6 +9,7 @@ use crate::systems::rigid::body::spread;
 use crate::systems::rigid::body::turning_part;
 use crate::systems::rigid::room::SeriesRoom;
 use nalgebra::{Matrix3, Vector3};
+use std::fmt;
 
 /// One body: attitude and angular momentum as compensated sums.
 pub(super) struct Place {
@@ -19,7 +20,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub(super) fn of<N: Count, X: Force<f64, 9>>(bodies: &Bodies<N, f64, Kept<X>, 9>, number: usize) -> Self {
+    pub(super) fn of<N: Count, F: Forces<f64, 9>>(bodies: &BodiesOf<F, N>, number: usize) -> Self {
         let body = bodies.body(number);
         let attitude = Rigid::attitude(&body.q);
         let torque = turning_part(&attitude, &Rigid::attitude(&bodies.kept.force[number].components()));
@@ -48,17 +49,25 @@ impl Place {
 #[derive(Debug, Clone)]
 pub struct Turning<F, N> {
     pub(super) body: Rigid,
-    pub(super) field: F,
+    pub(super) effects: F,
     pub(super) count: N,
 }
 
 /// What is kept from one step to the next.
-#[derive(Debug, Clone)]
-pub struct Kept<X> {
+#[derive(Clone)]
+pub struct Kept<F: Forces<f64, 9>> {
     /// Forces last evaluated.
-    pub(super) force: Vec<X>,
+    pub(super) force: Vec<F::Force>,
+    /// Room of the effects.
+    pub(super) of_effects: F::Room,
     /// Room for power series.
     pub(super) series: Option<Box<SeriesRoom>>,
 }
 
-pub(crate) type BodiesOf<F, N> = Bodies<N, f64, Kept<<F as Field<f64, 9>>::Force>, 9>;
+pub(crate) type BodiesOf<F, N> = Bodies<N, f64, Kept<F>, 9>;
+
+impl<F: Forces<f64, 9>> fmt::Debug for Kept<F> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Kept").field("force", &self.force).finish_non_exhaustive()
+    }
+}

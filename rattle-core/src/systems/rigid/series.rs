@@ -4,7 +4,7 @@
 //! (k + 1) Qₖ₊₁ = (Q Ω̂)ₖ,   (k + 1) mₖ₊₁ = (m × Ω + τ)ₖ      Ω = J⁻¹m,   τ = −Σ rows of Q × rows of F
 //! ```
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::kernel::series::{Order, Products, blocks};
 use crate::motion::bodies::Count;
 use crate::number::vector::{add_scaled, scaled};
@@ -15,11 +15,11 @@ use std::array::from_fn;
 /// Seven cross products of six products each.
 const BLOCKS: usize = blocks(7 * 6);
 
-impl<F: Field<f64, 9>, N: Count> Turning<F, N> {
+impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
     /// Room for so many coefficients of functions that all have series.
     pub(super) fn room_for_series(&self, orders: usize) -> Box<SeriesRoom> {
         let n = self.count.number();
-        let products = Products::new(n * BLOCKS + self.field.series_blocks(n).unwrap_or(0), orders);
+        let products = Products::new(n * BLOCKS + self.effects.series_blocks(n).unwrap_or(0), orders);
         Box::new(SeriesRoom { products, force: vec![[0.0; 9]; n], m: vec![[0.0; 3]; n * orders] })
     }
 
@@ -48,7 +48,7 @@ impl<F: Field<f64, 9>, N: Count> Turning<F, N> {
     ) {
         let (n, share) = (self.count.number(), 1.0 / (k + 1) as f64);
         force.fill([0.0; 9]);
-        self.field.contribute_series(&series[k * n..][..n], force, order);
+        self.effects.contribute_series(&series[k * n..][..n], force, order);
         for body in 0..n {
             let own = &mut order.take(BLOCKS);
             let mut cross = |first: usize, a: [f64; 3], b: [f64; 3]| -> [f64; 3] {

@@ -1,7 +1,8 @@
 //! The verbs of a [`System`] for rigid bodies.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::{Passing, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
@@ -22,9 +23,9 @@ use crate::systems::rigid::kept::Place;
 use crate::systems::rigid::kept::Turning;
 use nalgebra::{Matrix3, Vector3};
 
-impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
+impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Count = N;
-    type Kept = Kept<F::Force>;
+    type Kept = Kept<F>;
     type Rates = Self;
     type Collocation = Never;
     type Series = Self;
@@ -38,7 +39,7 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn series(&self) -> Result<&Self, &'static str> {
-        self.field.series_blocks(self.count.number()).map(|_| self).ok_or(NO_SERIES)
+        self.effects.series_blocks(self.count.number()).map(|_| self).ok_or(NO_SERIES)
     }
 
     fn is_cartesian(&self) -> bool {
@@ -46,7 +47,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn bodies(&self, place: impl Fn(usize) -> Body<f64, 9>, time: f64) -> BodiesOf<F, N> {
-        let kept = Kept { force: vec![F::Force::zero(); self.count.number()], series: None };
+        let n = self.count.number();
+        let kept = Kept { force: vec![F::Force::zero(); n], of_effects: self.effects.room(n), series: None };
         let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
         bodies
@@ -54,6 +56,33 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
 
     fn refresh(&self, bodies: &mut BodiesOf<F, N>) {
         self.evaluate_forces(bodies);
+    }
+
+    fn moves_with_time(&self) -> bool {
+        self.effects.changes_with_time()
+    }
+
+    fn set_time(&self, bodies: &mut BodiesOf<F, N>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            self.evaluate_forces(bodies);
+        }
+    }
+
+    fn flows(&self) -> usize {
+        self.effects.flows()
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut BodiesOf<F, N>,
+        velocities: &[[f64; 9]],
+        changes: &mut [[f64; 9]],
+    ) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
+        self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -86,7 +115,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N>) {
-        self.field.evaluate(bodies.q.as_ref(), &mut bodies.kept.force);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects, &mut bodies.kept.force);
     }
 
     fn settle<W: Witness<f64>>(
@@ -104,7 +134,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
             if !p.iter().all(|p| p.is_finite()) {
                 let position = q[number].to_vec();
-                let cause = match self.field.culprit(q, number) {
+                let at = Moment { time: bodies.time, positions: q };
+                let cause = match self.effects.culprit(at, number) {
                     Some((effect, force)) => {
                         StepFailure::ForceNotFinite { effect, force: force.to_vec(), position }
                     }
@@ -133,7 +164,8 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         accelerations: &mut [[f64; 9]],
     ) -> Result<(), &'static str> {
         let mut forces = vec![F::Force::zero(); accelerations.len()];
-        self.field.evaluate(bodies.q.as_ref(), &mut forces);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), &mut forces);
         for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
             let place = Place::of(bodies, number);
             let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
@@ -154,11 +186,11 @@ impl<F: Field<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
-        self.field.energy(bodies.q.as_ref())
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 }
 
-impl<F: Field<f64, 9>, N: Count> Rates<N, Kept<F::Force>, f64, 9> for Turning<F, N> {
+impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn evaluate_rates<W: Witness<f64>>(
         &self,
         bodies: &mut BodiesOf<F, N>,
@@ -203,7 +235,7 @@ impl<F: Field<f64, 9>, N: Count> Rates<N, Kept<F::Force>, f64, 9> for Turning<F,
     }
 }
 
-impl<F: Field<f64, 9>, N: Count> Series<N, Kept<F::Force>, f64, 9> for Turning<F, N> {
+impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn reserve_series(&self, bodies: &mut BodiesOf<F, N>, orders: usize) {
         bodies.kept.series = Some(self.room_for_series(orders));
     }

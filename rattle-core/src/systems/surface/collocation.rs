@@ -15,7 +15,8 @@
 //! 1/256 by 1e-17 at most). **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
@@ -59,13 +60,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
         W: Witness<T>,
     {
         let n = self.count.number();
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,
-            _ => Box::new(Stages::new(S, n)),
+            _ => Box::new(Stages::new(S, n, &self.effects)),
         };
         let solved = self.solve_from_guesses(table, h, bodies, memory, &mut stages);
         if let (true, Some((filled, past))) = (solved.is_ok(), memory.split_first_mut()) {
@@ -79,6 +80,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         }
         bodies.kept.stages = Some(stages);
         solved?;
+        self.pass(h, bodies);
         self.evaluate_forces(bodies);
         let last = h * table.weights[S - 1];
         self.settle(last, 2.0 * last, bodies, witness)
@@ -92,13 +94,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         table: &Table<S>,
         h: f64,
         bodies: &BodiesOf<N, T, F, D>,
-        stages: &mut Stages<T, F::Force, D>,
+        stages: &mut Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let mut ahead = bodies.clone();
         for stage in 0..S {
@@ -121,11 +123,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     fn begin<T, const D: usize, const S: usize>(
         &self,
         bodies: &BodiesOf<N, T, F, D>,
-        stages: &mut Stages<T, F::Force, D>,
+        stages: &mut Stages<T, F, D>,
     ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         for body in 0..self.count.number() {
             (stages.lambda[body * S], stages.total[body * S]) = pull(&self.constraint, bodies, body);
@@ -140,13 +142,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         h: f64,
         bodies: &BodiesOf<N, T, F, D>,
         memory: &[T],
-        stages: &mut Stages<T, F::Force, D>,
+        stages: &mut Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         self.begin::<T, D, S>(bodies, stages);
         if let Some((filled, past)) = memory.split_first()
@@ -172,13 +174,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         table: &Table<S>,
         h: f64,
         bodies: &BodiesOf<N, T, F, D>,
-        stages: &mut Stages<T, F::Force, D>,
+        stages: &mut Stages<T, F, D>,
         far_guess: f64,
     ) -> Result<(), Failure>
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let n = self.count.number();
         let zero = T::from_f64(0.0);
@@ -191,6 +193,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], &v, total);
             }
         }
+        let times = |stage: usize| bodies.time + h * table.nodes[stage];
         let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
         for iteration in 0..MAX_ITERATIONS {
             for body in 0..n {
@@ -201,7 +204,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             let renew = iteration == 0 || last > NORMALS_MOVE || last_contraction > 0.1;
             for stage in 1..S {
-                self.field.evaluate(&stages.q[stage * n..][..n], &mut stages.force[stage * n..][..n]);
+                let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
+                self.effects.evaluate(at, &mut stages.of_effects, &mut stages.force[stage * n..][..n]);
             }
             let (mut worst, mut slowest) = (0.0_f64, 0);
             for body in 0..n {
@@ -228,7 +232,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 }
             }
             if !worst.is_finite() {
-                return Err(self.not_finite(h, stages, slowest, S, iteration));
+                return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
             let rate = contraction.max(last_contraction).max(LUCKY); // a lucky iteration is not the rate
@@ -250,11 +254,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     fn upright<T, const D: usize, const S: usize>(
         &self,
         h: f64,
-        stages: &Stages<T, F::Force, D>,
+        stages: &Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
         T: Real,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         for body in 0..self.count.number() {
             let normal: &[[T; D]; S] = part(&stages.normal, body);
@@ -273,7 +277,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     fn not_finite<T, const D: usize>(
         &self,
         h: f64,
-        stages: &Stages<T, F::Force, D>,
+        times: impl Fn(usize) -> f64,
+        stages: &Stages<T, F, D>,
         body: usize,
         count: usize,
         iterations: usize,
@@ -281,15 +286,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let n = self.count.number();
         for stage in 1..count {
-            let q = &stages.q[stage * n..][..n];
-            let reached = q[body].iter().all(|q| q.lanes().all(f64::is_finite));
-            if reached && self.field.culprit(q, body).is_some() {
+            let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
+            let reached = at.positions[body].iter().all(|q| q.lanes().all(f64::is_finite));
+            if reached && self.effects.culprit(at, body).is_some() {
                 let normal = self.count.each(Normal::new(stages.normal[body * count]));
-                return FailureAt::of(body, false).not_finite(&self.field, q, normal.as_ref());
+                return FailureAt::of(body, false).not_finite(&self.effects, at, normal.as_ref());
             }
         }
         FailureAt::of(body, false).unsolved(h, count, iterations, f64::NAN)
@@ -302,13 +307,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         table: &Table<S>,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
-        stages: &Stages<T, F::Force, D>,
+        stages: &Stages<T, F, D>,
         witness: &mut W,
     ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
         W: Witness<T>,
     {
         let n = self.count.number();

@@ -1,6 +1,7 @@
 //! Why a step on a surface failed: found out afterwards, out of the way of steps that succeed.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
@@ -146,21 +147,22 @@ impl FailureAt {
     /// The momentum is not finite: a force or a normal is not.
     #[cold]
     #[inline(never)]
-    pub(crate) fn not_finite<T: Real, F: Field<T, D>, const D: usize>(
+    pub(crate) fn not_finite<T: Real, F: Forces<T, D>, const D: usize>(
         &self,
-        field: &F,
-        positions: &[[T; D]],
+        effects: &F,
+        at: Moment<'_, T, D>,
         normals: &[Normal<T, D>],
     ) -> Failure {
-        let position = self.numbers(&positions[self.body]);
-        if let Some((effect, force)) = field.culprit(positions, self.body) {
+        let place = &at.positions[self.body];
+        let position = self.numbers(place);
+        if let Some((effect, force)) = effects.culprit(at, self.body) {
             return self.because(StepFailure::ForceNotFinite {
                 effect,
                 force: self.numbers(&force),
                 position,
             });
         }
-        self.no_normal(&positions[self.body], &normals[self.body].gradient)
+        self.no_normal(place, &normals[self.body].gradient)
             .unwrap_or_else(|| self.because(StepFailure::MomentumNotFinite { position }))
     }
 }

@@ -12,7 +12,8 @@ use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::start;
 
 impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
-    type System<E: Effects<D>, N: Count> = OnSurface<C::Kernel<f64>, E::Field<f64>, N, C::Kernel<Fused<f64>>>;
+    type System<E: Effects<D>, N: Count> =
+        OnSurface<C::Kernel<f64>, E::Forces<f64>, N, C::Kernel<Fused<f64>>>;
 
     fn system<E: Effects<D>, N: Count>(
         &self,
@@ -27,7 +28,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
             let path = h.abs() * dot(&state.p, &state.p).sqrt();
             start::check(&constraint, state, path, tangent).map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(OnSurface::new(constraint, self.kernel(), effects.field(), count))
+        Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))
     }
 
     fn bodies(self, _: usize) -> Self {

@@ -1,7 +1,6 @@
 //! Bodies each on a surface of its own, and what is kept from one step to the next.
 
-use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
@@ -9,6 +8,7 @@ use crate::number::real::Real;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
+use std::fmt;
 
 /// Each body on its own copy of a surface, in a field of force.
 #[derive(Debug, Clone)]
@@ -17,16 +17,29 @@ pub struct OnSurface<K, F, N, L> {
     pub constraint: K,
     /// The same function for several bodies at a time; or [`OneByOne`].
     pub in_lanes: L,
-    /// U, from all effects.
-    pub field: F,
+    /// All effects.
+    pub effects: F,
     /// How many bodies there are.
     pub count: N,
 }
 
 impl<K, F, N, L> OnSurface<K, F, N, L> {
-    /// So many bodies on this surface in this field, `in_lanes` or [`OneByOne`].
-    pub fn new(constraint: K, in_lanes: L, field: F, count: N) -> Self {
-        Self { constraint, in_lanes, field, count }
+    /// So many bodies on this surface under these effects, `in_lanes` or [`OneByOne`].
+    pub fn new(constraint: K, in_lanes: L, effects: F, count: N) -> Self {
+        Self { constraint, in_lanes, effects, count }
+    }
+}
+
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// Lets time pass, if anything looks at it.
+    #[inline(always)]
+    pub(super) fn pass<T: Real, const D: usize>(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>)
+    where
+        F: Forces<T, D>,
+    {
+        if self.effects.changes_with_time() {
+            bodies.time += h;
+        }
     }
 }
 
@@ -56,16 +69,25 @@ impl<const D: usize> ConstraintKernel<Fused<f64>, D, 1> for OneByOne {
 }
 
 /// What is kept from one step to the next.
-#[derive(Debug, Clone)]
-pub struct Kept<N: Count, T: Real, F: Force<T, D>, const D: usize> {
+#[derive(Clone)]
+pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     /// Normals at the positions.
     pub normal: N::Of<Normal<T, D>>,
-    /// Forces −∇U last evaluated; of size zero where no effect acts.
-    pub force: N::Of<F>,
+    /// Forces last evaluated; of size zero where no effect acts.
+    pub force: N::Of<F::Force>,
+    /// Room of the effects.
+    pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.
     pub(super) stages: Option<Box<Stages<T, F, D>>>,
     /// Room for power series.
     pub(super) series: Option<Box<SeriesRoom<T, D>>>,
 }
 
-pub(crate) type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, <F as Field<T, D>>::Force, D>, D>;
+pub(crate) type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, F, D>, D>;
+
+impl<N: Count, T: Real, F: Forces<T, D>, const D: usize> fmt::Debug for Kept<N, T, F, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Kept");
+        debug.field("normal", &self.normal).field("force", &self.force).finish_non_exhaustive()
+    }
+}

@@ -1,6 +1,7 @@
 //! Room that methods ask for: stages that are solved together, and power series.
 
 use crate::effect::force::Force;
+use crate::effect::list::Forces;
 use crate::motion::table::Table;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, scaled};
@@ -8,10 +9,12 @@ use crate::number::vector::{add_scaled, scaled};
 use crate::kernel::series::Products;
 
 /// Room for the stages of all bodies: positions and forces stage by stage, the rest body by body.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Stages<T, F, const D: usize> {
+#[derive(Clone)]
+pub(crate) struct Stages<T: Real, F: Forces<T, D>, const D: usize> {
     pub(super) q: Vec<[T; D]>,
-    pub(super) force: Vec<F>,
+    pub(super) force: Vec<F::Force>,
+    /// Room of the effects, for places away from those of the bodies.
+    pub(super) of_effects: F::Room,
     pub(super) normal: Vec<[T; D]>,
     /// f + ∇g λ.
     pub(super) total: Vec<[T; D]>,
@@ -22,12 +25,13 @@ pub(crate) struct Stages<T, F, const D: usize> {
     pub(super) inverse: Vec<T>,
 }
 
-impl<T: Real, F: Force<T, D>, const D: usize> Stages<T, F, D> {
-    pub(super) fn new(stages: usize, bodies: usize) -> Self {
+impl<T: Real, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
+    pub(super) fn new(stages: usize, bodies: usize, effects: &F) -> Self {
         let (n, zero) = (stages * bodies, T::from_f64(0.0));
         Self {
             q: vec![[zero; D]; n],
-            force: vec![F::zero(); n],
+            force: vec![Force::zero(); n],
+            of_effects: effects.room(bodies),
             normal: vec![[zero; D]; n],
             total: vec![[zero; D]; n],
             lambda: vec![zero; n],

@@ -8,7 +8,7 @@
 //!
 //! nₖ is known from q₀ … qₖ, so that the second sum gives λₖ₋₁. No second derivative of g is needed.
 
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::{Products, blocks};
 use crate::motion::bodies::Count;
@@ -24,11 +24,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     pub(super) fn room_for_series<T: Real, const D: usize>(&self, orders: usize) -> Box<SeriesRoom<T, D>>
     where
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let n = self.count.number();
-        let of_forces = self.field.series_blocks(n).unwrap_or(0);
-        let blocks = n * (K::SERIES.unwrap_or(0) + blocks(2 * D)) + of_forces;
+        let of_forces = self.effects.series_blocks(n).unwrap_or(0);
+        let blocks = n * (self.constraint.series().unwrap_or(0) + blocks(2 * D)) + of_forces;
         let products = Products::new(blocks, orders);
         Box::new(SeriesRoom { products, force: vec![[T::from_f64(0.0); D]; n] })
     }
@@ -42,7 +42,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
         W: Witness<T>,
     {
         let (n, zero) = (self.count.number(), T::from_f64(0.0));
@@ -62,7 +62,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
         }
         force.fill([zero; D]);
-        self.field.contribute_series(&series[..n], force, order);
+        self.effects.contribute_series(&series[..n], force, order);
 
         let last = series.len() / n - 1;
         for k in 1..last {
@@ -92,7 +92,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             if k + 1 < last {
                 force.fill([zero; D]);
-                self.field.contribute_series(&series[k * n..][..n], force, order);
+                self.effects.contribute_series(&series[k * n..][..n], force, order);
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The two halves of a step on a surface: drift to where g(q′) = 0, settle to where ∇g·p′ = 0.
 
 use crate::effect::force::Force;
+use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
@@ -28,7 +29,7 @@ pub(crate) fn drift<T, K, F, N, W, const D: usize>(
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
 {
@@ -70,7 +71,7 @@ where
     X: Iteration,
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
 {
     let (step, pushed) = (T::from_f64(h), T::from_f64(h * kick));
@@ -113,7 +114,7 @@ pub(crate) fn drift_again<T, K, F, N, W, const D: usize>(
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
 {
@@ -131,7 +132,7 @@ pub(crate) fn arrive<T, F, N, W, const D: usize>(
     witness: &mut W,
 ) where
     T: Real,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
 {
@@ -199,7 +200,7 @@ pub(crate) fn settle<T, F, N, W, const D: usize>(
 ) -> T::Mask
 where
     T: Real,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
 {
@@ -228,7 +229,7 @@ pub(crate) fn pull<T, K, F, N, const D: usize>(
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
 {
     let (q, p) = (&bodies.q.as_ref()[body], &bodies.p.as_ref()[body]);
@@ -250,7 +251,7 @@ pub(crate) fn project<T, K, F, N, const D: usize>(
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Force<T, D>,
+    F: Forces<T, D>,
     N: Count,
 {
     let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);

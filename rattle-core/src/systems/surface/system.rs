@@ -3,7 +3,8 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
@@ -35,12 +36,12 @@ impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Field<T, D>,
+    F: Forces<T, D>,
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {
     type Count = N;
-    type Kept = Kept<N, T, F::Force, D>;
+    type Kept = Kept<N, T, F, D>;
     type Rates = Self;
     type Collocation = Self;
     type Series = Self;
@@ -61,14 +62,15 @@ where
 
     #[inline(always)]
     fn series(&self) -> Result<&Self, &'static str> {
-        let blocks = K::SERIES.and(self.field.series_blocks(self.count.number()));
+        let blocks = self.constraint.series().and(self.effects.series_blocks(self.count.number()));
         blocks.map(|_| self).ok_or(NO_SERIES)
     }
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, _: f64) -> BodiesOf<N, T, F, D> {
+    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
-        let kept = Kept { normal, force: self.count.each(Force::zero()), stages: None, series: None };
-        let mut bodies = Bodies::new(self.count, kept, place, 0.0);
+        let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
+        let kept = Kept { normal, force, of_effects, stages: None, series: None };
+        let mut bodies = Bodies::new(self.count, kept, place, time);
         self.refresh(&mut bodies);
         bodies
     }
@@ -95,7 +97,9 @@ where
         if X::KIND == Kind::Newton
             && let Some(set) = entry::<T, L, N, D>(self.count)
         {
-            return self.drift_in_tiles(set, kick, h, guess, bodies, witness);
+            self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
+            self.pass(h, bodies);
+            return Ok(());
         }
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for body in 0..bodies.q.as_ref().len() {
@@ -114,12 +118,14 @@ where
             }
         }
         self.fuse_normals(bodies);
+        self.pass(h, bodies);
         Ok(())
     }
 
     #[inline(always)]
     fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
-        self.field.evaluate(bodies.q.as_ref(), bodies.kept.force.as_mut());
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
     }
 
     #[inline(always)]
@@ -136,11 +142,42 @@ where
         for body in 0..bodies.q.as_ref().len() {
             let finite = settle(kick, h, bodies, body, witness);
             if !finite.all() {
-                let (q, kept) = (bodies.q.as_ref(), &bodies.kept);
-                return Err(FailureAt::of(body, finite).not_finite(&self.field, q, kept.normal.as_ref()));
+                let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+                let normals = bodies.kept.normal.as_ref();
+                return Err(FailureAt::of(body, finite).not_finite(&self.effects, at, normals));
             }
         }
         Ok(())
+    }
+
+    #[inline(always)]
+    fn moves_with_time(&self) -> bool {
+        self.effects.changes_with_time()
+    }
+
+    #[inline(always)]
+    fn set_time(&self, bodies: &mut BodiesOf<N, T, F, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            self.evaluate_forces(bodies);
+        }
+    }
+
+    #[inline(always)]
+    fn flows(&self) -> usize {
+        self.effects.flows()
+    }
+    fn flow(
+        &self,
+        number: usize,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        velocities: &[[T; D]],
+        changes: &mut [[T; D]],
+    ) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
+        self.effects.flow(number, h, at, room, momenta, velocities, changes);
     }
 
     fn equations(&self) -> usize {
@@ -162,7 +199,7 @@ where
     }
 
     fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
-        self.field.energy(bodies.q.as_ref())
+        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
     fn residuals(&self, bodies: &BodiesOf<N, T, F, D>, g: &mut [T]) {
@@ -179,11 +216,11 @@ where
     }
 }
 
-impl<T, K, F, N, L, const D: usize> Rates<N, Kept<N, T, F::Force, D>, T, D> for OnSurface<K, F, N, L>
+impl<T, K, F, N, L, const D: usize> Rates<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Field<T, D>,
+    F: Forces<T, D>,
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {
@@ -217,16 +254,17 @@ where
     }
 }
 
-impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F::Force, D>, T, D> for OnSurface<K, F, N, L>
+impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Field<T, D>,
+    F: Forces<T, D>,
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {
     fn reserve(&self, bodies: &mut BodiesOf<N, T, F, D>, stages: usize) {
-        bodies.kept.stages = (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number())));
+        bodies.kept.stages =
+            (stages > 0).then(|| Box::new(Stages::new(stages, self.count.number(), &self.effects)));
     }
 
     fn collocate<W: Witness<T>, const S: usize>(
@@ -241,11 +279,11 @@ where
     }
 }
 
-impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F::Force, D>, T, D> for OnSurface<K, F, N, L>
+impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
     T: Real,
     K: ConstraintKernel<T, D, 1>,
-    F: Field<T, D>,
+    F: Forces<T, D>,
     N: Count,
     L: ConstraintKernel<Fused<f64>, D, 1>,
 {

@@ -1,10 +1,11 @@
 //! A tile of bodies, spread over lanes and written back.
 
 use crate::effect::force::Force;
-use crate::motion::bodies::{Bodies, Count};
+use crate::effect::list::Forces;
+use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::surface::kept::Kept;
+use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::ops::Range;
@@ -27,8 +28,8 @@ pub(super) struct Tile<'a, T, F, const D: usize> {
 
 impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
     #[inline(always)]
-    pub(super) fn of<N: Count>(
-        bodies: &'a mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    pub(super) fn of<N: Count, E: Forces<T, D, Force = F>>(
+        bodies: &'a mut BodiesOf<N, T, E, D>,
         tile: Range<usize>,
     ) -> Self {
         Self {

@@ -15,7 +15,8 @@
 //! What a body does depends on nothing but itself, whatever tile it is in.
 
 use crate::effect::force::Force;
-use crate::effect::list::Field;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
@@ -76,7 +77,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     where
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Number, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         for tile in tiles(self.count.number()) {
             let mut multipliers = [T::from_f64(0.0); TILE];
@@ -114,16 +115,17 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         witness: &mut W,
     ) -> Result<(), Failure>
     where
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         for tile in tiles(self.count.number()) {
             let mut multipliers = [T::from_f64(0.0); TILE];
             let of_tile = Tile::of(bodies, tile.clone());
             if !set.run(Settle { kick, h, bodies: of_tile, multipliers: &mut multipliers }) {
-                let (q, p, kept) = (bodies.q.as_ref(), &bodies.p.as_ref()[tile.clone()], &bodies.kept);
+                let (p, kept) = (&bodies.p.as_ref()[tile.clone()], &bodies.kept);
+                let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
                 let infinite = p.iter().position(|p| !is_finite(p).all()).unwrap_or(0);
                 let failure = FailureAt::of(tile.start + infinite, false);
-                return Err(failure.not_finite(&self.field, q, kept.normal.as_ref()));
+                return Err(failure.not_finite(&self.effects, at, kept.normal.as_ref()));
             }
             if W::LISTENS {
                 for l in 0..tile.len() {
@@ -140,7 +142,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     pub(super) fn fuse_normals<T: Real, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>) -> bool
     where
         L: ConstraintKernel<Number, D, 1>,
-        F: Field<T, D>,
+        F: Forces<T, D>,
     {
         let in_tiles = entry::<T, L, N, D>(self.count).is_some();
         if in_tiles {
