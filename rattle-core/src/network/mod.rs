@@ -20,6 +20,8 @@ mod solver;
 mod start;
 #[cfg(feature = "faer")]
 mod supernodal;
+#[cfg(test)]
+mod tests;
 
 pub use mass::Mass;
 pub use solver::{LinearAlgebra, Report};
