@@ -14,6 +14,8 @@ pub(crate) mod shape;
 pub(crate) mod solver;
 #[cfg(feature = "faer")]
 mod supernodal;
+#[cfg(test)]
+mod tests;
 pub(crate) mod tie;
 
 pub use algebra::LinearAlgebra;

@@ -18,8 +18,9 @@ use faer::{Conj, MatMut, Par, Side};
 use std::fmt;
 use std::sync::Arc;
 
-/// Dense blocks pay from so many operations for each entry of L on: a chain has 1, a net of 60 × 60 squares 36.
-const OPERATIONS: usize = 32;
+/// Dense blocks pay from so many operations for each entry of L on: a chain has 1, a net of 60 × 60 squares 36, one of
+/// 160 × 160 has 88, a lattice of 14 × 14 × 14 bodies 180.
+const OPERATIONS: usize = 40;
 
 pub(super) struct Supernodal {
     symbolic: Arc<SymbolicCholesky<usize>>,
