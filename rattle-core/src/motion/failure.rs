@@ -1,6 +1,8 @@
 //! Why a step failed.
 
+use crate::effect::list::Field;
 use crate::error::StepFailure;
+use crate::number::real::Real;
 
 /// Why a step failed, and for which body.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,4 +11,22 @@ pub struct Failure {
     pub body: usize,
     /// What stopped it.
     pub cause: StepFailure,
+}
+
+impl Failure {
+    /// The force on the first of these bodies where it is not finite, in this lane; none if all forces are.
+    #[cold]
+    pub(crate) fn of_force<T: Real, F: Field<T, D>, const D: usize>(
+        field: &F,
+        positions: &[[T; D]],
+        bodies: impl IntoIterator<Item = usize>,
+        lane: usize,
+    ) -> Option<Self> {
+        let numbers = |x: &[T; D]| x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect();
+        bodies.into_iter().find_map(|body| {
+            let (effect, force) = field.culprit(positions, body)?;
+            let (force, position) = (numbers(&force), numbers(&positions[body]));
+            Some(Self { body, cause: StepFailure::ForceNotFinite { effect, force, position } })
+        })
+    }
 }

@@ -153,12 +153,8 @@ impl FailureAt {
         normals: &[Normal<T, D>],
     ) -> Failure {
         let position = self.numbers(&positions[self.body]);
-        if let Some((effect, force)) = field.culprit(positions, self.body) {
-            return self.because(StepFailure::ForceNotFinite {
-                effect,
-                force: self.numbers(&force),
-                position,
-            });
+        if let Some(failure) = Failure::of_force(field, positions, [self.body], self.lane) {
+            return failure;
         }
         self.no_normal(&positions[self.body], &normals[self.body].gradient)
             .unwrap_or_else(|| self.because(StepFailure::MomentumNotFinite { position }))
