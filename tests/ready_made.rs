@@ -11,7 +11,7 @@ use rattle::nalgebra::{SVector, Vector2, Vector3};
 use rattle::potentials::{self, *};
 use rattle::prelude::*;
 use rattle::surfaces::*;
-use serde::{Serialize, de::DeserializeOwned};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use std::f64::consts::{E, FRAC_PI_2, PI, SQRT_2};
 use std::fmt::Debug;
 
@@ -545,6 +545,13 @@ fn torsions_turn_clockwise() {
     }
 }
 
+constraint! {
+    /// A type of one's own: what is derived inside the macro holds.
+    #[derive(Serialize, Deserialize)]
+    struct Edge { at, normal: [f64; 2] }
+    |q: [f64; 2]| dot(normal, q) - at
+}
+
 /// Surfaces as files; potentials and links are asked in their rows.
 #[test]
 fn surfaces_go_to_files_and_back() {
@@ -552,6 +559,7 @@ fn surfaces_go_to_files_and_back() {
         there_and_back(name, &surface);
     }
     catalogue!(check);
+    there_and_back("Edge", &Edge { at: 1.0 / 3.0, normal: [0.6, 0.8] });
     let text = serde_json::to_string(&links::Pendulum { length: 2.0, pivot: [0.1, 0.2, 0.3] }).unwrap();
     assert_eq!(text, r#"{"length":2.0,"pivot":[0.1,0.2,0.3]}"#);
     let mistake = serde_json::from_str::<Torus>(r#"{"major": 1.5}"#).unwrap_err();
