@@ -53,7 +53,7 @@ pub mod view;
 /// What a method is: a map that takes all bodies one step on.
 pub mod method {
     pub use rattle_core::motion::failure::Failure;
-    pub use rattle_core::motion::method::Method;
+    pub use rattle_core::motion::method::{Method, RattleSteps};
     pub use rattle_core::motion::need::Need;
     pub use rattle_core::motion::witness::Witness;
 }

@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::methods::rattle::Rattle;
 use crate::motion::bodies::Bodies;
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
+use crate::motion::method::{Method, RattleSteps};
 use crate::motion::need::Need;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
@@ -83,6 +83,10 @@ impl<B: Method> Method for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
+    const RATTLE_STEPS: RattleSteps = match B::RATTLE_STEPS {
+        RattleSteps::None => RattleSteps::None,
+        RattleSteps::One | RattleSteps::Several => RattleSteps::Several,
+    };
     fn rattle_steps(&self) -> Option<Vec<f64>> {
         let of_each = self.coefficients.gammas.iter();
         let of_each = of_each.map(|gamma| self.base.with_step(gamma * self.base.step_size()).rattle_steps());

@@ -79,6 +79,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        Ok(self.begin(self.ready(&start, &method)?, &start, method))
+    }
+
+    /// Says what is wrong with a start, or gives the system that is ready to move from there.
+    pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
         check_step_size(method.step_size())?;
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
@@ -93,12 +98,22 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let bodies = start.len();
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
-        let system = self.constraint.system(&self.effects, self.count, &start, &method)?;
+        let system = self.constraint.system(&self.effects, self.count, start, method)?;
         method.check(system.equations())?;
         if let Some(system) = system.refuses(method.need()) {
             return Err(Error::CannotMove { method: method.name(), system });
         }
         self.check_forces(&start.bodies)?;
+        Ok(system)
+    }
+
+    /// The simulation from a start of a system that is ready to move from there.
+    pub(crate) fn begin<S: Method>(
+        &self,
+        system: C::System<E, N>,
+        start: &State<D>,
+        method: S,
+    ) -> Simulation<C::System<E, N>, S, D> {
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         match method.need() {
             Need::Series => system.reserve_series(&mut bodies, method.stages()),
@@ -106,16 +121,19 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         bodies.room = vec![[0.0; D]; method.room() * self.count.number()];
         let (clock, remembered) = ((start.time, start.time_low), start.remembered.as_ref());
-        Ok(Simulation::new(system, self.count, bodies, clock, remembered, method))
+        Simulation::new(system, self.count, bodies, clock, remembered, method)
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>]) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies).iter().enumerate() {
+        let (field, mut positions) = (self.effects.field::<f64>(), self.count.each([0.0; D]));
+        positions.as_mut().iter_mut().zip(bodies).for_each(|(position, body)| *position = body.q);
+        let mut forces = self.count.each(Force::zero());
+        field.evaluate(positions.as_ref(), forces.as_mut());
+        for (body, force) in forces.as_ref().iter().enumerate() {
             let force = force.components();
             if !force.iter().all(|f| f.is_finite()) {
-                let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
-                let field = self.effects.field::<f64>();
-                let effect = field.culprit(&positions, body).map_or("sum of effects", |(name, _)| name);
+                let effect =
+                    field.culprit(positions.as_ref(), body).map_or("sum of effects", |(name, _)| name);
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });
             }

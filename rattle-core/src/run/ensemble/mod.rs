@@ -29,11 +29,14 @@
 
 mod alone;
 mod block;
+mod engine;
 pub mod group;
 mod laws;
 pub mod look;
+mod loops;
 pub mod observe;
 pub mod precision;
+mod rattle_lanes;
 mod side_by_side;
 pub mod sight;
 pub mod stream;

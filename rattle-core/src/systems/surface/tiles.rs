@@ -20,44 +20,35 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::motion::witness::Witness;
-use crate::number::instructions::{InstructionSet, Work};
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::{FAR_GUESS, is_the_root};
 use crate::systems::surface::step::{drift, is_finite};
-use crate::systems::surface::tile::{Number, Tile, Vectors, at, fused, gathered, plain, put, scatter};
+use crate::systems::surface::tile::{Number, Tile, fused, gathered, plain, scatter};
 use std::any::TypeId;
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Coordinates of a body beyond which blocks of bodies in lanes would no longer fit the nearest cache, or the stack.
-pub(crate) const MOST_COORDINATES: usize = 16;
-
 /// From so many bodies on it pays.
 const MANY: usize = 8;
 
-/// Most bodies of a tile.
-const TILE: usize = 64;
-
 /// Newton steps of a body by itself before it is left to be moved alone.
-const CORRECTIONS: usize = 3;
+pub(crate) const CORRECTIONS: usize = 3;
 
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
-const AT_REST: f64 = 256.0;
+pub(crate) const AT_REST: f64 = 256.0;
 
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
-pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<InstructionSet> {
+pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
     let can = N::MANY && D <= MOST_COORDINATES && TypeId::of::<L>() != TypeId::of::<OneByOne>();
-    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() {
-        Some(InstructionSet::widest()).filter(|set| set.fuses())
-    } else {
-        None
-    }
+    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() { Fusing::widest() } else { None }
 }
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
@@ -66,7 +57,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
     pub(super) fn drift_in_tiles<T: Real, W: Witness<T>, const D: usize>(
         &self,
-        set: InstructionSet,
+        set: Fusing,
         kick: f64,
         h: f64,
         guess: &[T],
@@ -79,7 +70,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Field<T, D>,
     {
         for tile in tiles(self.count.number()) {
-            let mut multipliers = [T::from_f64(0.0); TILE];
+            let mut multipliers = [T::from_f64(0.0); LANES];
             let mut left = set.run(Drift {
                 constraint: &self.in_lanes,
                 kick,
@@ -107,7 +98,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     #[inline(always)]
     pub(super) fn settle_in_tiles<T: Real, W: Witness<T>, const D: usize>(
         &self,
-        set: InstructionSet,
+        set: Fusing,
         kick: f64,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
@@ -117,7 +108,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Field<T, D>,
     {
         for tile in tiles(self.count.number()) {
-            let mut multipliers = [T::from_f64(0.0); TILE];
+            let mut multipliers = [T::from_f64(0.0); LANES];
             let of_tile = Tile::of(bodies, tile.clone());
             if !set.run(Settle { kick, h, bodies: of_tile, multipliers: &mut multipliers }) {
                 let (q, p, kept) = (bodies.q.as_ref(), &bodies.p.as_ref()[tile.clone()], &bodies.kept);
@@ -163,7 +154,7 @@ fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
 }
 
 fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..number).step_by(TILE).map(move |first| first..number.min(first + TILE))
+    (0..number).step_by(LANES).map(move |first| first..number.min(first + LANES))
 }
 
 #[inline(always)]
@@ -174,9 +165,9 @@ fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Numbe
 /// Where a body would land.
 #[inline(always)]
 fn point<const L: usize, const D: usize>(
-    q: &Vectors<L, D>,
-    free: &Vectors<L, D>,
-    normal: &Vectors<L, D>,
+    q: &Vectors<Number, L, D>,
+    free: &Vectors<Number, L, D>,
+    normal: &Vectors<Number, L, D>,
     multiplier: &[Number; L],
     l: usize,
 ) -> [Number; D] {
@@ -198,7 +189,7 @@ fn corrected(
     (multiplier + correction, Real::select(rests, Fused(1.0), Fused(0.0)))
 }
 
-/// The first half of a step of at most [`TILE`] bodies.
+/// The first half of a step of at most [`LANES`] bodies.
 struct Drift<'a, T, K, F, const D: usize> {
     constraint: &'a K,
     kick: f64,
@@ -207,7 +198,7 @@ struct Drift<'a, T, K, F, const D: usize> {
     guess: &'a [T],
     bodies: Tile<'a, T, F, D>,
     /// λ as an impulse over h/2.
-    multipliers: &'a mut [T; TILE],
+    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
@@ -222,7 +213,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             0..=16 => self.in_lanes::<16>(),
             17..=24 => self.in_lanes::<24>(),
             25..=32 => self.in_lanes::<32>(),
-            _ => self.in_lanes::<TILE>(),
+            _ => self.in_lanes::<LANES>(),
         }
     }
 }
@@ -360,13 +351,13 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
     }
 }
 
-/// The second half of a step of at most [`TILE`] bodies.
+/// The second half of a step of at most [`LANES`] bodies.
 struct Settle<'a, T, F, const D: usize> {
     kick: f64,
     h: f64,
     bodies: Tile<'a, T, F, D>,
     /// μ as an impulse over h/2.
-    multipliers: &'a mut [T; TILE],
+    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
@@ -379,7 +370,7 @@ impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
             0..=16 => self.in_lanes::<16>(),
             17..=24 => self.in_lanes::<24>(),
             25..=32 => self.in_lanes::<32>(),
-            _ => self.in_lanes::<TILE>(),
+            _ => self.in_lanes::<LANES>(),
         }
     }
 }
