@@ -11,14 +11,12 @@
 //! instruction set that fuses gives the same forces.
 
 use crate::kernel::functions::PairKernel;
-use crate::number::instructions::{InstructionSet, Work};
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::dot;
+use crate::number::vectors::LANES;
 use std::array::from_fn;
-
-/// Bodies of a tile.
-const TILE: usize = 64;
 
 /// Shifts of a ring that go together: there is room for as many pairs.
 const SHIFTS: usize = 8;
@@ -35,7 +33,7 @@ struct Vectors<const D: usize, const L: usize>([[Number; L]; D]);
 /// Numbers of pairs.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-struct Pairs([Number; SHIFTS * TILE]);
+struct Pairs([Number; SHIFTS * LANES]);
 
 impl<const D: usize, const L: usize> Vectors<D, L> {
     const ZERO: Self = Self([[Fused(0.0); L]; D]);
@@ -48,11 +46,11 @@ pub(crate) fn add_forces<K: PairKernel<Number>, const D: usize>(
     positions: &[[f64; D]],
     forces: &mut [[f64; D]],
 ) -> bool {
-    let set = InstructionSet::widest();
-    if set.fuses() {
+    let set = Fusing::widest();
+    if let Some(set) = set {
         set.run(AllPairs { kernel, positions, forces });
     }
-    set.fuses()
+    set.is_some()
 }
 
 struct AllPairs<'a, K, const D: usize> {
@@ -68,15 +66,15 @@ impl<K: PairKernel<Number>, const D: usize> Work for AllPairs<'_, K, D> {
     fn run(self) {
         let Self { positions, forces, .. } = self;
         let kernel = self.kernel.clone(); // out of reach of what the loops write
-        let (mut parts, mut pairs) = (Vectors::ZERO, Pairs([Fused(0.0); SHIFTS * TILE]));
-        for first in (0..positions.len()).step_by(TILE) {
-            let beyond = positions.len().min(first + TILE);
+        let (mut parts, mut pairs) = (Vectors::ZERO, Pairs([Fused(0.0); SHIFTS * LANES]));
+        for first in (0..positions.len()).step_by(LANES) {
+            let beyond = positions.len().min(first + LANES);
             let (tile, on_tile) = (&positions[first..beyond], &mut forces[first..beyond]);
             match tile.len() {
                 0..=24 => ring::<K, D, 24>(&kernel, tile, on_tile, &mut pairs),
                 25..=32 => ring::<K, D, 32>(&kernel, tile, on_tile, &mut pairs),
                 33..=48 => ring::<K, D, 48>(&kernel, tile, on_tile, &mut pairs),
-                _ => ring::<K, D, TILE>(&kernel, tile, on_tile, &mut pairs),
+                _ => ring::<K, D, LANES>(&kernel, tile, on_tile, &mut pairs),
             }
             if beyond == positions.len() {
                 return;
@@ -119,19 +117,19 @@ fn ring<K: PairKernel<Number>, const D: usize, const L: usize>(
     pairs: &mut Pairs,
 ) {
     let number = positions.len();
-    let mut places = Vectors::<D, { 2 * TILE }>::ZERO; // twice around
-    for (l, q) in positions.iter().chain(positions).take(2 * TILE).enumerate() {
+    let mut places = Vectors::<D, { 2 * LANES }>::ZERO; // twice around
+    for (l, q) in positions.iter().chain(positions).take(2 * LANES).enumerate() {
         put(&mut places, l, q);
     }
-    let (mut own, mut others) = (Vectors::<D, L>::ZERO, Vectors::<D, { 2 * TILE }>::ZERO);
+    let (mut own, mut others) = (Vectors::<D, L>::ZERO, Vectors::<D, { 2 * LANES }>::ZERO);
     for first in (1..=number / 2).step_by(SHIFTS) {
         let shifts = first..(number / 2 + 1).min(first + SHIFTS);
         let rows = pairs.0.as_chunks_mut::<L>().0;
         for (shift, squares) in shifts.clone().zip(rows) {
             squares_of_shift(&places, shift, squares);
         }
-        let chunks = (shifts.len() * L).div_ceil(TILE);
-        for squares in &mut pairs.0.as_chunks_mut::<TILE>().0[..chunks] {
+        let chunks = (shifts.len() * L).div_ceil(LANES);
+        for squares in &mut pairs.0.as_chunks_mut::<LANES>().0[..chunks] {
             kernel.slope_block(squares);
         }
         let rows = pairs.0.as_chunks::<L>().0;
@@ -148,7 +146,7 @@ fn ring<K: PairKernel<Number>, const D: usize, const L: usize>(
 /// |qₗ − qₗ₊ₖ|².
 #[inline(always)]
 fn squares_of_shift<const D: usize, const L: usize>(
-    places: &Vectors<D, { 2 * TILE }>,
+    places: &Vectors<D, { 2 * LANES }>,
     shift: usize,
     squares: &mut [Number; L],
 ) {
@@ -162,12 +160,12 @@ fn squares_of_shift<const D: usize, const L: usize>(
 /// Adds −½ of the forces of the first so many pairs, on the first body of each and on the second.
 #[inline(always)]
 fn push_of_shift<const D: usize, const L: usize>(
-    places: &Vectors<D, { 2 * TILE }>,
+    places: &Vectors<D, { 2 * LANES }>,
     shift: usize,
     pairs: usize,
     slopes: &[Number; L],
     own: &mut Vectors<D, L>,
-    others: &mut Vectors<D, { 2 * TILE }>,
+    others: &mut Vectors<D, { 2 * LANES }>,
 ) {
     let shifted = places.0.each_ref().map(|x| &x[shift..][..L]);
     let others = others.0.each_mut().map(|x| &mut x[shift..][..L]);
@@ -186,17 +184,17 @@ fn push_of_shift<const D: usize, const L: usize>(
 fn meet<K: PairKernel<Number>, const D: usize>(
     kernel: &K,
     q: &[Number; D],
-    places: &Vectors<D, TILE>,
-    pushes: &mut Vectors<D, TILE>,
-    parts: &mut Vectors<D, TILE>,
+    places: &Vectors<D, LANES>,
+    pushes: &mut Vectors<D, LANES>,
+    parts: &mut Vectors<D, LANES>,
 ) -> [Number; D] {
-    let mut slope = [Fused(0.0); TILE]; // at first |q − qₗ|²
-    for l in 0..TILE {
+    let mut slope = [Fused(0.0); LANES]; // at first |q − qₗ|²
+    for l in 0..LANES {
         let apart: [Number; D] = from_fn(|d| q[d] - places.0[d][l]);
         slope[l] = dot(&apart, &apart);
     }
     kernel.slope_block(&mut slope);
-    for l in 0..TILE {
+    for l in 0..LANES {
         for d in 0..D {
             let apart = q[d] - places.0[d][l];
             parts.0[d][l] = slope[l] * apart;
@@ -217,7 +215,7 @@ fn meet<K: PairKernel<Number>, const D: usize>(
 
 /// Adds the second so many to the first.
 #[inline(always)]
-fn fold<const HALF: usize>(parts: &mut [Number; TILE]) {
+fn fold<const HALF: usize>(parts: &mut [Number; LANES]) {
     for l in 0..HALF {
         parts[l] = parts[l] + parts[HALF + l];
     }
@@ -226,6 +224,7 @@ fn fold<const HALF: usize>(parts: &mut [Number; TILE]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::number::instructions::InstructionSet;
 
     /// U = exp(−s) + √s.
     #[derive(Clone)]

@@ -61,7 +61,11 @@ pub trait Method: Clone + Send + Sync + 'static {
         0.0
     }
 
-    /// The lengths of the RATTLE steps that one step consists of, if it does: such methods go in the lanes of an
+    /// Of how many RATTLE steps one step consists: known by the type, so that an ensemble's lanes are compiled for methods of that
+    /// kind alone.
+    const RATTLE_STEPS: RattleSteps = RattleSteps::None;
+
+    /// The lengths of the RATTLE steps that one step consists of, if it does, as many as [`RATTLE_STEPS`](Self::RATTLE_STEPS) says: such methods go in the lanes of an
     /// [ensemble](crate::run::ensemble), and make sense in [phase space](crate::systems::phase).
     fn rattle_steps(&self) -> Option<Vec<f64>> {
         None
@@ -125,6 +129,17 @@ pub trait Method: Clone + Send + Sync + 'static {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure>;
+}
+
+/// Of how many RATTLE steps a step of a [`Method`] consists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RattleSteps {
+    /// It does not.
+    None,
+    /// One.
+    One,
+    /// Any number.
+    Several,
 }
 
 /// Refuses a step size that is zero or not finite.

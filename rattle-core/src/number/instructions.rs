@@ -66,6 +66,45 @@ impl InstructionSet {
     }
 }
 
+/// A set of instructions in which x·y + z is one, and which this processor has. Work that is done by such sets alone is not compiled
+/// for others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Fusing(InstructionSet);
+
+impl Fusing {
+    /// This one, if it is such a set.
+    pub(crate) fn of(set: InstructionSet) -> Option<Self> {
+        Some(Self(set)).filter(|_| set.fuses() && set.is_present())
+    }
+
+    /// The widest one that this processor has.
+    pub(crate) fn widest() -> Option<Self> {
+        Self::of(InstructionSet::widest())
+    }
+
+    /// Does the work with these instructions.
+    #[inline]
+    pub(crate) fn run<W: Work>(self, work: W) -> W::Done {
+        match self.0 {
+            #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512f")))]
+            #[allow(unsafe_code, reason = "only sets that are present are made")]
+            InstructionSet::Avx512 => unsafe { with_avx512(work) },
+            _ => self.run_narrow(work),
+        }
+    }
+
+    /// Does work that wide registers are no use for.
+    #[inline]
+    #[allow(clippy::unused_self, reason = "that there is such a set is what makes it safe")]
+    pub(crate) fn run_narrow<W: Work>(self, work: W) -> W::Done {
+        #[cfg(all(target_arch = "x86_64", not(target_feature = "fma")))]
+        #[allow(unsafe_code, reason = "who has AVX-512 has it, and the portable set does not fuse here")]
+        return unsafe { with_avx2(work) };
+        #[cfg(not(all(target_arch = "x86_64", not(target_feature = "fma"))))]
+        work.run()
+    }
+}
+
 impl fmt::Display for InstructionSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -6,3 +6,4 @@ pub mod instructions;
 pub mod lanes;
 pub mod real;
 pub(crate) mod vector;
+pub(crate) mod vectors;

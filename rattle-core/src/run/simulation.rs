@@ -91,18 +91,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        self.trajectory(start, &method, 0)
+        self.begin(self.ready(&start, &method)?, &start, method.numbered(0))
     }
 
-    /// The simulation that is the trajectory with this number of an ensemble.
-    #[allow(clippy::type_complexity, reason = "as above")]
-    pub(crate) fn trajectory<S: Method>(
-        &self,
-        start: State<D>,
-        method: &S,
-        number: u64,
-    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        let method = method.numbered(number);
+    /// Says what is wrong with a start, or gives the system that is ready to move from there.
+    pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
         check_step_size(method.step_size())?;
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
@@ -119,11 +112,22 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
         let tangent = method.momentum_delay() == 0.0 && !own;
-        let system =
-            self.constraint.system(&self.effects, self.count, &start, method.step_size(), tangent)?;
+        let system = self.constraint.system(&self.effects, self.count, start, method.step_size(), tangent)?;
         method.check(system.equations())?;
-        let seen = view(&method, &system)?;
+        view(method, &system)?;
         self.check_forces(&start.bodies, start.time)?;
+        Ok(system)
+    }
+
+    /// The simulation from a start of a system that is ready to move from there.
+    #[allow(clippy::type_complexity, reason = "as above")]
+    pub(crate) fn begin<S: Method>(
+        &self,
+        system: C::System<E, N>,
+        start: &State<D>,
+        method: S,
+    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        let seen = view(&method, &system)?;
         let mut bodies = system.bodies(|i| start.bodies[i], start.time);
         method.prepare(seen, &mut bodies);
         if system.flows() > 0 {

@@ -29,10 +29,13 @@
 
 mod alone;
 mod block;
+mod engine;
 pub mod group;
 mod laws;
 pub mod look;
+mod loops;
 pub mod precision;
+mod rattle_lanes;
 mod side_by_side;
 pub mod stream;
 pub mod trajectories;

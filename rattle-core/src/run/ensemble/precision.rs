@@ -3,11 +3,12 @@
 use crate::effect::list::Effects;
 use crate::kernel::functions::Constraint;
 use crate::motion::state::State;
-use crate::number::instructions::InstructionSet;
+use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lane};
+use crate::number::vectors::LANES;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Same};
-use crate::run::ensemble::side_by_side::GROUP;
+use crate::run::ensemble::rattle_lanes::RattleLanes;
 use crate::run::ensemble::side_by_side::SideBySide;
 
 /// Double precision; what rounding takes from a position is lost. The default. (On coordinates near 1, above which doubles are
@@ -30,9 +31,9 @@ pub trait Precision: Copy {
     /// The largest number that there is.
     const MOST: f64;
 
-    /// A group of trajectories that obey the same.
+    /// A group of trajectories that obey the same; `EQUAL` says that RATTLE steps are of one length.
     #[doc(hidden)]
-    fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+    fn same<C: Constraint<D, 1>, E: Effects<D>, const EQUAL: bool, const D: usize>(
         scene: (&C, &E),
         starts: &[State<D>],
         lanes: &InLanes,
@@ -40,7 +41,7 @@ pub trait Precision: Copy {
 
     /// A group of trajectories that obey different parameters.
     #[doc(hidden)]
-    fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize>(
+    fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const EQUAL: bool, const D: usize>(
         scenes: &[(&C, &E)],
         starts: &[State<D>],
         lanes: &InLanes,
@@ -52,11 +53,11 @@ pub trait Precision: Copy {
 #[derive(Debug)]
 pub struct InLanes {
     /// The RATTLE steps of a step.
-    pub lengths: Vec<f64>,
+    pub(crate) lengths: Vec<f64>,
     /// The step.
-    pub h: f64,
+    pub(crate) h: f64,
     /// The instructions.
-    pub set: InstructionSet,
+    pub(crate) set: Fusing,
 }
 
 macro_rules! precision {
@@ -64,28 +65,20 @@ macro_rules! precision {
         impl Precision for $name {
             const MOST: f64 = $float::MAX as f64;
 
-            fn same<C: Constraint<D, 1>, E: Effects<D>, const D: usize>(
+            fn same<C: Constraint<D, 1>, E: Effects<D>, const EQUAL: bool, const D: usize>(
                 scene: (&C, &E),
                 starts: &[State<D>],
                 lanes: &InLanes,
             ) -> Box<dyn Group<D>> {
-                if lanes.set.fuses() {
-                    same::<Fused<$float>, C, E, D, $sums>(scene, starts, lanes)
-                } else {
-                    same::<$float, C, E, D, $sums>(scene, starts, lanes)
-                }
+                same::<Fused<$float>, C, E, D, $sums, EQUAL>(scene, starts, lanes)
             }
 
-            fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize>(
+            fn each<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const EQUAL: bool, const D: usize>(
                 scenes: &[(&C, &E)],
                 starts: &[State<D>],
                 lanes: &InLanes,
             ) -> Box<dyn Group<D>> {
-                if lanes.set.fuses() {
-                    each::<Fused<$float>, C, E, D, $sums>(scenes, starts, lanes)
-                } else {
-                    each::<$float, C, E, D, $sums>(scenes, starts, lanes)
-                }
+                each::<Fused<$float>, C, E, D, $sums, EQUAL>(scenes, starts, lanes)
             }
         }
     )*};
@@ -96,31 +89,38 @@ precision! {
     Single: f32, 0;
 }
 
-fn same<S: Lane, C: Constraint<D, 1>, E: Effects<D>, const D: usize, const SUMS: usize>(
+fn same<S, C, E, const D: usize, const SUMS: usize, const EQUAL: bool>(
     (constraint, effects): (&C, &E),
     starts: &[State<D>],
-    InLanes { lengths, h, .. }: &InLanes,
-) -> Box<dyn Group<D>> {
+    InLanes { lengths, h, set }: &InLanes,
+) -> Box<dyn Group<D>>
+where
+    S: Lane,
+    C: Constraint<D, 1>,
+    E: Effects<D>,
+{
     let laws = Same(constraint.kernel::<S>(), effects.forces::<S>());
     if starts.len() == 1 {
-        Box::new(SideBySide::<S, _, 1, D, SUMS>::new(starts, laws, lengths, *h))
+        let engine = RattleLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, lengths, *set);
+        Box::new(SideBySide::new(engine, starts, *h))
     } else {
-        Box::new(SideBySide::<S, _, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
+        let engine = RattleLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, lengths, *set);
+        Box::new(SideBySide::new(engine, starts, *h))
     }
 }
 
-fn each<
+fn each<S, C, E, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    scenes: &[(&C, &E)],
+    starts: &[State<D>],
+    InLanes { lengths, h, set }: &InLanes,
+) -> Box<dyn Group<D>>
+where
     S: Lane,
     C: Constraint<D, 1> + 'static,
     E: Effects<D> + 'static,
-    const D: usize,
-    const SUMS: usize,
->(
-    scenes: &[(&C, &E)],
-    starts: &[State<D>],
-    InLanes { lengths, h, .. }: &InLanes,
-) -> Box<dyn Group<D>> {
+{
     let of = |lane: usize| scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
-    let laws = Each::<C, E, S, GROUP, D>::new(of);
-    Box::new(SideBySide::<S, _, GROUP, D, SUMS>::new(starts, laws, lengths, *h))
+    let laws = Each::<C, E, S, LANES, D>::new(of);
+    let engine = RattleLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, lengths, *set);
+    Box::new(SideBySide::new(engine, starts, *h))
 }

@@ -1,19 +1,19 @@
 //! Many independent trajectories, and what is done with all of them.
 
-use crate::number::instructions::InstructionSet;
+use crate::number::instructions::{Fusing, InstructionSet};
+use crate::number::vectors::{LANES, MOST_COORDINATES};
+use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, InLanes, Precision};
-use crate::run::ensemble::side_by_side::GROUP;
 
 use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
-use crate::systems::surface::tiles::MOST_COORDINATES;
 
 use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
-use crate::motion::method::Method;
+use crate::motion::method::{Method, RattleSteps};
 use crate::motion::state::State;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::group::Group;
@@ -86,7 +86,10 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let trajectories = starts.into_iter().map(|start| (scene, start));
         Self::assembled(P::MOST, trajectories, method, set, |scenes, starts, lanes| {
-            C::surfaces(&[&scenes[0].constraint], Alike(PhantomData::<P>, &scenes[0].effects, starts, lanes))?
+            C::surfaces(
+                &[&scenes[0].constraint],
+                Alike(PhantomData::<(P, S)>, &scenes[0].effects, starts, lanes),
+            )?
         })
     }
 
@@ -115,7 +118,7 @@ impl<const D: usize> Ensemble<D> {
         Self::assembled(P::MOST, trajectories, method, InstructionSet::widest(), |scenes, starts, lanes| {
             let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
             let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
-            C::surfaces(&constraints, Different(PhantomData::<P>, &effects, starts, lanes))?
+            C::surfaces(&constraints, Different(PhantomData::<(P, S)>, &effects, starts, lanes))?
         })
     }
 
@@ -130,19 +133,22 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let lanes = method.rattle_steps().map(|lengths| InLanes { lengths, h, set });
+        let lanes = Fusing::of(set)
+            .zip(method.rattle_steps())
+            .filter(|(_, lengths)| lengths.iter().all(|length| length.abs() >= SHORT))
+            .map(|(set, lengths)| InLanes { lengths, h, set });
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         let mut trajectories = trajectories.into_iter();
         loop {
-            let (mut scenes, mut starts, mut simulations) = (Vec::new(), Vec::new(), Vec::new());
-            for (scene, start) in trajectories.by_ref().take(GROUP) {
+            let (mut scenes, mut starts, mut systems) = (Vec::new(), Vec::new(), Vec::new());
+            for (scene, start) in trajectories.by_ref().take(LANES) {
                 let trajectory = ensemble.len + scenes.len();
-                let simulation = match beyond(most, &start) {
+                let system = match beyond(most, &start) {
                     Some(error) => Err(error),
-                    None => scene.trajectory(start.clone(), &method, trajectory as u64),
+                    None => scene.ready(&start, &method),
                 };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
-                simulations.push(simulation.map_err(error)?);
+                systems.push(system.map_err(error)?);
                 starts.push(start);
                 scenes.push(scene);
             }
@@ -152,9 +158,16 @@ impl<const D: usize> Ensemble<D> {
             let single = starts.iter().all(|start| start.len() == 1)
                 && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
             let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
-            let alone =
-                || simulations.into_iter().map(|simulation| Box::new(Alone::new(simulation)) as _).collect();
-            for group in group.map_or_else(alone, |group| vec![group]) {
+            let number = ensemble.len;
+            let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
+                let each = scenes.iter().zip(&starts).zip(systems).zip(number as u64..);
+                each.map(|(((scene, start), system), number)| {
+                    let simulation = scene.begin(system, start, method.numbered(number))?;
+                    Ok(Box::new(Alone::new(simulation)) as _)
+                })
+                .collect()
+            };
+            for group in group.map_or_else(alone, |group| Ok(vec![group]))? {
                 ensemble.first.push(ensemble.len);
                 ensemble.len += group.len();
                 ensemble.groups.push(group);
@@ -325,29 +338,50 @@ impl<const D: usize> Ensemble<D> {
     }
 }
 
-/// Puts trajectories of one scene in lanes.
-struct Alike<'a, P, E, const D: usize>(PhantomData<P>, &'a E, &'a [State<D>], &'a InLanes);
+/// Puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
+struct Alike<'a, W, E, const D: usize>(PhantomData<W>, &'a E, &'a [State<D>], &'a InLanes);
 
-impl<P: Precision, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, P, E, D> {
+impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, (P, S), E, D> {
     type Found = Option<Box<dyn Group<D>>>;
 
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
-        (D <= MOST_COORDINATES).then(|| P::same((surfaces[0], effects), starts, lanes))
+        let scene = (surfaces[0], effects);
+        if const { go_in_lanes::<S>(RattleSteps::One, D) } {
+            Some(P::same::<C, E, true, D>(scene, starts, lanes))
+        } else if const { go_in_lanes::<S>(RattleSteps::Several, D) } {
+            Some(P::same::<C, E, false, D>(scene, starts, lanes))
+        } else {
+            None
+        }
     }
 }
 
 /// Puts trajectories in lanes, each in a scene of its own.
-struct Different<'a, P, E, const D: usize>(PhantomData<P>, &'a [&'a E], &'a [State<D>], &'a InLanes);
+struct Different<'a, W, E, const D: usize>(PhantomData<W>, &'a [&'a E], &'a [State<D>], &'a InLanes);
 
-impl<P: Precision, E: Effects<D> + 'static, const D: usize> Surfaces<D> for Different<'_, P, E, D> {
+impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<D>
+    for Different<'_, (P, S), E, D>
+{
     type Found = Option<Box<dyn Group<D>>>;
 
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
         let scenes: Vec<_> = surfaces.iter().copied().zip(effects.iter().copied()).collect();
-        (D <= MOST_COORDINATES).then(|| P::each(&scenes, starts, lanes))
+        if const { go_in_lanes::<S>(RattleSteps::One, D) } {
+            Some(P::each::<C, E, true, D>(&scenes, starts, lanes))
+        } else if const { go_in_lanes::<S>(RattleSteps::Several, D) } {
+            Some(P::each::<C, E, false, D>(&scenes, starts, lanes))
+        } else {
+            None
+        }
     }
+}
+
+/// Whether a method goes in lanes made for so many RATTLE steps. Asked where a constant is wanted: what is not asked for is then
+/// not compiled.
+const fn go_in_lanes<S: Method>(steps: RattleSteps, coordinates: usize) -> bool {
+    coordinates <= MOST_COORDINATES && S::RATTLE_STEPS as u8 == steps as u8
 }
 
 /// What is wrong with a start of which a number is larger than there are numbers.

@@ -5,16 +5,13 @@ use crate::effect::list::Forces;
 use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
+use crate::number::vectors::{Vectors, at, put};
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::normal::Normal;
-use std::array::from_fn;
 use std::ops::Range;
 
 /// A number of a lane.
 pub(super) type Number = Fused<f64>;
-
-/// D coordinates of L bodies.
-pub(super) type Vectors<const L: usize, const D: usize> = [[Number; L]; D];
 
 /// Some bodies, at least one, and what is kept at them.
 pub(super) struct Tile<'a, T, F, const D: usize> {
@@ -44,7 +41,7 @@ impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
 
     /// ∇g and 1/|∇g|² in lanes.
     #[inline(always)]
-    pub(super) fn normals<const L: usize>(&self) -> (Vectors<L, D>, [Number; L]) {
+    pub(super) fn normals<const L: usize>(&self) -> (Vectors<Number, L, D>, [Number; L]) {
         let (mut gradient, mut inverse_square) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
         spread::<_, L>(self.normal, |l, normal| {
             put(&mut gradient, l, normal.gradient.map(fused));
@@ -55,7 +52,7 @@ impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
 
     /// Forces in lanes; zeros where there are none.
     #[inline(always)]
-    pub(super) fn forces<const L: usize>(&self) -> Vectors<L, D> {
+    pub(super) fn forces<const L: usize>(&self) -> Vectors<Number, L, D> {
         let mut lanes = [[Fused(0.0); L]; D];
         if F::ACTS {
             spread::<_, L>(self.force, |l, force| put(&mut lanes, l, force.components().map(fused)));
@@ -74,18 +71,6 @@ pub(super) fn plain<T: Real>(x: Number) -> T {
     T::from_f64(x.0)
 }
 
-#[inline(always)]
-pub(super) fn at<const L: usize, const D: usize>(vectors: &Vectors<L, D>, lane: usize) -> [Number; D] {
-    from_fn(|d| vectors[d][lane])
-}
-
-#[inline(always)]
-pub(super) fn put<const L: usize, const D: usize>(vectors: &mut Vectors<L, D>, lane: usize, x: [Number; D]) {
-    for d in 0..D {
-        vectors[d][lane] = x[d];
-    }
-}
-
 /// Puts each of at most L into its lane; the last lanes repeat the last one. (A loop of a length that is not known when compiling
 /// stays one; unrolled, this would not fit the cache of instructions.)
 #[inline(always)]
@@ -101,7 +86,7 @@ fn spread<X, const L: usize>(each: &[X], mut put: impl FnMut(usize, &X)) {
 
 /// Vectors in lanes.
 #[inline(always)]
-pub(super) fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D]]) -> Vectors<L, D> {
+pub(super) fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D]]) -> Vectors<Number, L, D> {
     let mut lanes = [[Fused(0.0); L]; D];
     spread::<_, L>(vectors, |l, vector| put(&mut lanes, l, vector.map(fused)));
     lanes
@@ -110,7 +95,7 @@ pub(super) fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D
 /// Writes the first lanes to bodies' vectors.
 #[inline(always)]
 pub(super) fn scatter<T: Real, const L: usize, const D: usize>(
-    lanes: &Vectors<L, D>,
+    lanes: &Vectors<Number, L, D>,
     vectors: &mut [[T; D]],
 ) {
     for (l, vector) in vectors.iter_mut().enumerate().take(L) {

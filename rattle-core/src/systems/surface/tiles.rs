@@ -21,44 +21,35 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::motion::witness::Witness;
-use crate::number::instructions::{InstructionSet, Work};
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::step::{drift, is_finite};
-use crate::systems::surface::tile::{Number, Tile, Vectors, at, fused, gathered, plain, put, scatter};
+use crate::systems::surface::tile::{Number, Tile, fused, gathered, plain, scatter};
 use std::any::TypeId;
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Coordinates of a body beyond which blocks of bodies in lanes would no longer fit the nearest cache, or the stack.
-pub(crate) const MOST_COORDINATES: usize = 16;
-
 /// From so many bodies on it pays.
 const MANY: usize = 8;
 
-/// Most bodies of a tile.
-const TILE: usize = 64;
-
 /// Newton steps of a body by itself before it is left to be moved alone.
-const CORRECTIONS: usize = 3;
+pub(crate) const CORRECTIONS: usize = 3;
 
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
-const AT_REST: f64 = 256.0;
+pub(crate) const AT_REST: f64 = 256.0;
 
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
-pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<InstructionSet> {
+pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
     let can = N::MANY && D <= MOST_COORDINATES && TypeId::of::<L>() != TypeId::of::<OneByOne>();
-    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() {
-        Some(InstructionSet::widest()).filter(|set| set.fuses())
-    } else {
-        None
-    }
+    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() { Fusing::widest() } else { None }
 }
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
@@ -67,7 +58,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
     pub(super) fn drift_in_tiles<T: Real, W: Witness<T>, const D: usize>(
         &self,
-        set: InstructionSet,
+        set: Fusing,
         kick: f64,
         h: f64,
         guess: &[T],
@@ -80,7 +71,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
     {
         for tile in tiles(self.count.number()) {
-            let mut multipliers = [T::from_f64(0.0); TILE];
+            let mut multipliers = [T::from_f64(0.0); LANES];
             let mut left = set.run(Drift {
                 constraint: &self.in_lanes,
                 kick,
@@ -108,7 +99,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     #[inline(always)]
     pub(super) fn settle_in_tiles<T: Real, W: Witness<T>, const D: usize>(
         &self,
-        set: InstructionSet,
+        set: Fusing,
         kick: f64,
         h: f64,
         bodies: &mut BodiesOf<N, T, F, D>,
@@ -118,7 +109,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
     {
         for tile in tiles(self.count.number()) {
-            let mut multipliers = [T::from_f64(0.0); TILE];
+            let mut multipliers = [T::from_f64(0.0); LANES];
             let of_tile = Tile::of(bodies, tile.clone());
             if !set.run(Settle { kick, h, bodies: of_tile, multipliers: &mut multipliers }) {
                 let (p, kept) = (&bodies.p.as_ref()[tile.clone()], &bodies.kept);
@@ -165,7 +156,7 @@ fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
 }
 
 fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
-    (0..number).step_by(TILE).map(move |first| first..number.min(first + TILE))
+    (0..number).step_by(LANES).map(move |first| first..number.min(first + LANES))
 }
 
 #[inline(always)]
@@ -176,9 +167,9 @@ fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Numbe
 /// Where a body would land.
 #[inline(always)]
 fn point<const L: usize, const D: usize>(
-    q: &Vectors<L, D>,
-    free: &Vectors<L, D>,
-    normal: &Vectors<L, D>,
+    q: &Vectors<Number, L, D>,
+    free: &Vectors<Number, L, D>,
+    normal: &Vectors<Number, L, D>,
     multiplier: &[Number; L],
     l: usize,
 ) -> [Number; D] {
@@ -200,7 +191,7 @@ fn corrected(
     (multiplier + correction, Real::select(rests, Fused(1.0), Fused(0.0)))
 }
 
-/// The first half of a step of at most [`TILE`] bodies.
+/// The first half of a step of at most [`LANES`] bodies.
 struct Drift<'a, T, K, F, const D: usize> {
     constraint: &'a K,
     kick: f64,
@@ -209,7 +200,7 @@ struct Drift<'a, T, K, F, const D: usize> {
     guess: &'a [T],
     bodies: Tile<'a, T, F, D>,
     /// λ as an impulse over h/2.
-    multipliers: &'a mut [T; TILE],
+    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
@@ -224,7 +215,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             0..=16 => self.in_lanes::<16>(),
             17..=24 => self.in_lanes::<24>(),
             25..=32 => self.in_lanes::<32>(),
-            _ => self.in_lanes::<TILE>(),
+            _ => self.in_lanes::<LANES>(),
         }
     }
 }
@@ -362,13 +353,13 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
     }
 }
 
-/// The second half of a step of at most [`TILE`] bodies.
+/// The second half of a step of at most [`LANES`] bodies.
 struct Settle<'a, T, F, const D: usize> {
     kick: f64,
     h: f64,
     bodies: Tile<'a, T, F, D>,
     /// μ as an impulse over h/2.
-    multipliers: &'a mut [T; TILE],
+    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
@@ -381,7 +372,7 @@ impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
             0..=16 => self.in_lanes::<16>(),
             17..=24 => self.in_lanes::<24>(),
             25..=32 => self.in_lanes::<32>(),
-            _ => self.in_lanes::<TILE>(),
+            _ => self.in_lanes::<LANES>(),
         }
     }
 }

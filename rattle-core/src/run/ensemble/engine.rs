@@ -1,0 +1,78 @@
+//! What moves trajectories on, side by side. Which of them fail, what stands in for them and what is shown is not its concern.
+
+use crate::motion::bodies::Body;
+use crate::motion::failure::Failure;
+use crate::number::clock::later;
+use crate::run::watch::seen::Page;
+use crate::run::watch::sight::Sight;
+use nalgebra::SVector;
+
+/// A lane that cannot be moved, and why.
+pub(crate) struct Stuck {
+    pub(crate) lane: usize,
+    pub(crate) failure: Failure,
+}
+
+/// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and what rounding
+/// took from each.
+pub(crate) struct Written<'a, const D: usize> {
+    pub(crate) page: Page<'a, D>,
+    pub(crate) starts: &'a [(f64, f64)],
+    pub(crate) passed: (f64, f64),
+}
+
+impl<const D: usize> Written<'_, D> {
+    /// Writes times, and positions and momenta of L lanes in turn.
+    #[inline(always)]
+    pub(crate) fn fill<const L: usize>(self, q: impl Fn(usize) -> [f64; D], p: impl Fn(usize) -> [f64; D]) {
+        let Self { page: Page { times, positions, momenta }, starts, passed } = self;
+        for (lane, place) in positions.iter_mut().enumerate().take(L) {
+            *place = q(lane).into();
+        }
+        for (lane, way) in momenta.iter_mut().enumerate().take(L) {
+            *way = p(lane).into();
+        }
+        times.iter_mut().zip(starts).for_each(|(time, &start)| *time = later(start, passed).0);
+    }
+}
+
+/// Where lanes are to go, leg by leg.
+pub(crate) trait Tour<const D: usize> {
+    /// Shows what was written after the leg before; then says how many steps the next leg has, and where all lanes are to be
+    /// written after it, if they are.
+    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)>;
+}
+
+/// Trajectories of one body each in lanes, which know nothing of each other.
+pub(crate) trait Engine<const D: usize>: Send + Sync {
+    /// How many lanes there are.
+    const WIDTH: usize;
+    /// What moves.
+    type Lanes;
+    /// What the lanes obey.
+    type Laws: Clone;
+
+    /// Where the lanes are after a tour, on which the engine itself stays where it is.
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
+    /// Goes on from there.
+    fn keep(&mut self, lanes: Self::Lanes);
+
+    /// Puts a body, which is along the constraint, into a lane.
+    fn set(&mut self, lane: usize, body: &Body<f64, D>);
+    /// Has lane `to` be, and obey, what lane `from` does.
+    fn copy(&mut self, from: usize, to: usize);
+    /// What the lanes obey.
+    fn laws(&mut self) -> &mut Self::Laws;
+
+    /// The body of a lane.
+    fn body(&self, lane: usize) -> Body<f64, D>;
+    /// Where the body of a lane is after a step in so many equal parts, by itself; with sums that are compensated.
+    ///
+    /// # Errors
+    /// Says why it cannot be moved.
+    fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure>;
+    /// Potential energy of a body at a place that obeys what a lane does.
+    fn potential(&self, lane: usize, place: &[f64; D]) -> f64;
+    /// Multipliers and constraint forces of a body that obeys what a lane does, where and as this sight shows it.
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
+}

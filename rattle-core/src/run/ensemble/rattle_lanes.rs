@@ -1,0 +1,169 @@
+//! RATTLE in lanes.
+
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
+use crate::methods::rattle::Rattle;
+use crate::motion::bodies::{Body, One};
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::motion::system::System;
+use crate::number::instructions::{Fusing, Work};
+use crate::number::lanes::Lane;
+use crate::number::vectors::at;
+use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::engine::{Engine, Stuck, Tour};
+use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::loops::step;
+use crate::run::watch::sight::Sight;
+use crate::systems::surface::kept::{OnSurface, OneByOne};
+use nalgebra::SVector;
+use std::borrow::Borrow;
+
+/// A block, what its lanes obey, and the parts of a step.
+pub(crate) struct RattleLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: Block<S, L, D, SUMS, EQUAL>,
+    laws: X,
+    parts: Vec<Part>,
+    set: Fusing,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
+    RattleLanes<S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    /// Lanes, none of them set, that obey these laws in RATTLE steps of these lengths.
+    pub(crate) fn new(laws: X, lengths: &[f64], set: Fusing) -> Self {
+        Self { block: Block::new(), laws, parts: Part::of::<EQUAL>(lengths), set }
+    }
+}
+
+/// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the same
+/// whose addresses differ by a multiple of the alignment, and wait for one when they need the other.
+#[repr(C, align(4096))]
+struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: Block<S, L, D, SUMS, EQUAL>,
+    scratch: Scratch<S, L, D>,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
+    for RattleLanes<S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    const WIDTH: usize = L;
+    type Lanes = Block<S, L, D, SUMS, EQUAL>;
+    type Laws = X;
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+        let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
+        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
+    }
+
+    fn keep(&mut self, lanes: Self::Lanes) {
+        self.block = lanes;
+    }
+
+    fn set(&mut self, lane: usize, &Body { q, q_low, p, p_low }: &Body<f64, D>) {
+        let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
+        self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.block.copy(from, to);
+        self.laws.copy(from, to);
+    }
+
+    fn laws(&mut self) -> &mut X {
+        &mut self.laws
+    }
+
+    fn body(&self, lane: usize) -> Body<f64, D> {
+        let ([q, q_low], [p, p_low]) =
+            (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
+        let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));
+        Body { q, q_low, p, p_low }
+    }
+
+    fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure> {
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let steps = self.parts.iter().map(|part| part.length() / f64::from(number)).collect::<Vec<_>>();
+        in_parts::<S, _, D>(&system, &steps.repeat(number as usize), &self.body(lane))
+    }
+
+    fn potential(&self, lane: usize, place: &[f64; D]) -> f64 {
+        let at = Moment { time: 0.0, positions: &[place.map(S::from_f64)] };
+        self.laws.effects(lane).borrow().energy(at).to_f64()
+    }
+
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
+        let (q, p, low) = (own(sight.position()), own(sight.momentum()), own(SVector::zeros()));
+        let bodies = system.bodies(|_| Body { q, q_low: low, p, p_low: low }, sight.time);
+        let (mut multiplier, mut force) = ([S::from_f64(0.0)], [low]);
+        system.multipliers(&bodies, &mut multiplier);
+        system.constraint_forces(&bodies, &mut force);
+        (multiplier.map(Lane::to_f64).to_vec(), vec![force[0].map(Lane::to_f64).into()])
+    }
+}
+
+/// Where a body is after RATTLE steps of these lengths.
+#[cold]
+#[inline(never)]
+fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
+    system: &Y,
+    steps: &[f64],
+    &Body { q, q_low, p, p_low }: &Body<f64, D>,
+) -> Result<Body<f64, D>, Failure> {
+    let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
+    let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
+    for &h in steps {
+        Rattle::new(h).step(system, &mut bodies, &mut [], &mut ())?;
+    }
+    let Body { q, q_low, p, p_low } = bodies.body(0);
+    let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));
+    Ok(Body { q, q_low, p, p_low })
+}
+
+/// A block on a tour.
+struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+    block: &'a Block<S, L, D, SUMS, EQUAL>,
+    laws: &'a X,
+    parts: &'a [Part],
+    tour: &'a mut dyn Tour<D>,
+}
+
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Work
+    for Going<'_, S, X, L, D, SUMS, EQUAL>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    type Done = Result<Block<S, L, D, SUMS, EQUAL>, Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let Self { block, laws, parts, tour } = self;
+        let laws = laws.clone(); // out of reach of what the loops write
+        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
+        while let Some((steps, written)) = tour.next() {
+            for _ in 0..steps {
+                for _ in 0..if EQUAL { 1 } else { parts.len() } {
+                    step(&mut desk.block, &laws, parts, &mut desk.scratch)?;
+                }
+            }
+            desk.block.check(&laws)?;
+            if let Some(written) = written {
+                let (q, p) = desk.block.all(&laws, parts);
+                written
+                    .fill::<L>(|lane| at(&q, lane).map(Lane::to_f64), |lane| at(&p, lane).map(Lane::to_f64));
+            }
+        }
+        Ok(desk.block)
+    }
+}
