@@ -149,7 +149,7 @@ macro_rules! lists_are_all_pairs {
 
 #[test]
 fn near_pairs_are_all_that_act() {
-    let gas = || Scene::on(Sphere { r: 1.0 }).particles(BODIES);
+    let gas = || Scene::on(Sphere { r: 1.0 }).bodies(BODIES);
     lists_are_all_pairs!(gas(), Rattle::new(0.01));
     lists_are_all_pairs!(gas(), Lobatto::<3>::new(0.02));
     let free = || Scene::points::<2>(BODIES);
@@ -160,7 +160,7 @@ fn near_pairs_are_all_that_act() {
 
 #[test]
 fn rigid_bodies_have_room_too() {
-    let body = || Scene::rigid(Rigid::new([1.0, 1.2, 1.4])).particles(3);
+    let body = || Scene::rigid(Rigid::new([1.0, 1.2, 1.4])).bodies(3);
     let attitudes = [0.1_f64, 0.3, 0.5].map(|angle| {
         let (sin, cos) = angle.sin_cos();
         [cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0]
@@ -181,7 +181,7 @@ fn rigid_bodies_have_room_too() {
 fn failed_steps_and_retries() {
     let fast = |skin| {
         let (effect, counts) = near(skin);
-        let scene = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(effect);
+        let scene = Scene::on(Sphere { r: 1.0 }).bodies(BODIES).with(effect);
         let start = scene.project(&start()).unwrap();
         let simulation = scene.simulate(start, Rattle::new(0.8)).unwrap();
         (simulation, counts)
@@ -212,7 +212,7 @@ fn failed_steps_and_retries() {
 #[test]
 fn ensembles() {
     let (effect, counts) = near(0.3);
-    let gas = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(effect.clone());
+    let gas = Scene::on(Sphere { r: 1.0 }).bodies(BODIES).with(effect.clone());
     let alone = Scene::on(Sphere { r: 1.0 }).with(effect);
     let gases: Vec<_> = (0..3)
         .map(|i| {
@@ -243,7 +243,7 @@ fn ensembles() {
 #[test]
 fn steps_do_not_allocate() {
     let (effect, counts) = near(0.3);
-    let gas = Scene::on(Sphere { r: 1.0 }).particles(BODIES).with(effect.clone());
+    let gas = Scene::on(Sphere { r: 1.0 }).bodies(BODIES).with(effect.clone());
     let mut on_sphere = gas.simulate(gas.project(&start()).unwrap(), Lobatto::<3>::new(0.02)).unwrap();
     let mut free = Scene::points::<2>(BODIES).with(effect).simulate(start(), Rattle::new(0.01)).unwrap();
     let lists = counts.lists.load(Relaxed);

@@ -262,7 +262,7 @@ fn rods() -> Scene<rattle::network::Network<2>, (), rattle::bodies::Many, 2> {
 fn drag_with_weight() {
     let (start, sphere) = (State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.5]), Sphere { r: 1.0 });
     for grows in [false, true] {
-        let scene = Scene::on(sphere.clone()).with(Weight { g: 1.0 }).with(Drag { gamma: 0.3, grows });
+        let scene = Scene::on(sphere).with(Weight { g: 1.0 }).with(Drag { gamma: 0.3, grows });
         let end = |h: f64| {
             let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
             simulation.run((4.0 / h).round() as u64).unwrap();
