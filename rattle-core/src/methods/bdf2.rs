@@ -114,6 +114,7 @@ impl Method for Bdf2 {
 }
 
 impl Bdf2 {
+    #[allow(clippy::too_many_arguments, reason = "what a step knows of the two before it")]
     fn advance<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
