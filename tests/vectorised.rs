@@ -66,7 +66,11 @@ fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     run_in(Double, scene, q);
 }
 
-fn run_in<P: Precision, C: Hold<3>, E: Effects<3>>(precision: P, scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
+fn run_in<P: Precision, C: Hold<3> + 'static, E: Effects<3>>(
+    precision: P,
+    scene: &Scene<C, E, One, 3>,
+    q: [f64; 3],
+) {
     let directions = (0..64).map(f64::from);
     let starts =
         directions.map(|i| scene.project(&State::at(q).moving([0.1 * i.cos(), 0.1 * i.sin(), 0.1])).unwrap());
