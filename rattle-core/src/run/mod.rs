@@ -1,5 +1,6 @@
 //! Who goes on: a simulation, or an ensemble of them; and who watches.
 
+mod begin;
 pub mod boxed;
 pub mod ensemble;
 mod readings;

@@ -1,19 +1,10 @@
 //! A scene under way.
 
-use crate::effect::force::Force;
-use crate::effect::list::{Effects, Forces};
-use crate::effect::moment::Moment;
 use crate::error::Error;
-use crate::error::NetworkMistake;
-use crate::error::StartFailure;
-use crate::methods::able::view;
-use crate::motion::bodies::Body;
 use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::failure::Failure;
-use crate::motion::hold::Hold;
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
-use crate::motion::method::check_step_size;
 use crate::motion::state::{Remembered, State};
 use crate::motion::stir::{self, step};
 use crate::motion::system::System;
@@ -21,7 +12,6 @@ use crate::motion::witness::Witness;
 use crate::number::clock::later;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
-use crate::scene::Scene;
 use std::fmt;
 
 /// Parts of a step are counted by 32 bits.
@@ -77,79 +67,6 @@ struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     /// That of a method that has not made a step.
     blank: S::Memory<f64>,
     memory: S::Memory<f64>,
-}
-
-impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A simulation of this scene from `start` by the method `method`.
-    ///
-    /// # Errors
-    /// [`Error::Start`] if a start is off the constraints, a momentum not tangent (beyond a relative
-    /// 1e-10, see [`crate::START_TOLERANCE`]), or a constraint singular there; see [`Self::project`].
-    #[allow(clippy::type_complexity, reason = "the one place where the types meet")]
-    pub fn simulate<S: Method>(
-        &self,
-        start: State<D>,
-        method: S,
-    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        self.begin(self.ready(&start, &method)?, &start, method.numbered(0))
-    }
-
-    /// Says what is wrong with a start, or gives the system that is ready to move from there.
-    pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
-        check_step_size(method.step_size())?;
-        if !start.time.is_finite() {
-            return Err(Error::Time(start.time));
-        }
-        if let Some(momenta) = start.surplus_momenta {
-            return Err(Error::MomentumCount { bodies: start.len(), momenta });
-        }
-        if start.len() != self.count.number() {
-            return Err(Error::BodyCount { scene: self.count.number(), state: start.len() });
-        }
-        if let Some((what, member, body)) = self.effects.stray(start.len()) {
-            let bodies = start.len();
-            return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
-        }
-        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
-        let tangent = method.momentum_delay() == 0.0 && !own;
-        let system = self.constraint.system(&self.effects, self.count, start, method.step_size(), tangent)?;
-        method.check(system.equations())?;
-        view(method, &system)?;
-        self.check_forces(&start.bodies, start.time)?;
-        Ok(system)
-    }
-
-    /// The simulation from a start of a system that is ready to move from there.
-    #[allow(clippy::type_complexity, reason = "as above")]
-    pub(crate) fn begin<S: Method>(
-        &self,
-        system: C::System<E, N>,
-        start: &State<D>,
-        method: S,
-    ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        let seen = view(&method, &system)?;
-        let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        method.prepare(seen, &mut bodies);
-        if system.flows() > 0 {
-            bodies.make_room(stir::ROOM);
-        }
-        Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
-    }
-
-    fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
-        for (body, force) in self.forces(bodies, time).iter().enumerate() {
-            let force = force.components();
-            if !force.iter().all(|f| f.is_finite()) {
-                let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
-                let at = Moment { time, positions: &positions };
-                let effect =
-                    self.effects.forces::<f64>().culprit(at, body).map_or("sum of effects", |(name, _)| name);
-                let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
-                return Err(Error::Start { body, cause });
-            }
-        }
-        Ok(())
-    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {

@@ -186,9 +186,10 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let guess = if EQUAL { guess + guess } else { guess };
         put(&mut self.q, lane, q[0]);
         put(&mut self.way, lane, scaled(unit, &ahead));
-        let way_low = scaled(unit, &ahead_low);
-        for (low, x) in self.q_low.iter_mut().zip([q[1]]).chain(self.way_low.iter_mut().zip([way_low])) {
-            put(low, lane, x);
+        for (low, x) in [(&mut self.q_low, q[1]), (&mut self.way_low, scaled(unit, &ahead_low))] {
+            if let Some(low) = low.first_mut() {
+                put(low, lane, x);
+            }
         }
         put(&mut self.normal, lane, gradient);
         self.square[lane] = dot(&gradient, &gradient);
@@ -202,12 +203,15 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
 
     /// Copies a lane.
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
-        let vectors = [&mut self.q, &mut self.way, &mut self.normal].into_iter();
-        let vectors = vectors.chain(&mut self.q_low).chain(&mut self.way_low).flatten();
-        for numbers in vectors
-            .chain([&mut self.square, &mut self.bias, &mut self.rest, &mut self.guess])
-            .chain(&mut self.past)
-        {
+        let Self { q, way, normal, square, bias, rest, guess, past: [last, earlier], q_low, way_low, .. } =
+            self;
+        for vectors in [q, way, normal] {
+            put(vectors, to, at(vectors, from));
+        }
+        for vectors in [q_low, way_low].into_iter().flatten() {
+            put(vectors, to, at(vectors, from));
+        }
+        for numbers in [square, bias, rest, guess, last, earlier] {
             numbers[to] = numbers[from];
         }
     }

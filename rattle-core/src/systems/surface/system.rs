@@ -30,7 +30,7 @@ use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
 use crate::systems::surface::step::try_to_land;
-use crate::systems::surface::tiles::entry;
+use crate::systems::surface::tiles::{entry, may_go_in_tiles};
 
 impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
@@ -94,7 +94,8 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        if X::KIND == Kind::Newton
+        if const { may_go_in_tiles::<N, D>() }
+            && X::KIND == Kind::Newton
             && let Some(set) = entry::<T, L, N, D>(self.count)
         {
             self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
@@ -136,7 +137,9 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
-        if let Some(set) = entry::<T, L, N, D>(self.count) {
+        if const { may_go_in_tiles::<N, D>() }
+            && let Some(set) = entry::<T, L, N, D>(self.count)
+        {
             return self.settle_in_tiles(set, kick, h, bodies, witness);
         }
         for body in 0..bodies.q.as_ref().len() {

@@ -45,11 +45,23 @@ pub(crate) const CORRECTIONS: usize = 3;
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
 pub(crate) const AT_REST: f64 = 256.0;
 
+/// Whether a scene may have so many bodies. Asked where a constant is wanted, before [`entry`]: loops over tiles are then not compiled for
+/// scenes of one body.
+pub(super) const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
+    N::MANY && D <= MOST_COORDINATES
+}
+
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
 pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
-    let can = N::MANY && D <= MOST_COORDINATES && TypeId::of::<L>() != TypeId::of::<OneByOne>();
-    if can && number.number() >= MANY && T::doubles::<D>(&[]).is_some() { Fusing::widest() } else { None }
+    if TypeId::of::<L>() != TypeId::of::<OneByOne>()
+        && number.number() >= MANY
+        && T::doubles::<D>(&[]).is_some()
+    {
+        Fusing::widest()
+    } else {
+        None
+    }
 }
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
@@ -135,7 +147,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
     {
-        let in_tiles = entry::<T, L, N, D>(self.count).is_some();
+        let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
         if in_tiles {
             for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
                 *normal = fused_normal(&self.in_lanes, q);
