@@ -1,0 +1,340 @@
+//! The RATTLE step of a [block](crate::run::ensemble::block), in four loops over its lanes.
+
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::failure::Failure;
+use crate::number::lanes::Lane;
+use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
+use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::scratch::{
+    CORRECTIONS, Of, Part, Scratch, Stuck, Vectors, at, at_rest, is_finite, kept_back, plus, put,
+};
+use crate::systems::surface::normal::Normal;
+use crate::systems::surface::position::Departure;
+use crate::systems::surface::step::land;
+use std::borrow::Borrow;
+
+/// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
+#[allow(clippy::too_many_arguments, reason = "see above")]
+#[inline(always)]
+pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
+    part: &Part,
+    q: &mut Vectors<S, L, D>,
+    way: &mut Vectors<S, L, D>,
+    (q_low, way_low): Of<'_, S, L, D, SUMS>,
+    (normal, next): (&Vectors<S, L, D>, &mut Vectors<S, L, D>),
+    square: &mut [S; L],
+    bias: &mut [S; L],
+    rest: &mut [S; L],
+    first: &mut [S; L],
+    past: &mut [[S; L]; 2],
+    scratch: &mut Scratch<S, L, D>,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+{
+    let Scratch { free, multiplier, over_slope, g } = scratch;
+    let share = S::from_f64(part.h / part.unit);
+    guess::<S, L, D, SUMS, EQUAL>(
+        laws, share, q, way, q_low, way_low, normal, first, free, multiplier, over_slope, g,
+    );
+    let unrest;
+    if L == 1 {
+        // Nothing waits for this lane: it looks at once whether Newton's step was enough.
+        let newton = Newton { first: g[0], over_slope: over_slope[0], multiplier: multiplier[0] };
+        let n = at(normal, 0);
+        let point = add_scaled(&at(free, 0), newton.multiplier, &n);
+        let ([residual], [gradient]) = laws.constraint(0).borrow().value_and_jacobian(&point);
+        if residual.abs().le(rest[0]) {
+            put(next, 0, gradient);
+            (multiplier[0], g[0]) =
+                last_correction(square[0], residual, newton.multiplier, newton.over_slope);
+            unrest = !g[0].abs().le(rest[0]);
+        } else {
+            (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
+            unrest = examine(laws, normal, free, square, rest, over_slope, multiplier, g, next);
+        }
+    } else {
+        improve(laws, normal, free, rest, g, multiplier, over_slope);
+        unrest = examine(laws, normal, free, square, rest, over_slope, multiplier, g, next);
+    }
+    if unrest {
+        for lane in 0..L {
+            if g[lane].abs().le(rest[lane]) {
+                continue;
+            }
+            let n = at(normal, lane);
+            let path = (&at(free, lane), &n, square[lane], rest[lane]);
+            let astray = !is_finite(g[lane]);
+            let landing =
+                if astray { None } else { again(laws.constraint(lane).borrow(), path, multiplier[lane]) };
+            let (found, gradient) = match landing {
+                Some(landing) => landing,
+                None => {
+                    let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
+                    let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
+                    alone(laws, lane, part.h, (at(q, lane), p, back, n, square[lane]))
+                        .map_err(|failure| Stuck { lane, failure })?
+                }
+            };
+            multiplier[lane] = found;
+            // For the next guess only, which a slope across the surface must not spoil.
+            let (slope, least) = (dot(&gradient, &n), S::from_f64(0.25) * square[lane]);
+            over_slope[lane] = S::from_f64(1.0) / S::select(least.lt(slope), slope, least);
+            let turn = over_slope[lane] * square[lane];
+            bias[lane] = square[lane] / (dot(&gradient, &gradient) * (turn * turn));
+            put(next, lane, gradient);
+        }
+    }
+    finish::<S, L, D, SUMS, EQUAL>(
+        laws, part, normal, next, free, multiplier, over_slope, q, way, q_low, way_low, square, bias, rest,
+        first, past,
+    );
+    Ok(())
+}
+
+/// Evaluates g at Λ₀ in all lanes and takes Newton's step from there.
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn guess<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
+    share: S,
+    q: &Vectors<S, L, D>,
+    way: &Vectors<S, L, D>,
+    q_low: &[Vectors<S, L, D>; SUMS],
+    way_low: &[Vectors<S, L, D>; SUMS],
+    normal: &Vectors<S, L, D>,
+    guess: &[S; L],
+    free: &mut Vectors<S, L, D>,
+    multiplier: &mut [S; L],
+    over_slope: &mut [S; L],
+    g: &mut [S; L],
+) where
+    S: Lane,
+{
+    for i in 0..L {
+        let mut start = at(q, i);
+        if SUMS == 1 {
+            start = sum(&start, &kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i));
+        }
+        let (start, n) = (plus::<S, D, EQUAL>(&start, share, &at(way, i)), at(normal, i));
+        let ([residual], [gradient]) =
+            laws.constraint(i).borrow().value_and_jacobian(&add_scaled(&start, guess[i], &n));
+        let over = S::from_f64(1.0) / dot(&gradient, &n);
+        put(free, i, start);
+        multiplier[i] = (-residual).multiply_add(over, guess[i]);
+        (over_slope[i], g[i]) = (over, residual);
+    }
+}
+
+/// Evaluates g after Newton's step in all lanes, and finds Λ₂.
+#[inline(always)]
+fn improve<S, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    normal: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    rest: &[S; L],
+    g: &[S; L],
+    multiplier: &mut [S; L],
+    over_slope: &mut [S; L],
+) where
+    S: Lane,
+{
+    for i in 0..L {
+        let newton = Newton { first: g[i], over_slope: over_slope[i], multiplier: multiplier[i] };
+        let point = add_scaled(&at(free, i), newton.multiplier, &at(normal, i));
+        let [residual] = laws.constraint(i).borrow().value(&point);
+        (multiplier[i], over_slope[i]) = newton.improved(residual, rest[i]);
+    }
+}
+
+/// Newton's step from the guess.
+struct Newton<S> {
+    /// g at the guess, g₀.
+    first: S,
+    /// 1/s.
+    over_slope: S,
+    /// Λ₁.
+    multiplier: S,
+}
+
+impl<S: Lane> Newton<S> {
+    /// Λ₂ and 1/s there, from g₁; Λ₁ and 1/s where it is at rest.
+    #[inline(always)]
+    fn improved(&self, residual: S, rest: S) -> (S, S) {
+        let [one, two, five, most] = [1.0, 2.0, 5.0, 0.0625].map(S::from_f64);
+        let ratio = residual * (one / self.first);
+        let ratio = S::select(ratio.lt(most), ratio, most);
+        let ratio = S::select((-most).lt(ratio), ratio, -most); // also where g₀ is 0, and the ratio not a number
+        let series = five.multiply_add(ratio, two).multiply_add(ratio, one);
+        let over_slope = self.over_slope * series;
+        let improved = (-residual).multiply_add(over_slope, self.multiplier);
+        let rests = residual.abs().le(rest);
+        (S::select(rests, self.multiplier, improved), S::select(rests, self.over_slope, over_slope))
+    }
+}
+
+/// Evaluates g and ∇g at Λ₂ and makes the last correction. Returns whether a lane is not at rest.
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn examine<S, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    normal: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    square: &[S; L],
+    rest: &[S; L],
+    over_slope: &[S; L],
+    multiplier: &mut [S; L],
+    g: &mut [S; L],
+    next: &mut Vectors<S, L, D>,
+) -> bool
+where
+    S: Lane,
+{
+    let mut unrest = false;
+    for i in 0..L {
+        let n = at(normal, i);
+        let point = add_scaled(&at(free, i), multiplier[i], &n);
+        let ([residual], [gradient]) = laws.constraint(i).borrow().value_and_jacobian(&point);
+        put(next, i, gradient);
+        (multiplier[i], g[i]) = last_correction(square[i], residual, multiplier[i], over_slope[i]);
+        unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
+    }
+    unrest
+}
+
+/// Λ after the last correction, and g before it, or not a number where the surface may have been left.
+#[inline(always)]
+fn last_correction<S: Lane>(square: S, residual: S, multiplier: S, over_slope: S) -> (S, S) {
+    let [middle, off, nan] = [4.0 / 3.0, 2.0 / 3.0, f64::NAN].map(S::from_f64);
+    let near = over_slope.multiply_add(square, -middle).abs().le(off);
+    ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan))
+}
+
+/// Λ and ∇g of a lane that is corrected again, unless it goes astray.
+#[inline(always)]
+fn again<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
+    constraint: &K,
+    (free, n, square, rest): (&[S; D], &[S; D], S, S),
+    mut multiplier: S,
+) -> Option<(S, [S; D])> {
+    for _ in 0..CORRECTIONS {
+        let ([residual], [gradient]) = constraint.value_and_jacobian(&add_scaled(free, multiplier, n));
+        let slope = dot(&gradient, n);
+        let off = (slope - square).abs();
+        if !(off + off).le(square) {
+            return None;
+        }
+        multiplier = multiplier - residual / slope;
+        if residual.abs().le(rest) {
+            return Some((multiplier, gradient));
+        }
+    }
+    None
+}
+
+/// Makes the new positions and ways, and the next guess.
+#[allow(clippy::too_many_arguments, reason = "see `advance`")]
+#[inline(always)]
+fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    laws: &impl Laws<S, D>,
+    part: &Part,
+    normal: &Vectors<S, L, D>,
+    next: &Vectors<S, L, D>,
+    free: &Vectors<S, L, D>,
+    multiplier: &[S; L],
+    over_slope: &[S; L],
+    q: &mut Vectors<S, L, D>,
+    way: &mut Vectors<S, L, D>,
+    q_low: &mut [Vectors<S, L, D>; SUMS],
+    way_low: &mut [Vectors<S, L, D>; SUMS],
+    square: &mut [S; L],
+    bias: &mut [S; L],
+    rest: &mut [S; L],
+    guess: &mut [S; L],
+    [last, earlier]: &mut [[S; L]; 2],
+) where
+    S: Lane,
+{
+    let [share, over_share, kick] =
+        [part.h / part.unit, part.unit / part.h, part.unit * part.kick].map(S::from_f64);
+    let [a, b, c] = part.weights.map(S::from_f64);
+    for i in 0..L {
+        let (n, m, old, found) = (at(normal, i), at(next, i), at(way, i), multiplier[i]);
+        let place = if SUMS == 0 {
+            add_scaled(&at(free, i), found, &n)
+        } else {
+            let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, i);
+            let change = add_scaled(&plus::<S, D, EQUAL>(&back, share, &old), found, &n);
+            let (place, low) = two_sum(&at(q, i), &change);
+            put(&mut q_low[0], i, low);
+            place
+        };
+        let push = if EQUAL { found } else { over_share * found };
+        let length = dot(&m, &m);
+        // Equal steps: Λ of the next one projects.
+        let project = |change: [S; D], along: S| {
+            if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
+        };
+        let new = if SUMS == 0 {
+            let pushed = laws.kick(i, &place, kick, add_scaled(&old, push, &n));
+            project(pushed, dot(&m, &pushed))
+        } else {
+            let change = laws.kick(i, &place, kick, add_scaled(&at(&way_low[0], i), push, &n));
+            let (new, low) = two_sum(&old, &project(change, dot(&m, &sum(&old, &change))));
+            put(&mut way_low[0], i, low);
+            new
+        };
+        put(q, i, place);
+        put(way, i, new);
+        rest[i] = at_rest(&m, &place);
+        let extrapolated = if EQUAL {
+            S::from_f64(3.0).multiply_add(found - last[i], earlier[i])
+        } else {
+            a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
+        };
+        let turn = over_slope[i] * square[i];
+        let turn = turn * turn;
+        let ratio = turn * bias[i];
+        bias[i] = square[i] / (length * turn);
+        square[i] = length;
+        guess[i] = ratio * extrapolated;
+        earlier[i] = ratio * last[i];
+        last[i] = ratio * found;
+    }
+}
+
+/// Λ and ∇g(q′) of a lane by itself, as [`Simulation`](crate::run::simulation::Simulation) finds them: from a tangent momentum.
+/// What p leads off the surface, and Λ puts back, is added in the end.
+#[cold]
+#[inline(never)]
+fn alone<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    h: f64,
+    (q, p, back, gradient, square): ([S; D], [S; D], [S; D], [S; D], S),
+) -> Result<(S, [S; D]), Failure> {
+    let step = S::from_f64(h);
+    let normal = Normal { gradient, inverse_square: S::from_f64(1.0) / square };
+    let (eta, back_on) = normal.projection(&p);
+    let p = sum(&p, &back_on);
+    let constraint = laws.constraint(lane);
+    let constraint = constraint.borrow();
+    let [bend] = constraint.jet(&q, &p).2;
+    let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
+    let path = scaled(step, &p);
+    let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
+    let landing = land(
+        constraint,
+        h,
+        0,
+        &departure,
+        &p,
+        bend,
+        &path,
+        &crate::effect::force::Absent,
+        S::from_f64(0.0),
+        None,
+    )?;
+    Ok((landing.multiplier + step * eta, landing.gradient))
+}
