@@ -99,7 +99,7 @@ pub use rattle_core::systems::rigid::Rigid;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
 
-/// What most programs use. Not in it: [`Error`](crate::Error), a name that programs have of their own; the
+/// What most programs use. Not in it: [`Error`], a name that programs have of their own; the
 /// [ready-made](crate::surfaces) surfaces, potentials and links; and what those need who write
 /// [methods](crate::method), [systems](crate::system) or [effects](crate::effect).
 pub mod prelude {

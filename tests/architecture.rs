@@ -13,7 +13,6 @@ const CORE: &[&[&str]] = &[
     &["kernel"],
     &["effect", "geometry"],
     &["motion"],
-    &["solve"],
     &["systems", "methods"],
     &["scene"],
     &["run"],

@@ -62,7 +62,7 @@ fn particles() {
     scene.simulate(start, Rattle::new(0.01)).unwrap().run(2).unwrap();
 }
 
-fn run<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
+fn run<C: Hold<3> + 'static, E: Effects<3>>(scene: &Scene<C, E, One, 3>, q: [f64; 3]) {
     run_in(Double, scene, q);
 }
 

@@ -77,7 +77,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
     /// from there. (Linked bodies whose equations have come to depend on each other may choose another
-    /// [linear algebra](crate::systems::network::solver::LinearAlgebra) at the new start, and round otherwise.)
+    /// [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();

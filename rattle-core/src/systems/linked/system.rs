@@ -13,7 +13,6 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
-use crate::solve::root::Course;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -65,7 +64,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             x: vec![0.0; shape.equations],
             guess: vec![0.0; rows],
             y: vec![0.0; rows],
-            course: vec![Course::start(); rows],
+            excess: vec![0.0; rows],
+            slope: vec![0.0; rows],
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
