@@ -4,7 +4,10 @@
 mod common;
 use common::linked::Rod;
 use common::*;
+use rattle::effect::{Acting, Effect, Moment};
+use rattle::lanes::Lane;
 use rattle::prelude::*;
+use rattle::real::Real;
 
 fn scene() -> Scene<Lemniscate, impl rattle::effect::Effects<3> + use<>, rattle::bodies::One, 3> {
     Scene::on(SURFACE).with(Gravity { g: 1.0 })
@@ -248,4 +251,61 @@ fn boxed_simulations_are_the_same_simulations() {
     let mut clone = all[0].clone();
     clone.step().unwrap();
     assert_eq!((clone.steps(), all[0].steps()), (101, 100));
+}
+
+/// U = t z.
+#[derive(Debug, Clone, Copy)]
+struct Rising;
+struct WithTime;
+
+impl Effect<3, WithTime> for Rising {
+    type Acting<T: Real> = Self;
+    fn acting<T: Real>(&self) -> Self {
+        Self
+    }
+    type Swept<S: Lane, const L: usize> = [Self; L];
+    fn swept<'a, S: Lane, const L: usize>(_: impl Fn(usize) -> &'a Self) -> [Self; L]
+    where
+        Self: 'a,
+    {
+        [Rising; L]
+    }
+}
+
+impl<T: Real> Acting<T, 3> for Rising {
+    type Room = ();
+    fn room(&self, _: usize) {}
+    fn changes_with_time(&self) -> bool {
+        true
+    }
+    fn add_forces(&self, at: Moment<'_, T, 3>, (): &mut (), forces: &mut [[T; 3]]) {
+        forces.iter_mut().for_each(|force| force[2] = force[2] - T::from_f64(at.time));
+    }
+    fn energy(&self, at: Moment<'_, T, 3>) -> T {
+        at.positions.iter().fold(T::from_f64(0.0), |sum, q| sum + T::from_f64(at.time) * q[2])
+    }
+}
+
+#[test]
+fn energies_are_those_of_the_time_of_the_sight() {
+    struct Check(u64);
+    impl Observer<3> for Check {
+        fn see(&mut self, before: &Sight<'_, 3>, now: &Sight<'_, 3>) {
+            for sight in [before, now] {
+                let expected = sight.time * sight.position().z;
+                assert!((sight.potential_energy() - expected).abs() < 1e-15, "{sight:?}");
+            }
+            self.0 += 1;
+        }
+        fn join(&mut self, next: Self) {
+            self.0 += next.0;
+        }
+    }
+    let scene = Scene::on(SURFACE).with(Rising);
+    let mut simulation = scene.simulate(billiard(0.3), Rattle::new(0.01)).unwrap();
+    let mut check = Check(0);
+    simulation.observe(100, 10, &mut check).unwrap();
+    let mut ensemble = scene.ensemble([billiard(0.3), billiard(0.4)], Rattle::new(0.01)).unwrap();
+    let found = ensemble.observe(100, 10, || Check(0));
+    assert_eq!((check.0, found.0), (10, 20));
 }

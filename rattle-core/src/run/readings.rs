@@ -191,18 +191,21 @@ impl<Y: System<f64, D, Count = One>, S: Method, const D: usize> Simulation<Y, S,
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// Whether the bodies are there, to the last bit.
-    fn is_at(&self, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> bool {
-        self.positions().eq(positions.iter().copied()) && self.momenta().eq(momenta.iter().copied())
+    /// Whether this is the present state, to the last bit.
+    fn is_at(&self, sight: &Sight<'_, D>) -> bool {
+        let (positions, momenta) = (sight.positions.iter().copied(), sight.momenta.iter().copied());
+        sight.time == self.time() && self.positions().eq(positions) && self.momenta().eq(momenta)
     }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {
-    fn energies(&self, _: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        if self.is_at(positions, momenta) {
+    fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
+        if self.is_at(sight) {
             return [self.kinetic_energy(), self.potential_energy()];
         }
+        let Sight { time, positions, momenta, .. } = *sight;
         let mut bodies = self.before.clone();
+        bodies.time = time;
         let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
         places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
         let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
@@ -211,7 +214,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
     }
 
     fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        if sight.time == self.time() && self.is_at(sight.positions, sight.momenta) {
+        if self.is_at(sight) {
             return (self.multipliers(), self.constraint_forces());
         }
         let place = |i: usize| {

@@ -1,12 +1,13 @@
 //! A scene under way.
 
 use crate::error::Error;
-use crate::motion::bodies::{Bodies, Count, Saved};
+use crate::methods::able::view;
+use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
-use crate::motion::state::{Remembered, State};
-use crate::motion::stir::{self, step};
+use crate::motion::state::Remembered;
+use crate::motion::stir::step;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::clock::later;

@@ -73,8 +73,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D>
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Alone<Y, S, D> {
-    fn energies(&self, _: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        self.simulation.energies(0, positions, momenta)
+    fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
+        self.simulation.energies(0, sight)
     }
 
     fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {

@@ -71,8 +71,8 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
     /// # Errors
     /// Says why it cannot be moved.
     fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure>;
-    /// Potential energy of a body at a place that obeys what a lane does.
-    fn potential(&self, lane: usize, place: &[f64; D]) -> f64;
-    /// Multipliers and constraint forces of a body that obeys what a lane does, where and as this sight shows it.
+    /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
+    fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
+    /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
 }

@@ -94,8 +94,9 @@ where
         in_parts::<S, _, D>(&system, &steps.repeat(number as usize), &self.body(lane))
     }
 
-    fn potential(&self, lane: usize, place: &[f64; D]) -> f64 {
-        let at = Moment { time: 0.0, positions: &[place.map(S::from_f64)] };
+    fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let place: [f64; D] = sight.position().into();
+        let at = Moment { time: sight.time, positions: &[place.map(S::from_f64)] };
         self.laws.effects(lane).borrow().energy(at).to_f64()
     }
 

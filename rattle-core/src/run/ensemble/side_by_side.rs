@@ -251,8 +251,8 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
 }
 
 impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
-    fn energies(&self, lane: usize, positions: &[SVector<f64, D>], momenta: &[SVector<f64, D>]) -> [f64; 2] {
-        [0.5 * momenta[0].norm_squared(), self.engine.potential(lane, &positions[0].into())]
+    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
+        [0.5 * sight.momentum().norm_squared(), self.engine.potential(lane, sight)]
     }
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {

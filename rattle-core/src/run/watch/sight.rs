@@ -5,13 +5,8 @@ use std::fmt;
 
 /// Answers what a [`Sight`] is asked for beyond positions and momenta, evaluated when asked.
 pub trait Source<const D: usize> {
-    /// Kinetic and potential energy that this trajectory, which goes on, would have there.
-    fn energies(
-        &self,
-        trajectory: usize,
-        positions: &[SVector<f64, D>],
-        momenta: &[SVector<f64, D>],
-    ) -> [f64; 2];
+    /// Kinetic and potential energy of this trajectory, which goes on, at a sight that may lie between two steps.
+    fn energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> [f64; 2];
     /// λ of each equation, and Gᵀλ on each body.
     fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
     /// aᵀM b, for changes of position of a body.
@@ -100,7 +95,7 @@ impl<const D: usize> Sight<'_, D> {
 
     fn energies(&self) -> [f64; 2] {
         let (source, trajectory) = self.source;
-        source.energies(trajectory, self.positions, self.momenta)
+        source.energies(trajectory, self)
     }
 }
 
