@@ -164,7 +164,7 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     ///
     /// ```
     /// use rattle::{kernel::ConstraintKernel, prelude::*};
-    /// constraint! { struct Roof {} |x, y, z| z + abs(x) }
+    /// constraint! { struct Roof {} |x, _y, z| z + abs(x) }
     ///
     /// let right_of_the_ridge = |q: [f64; 3]| {
     ///     let mut found = [0.0];
