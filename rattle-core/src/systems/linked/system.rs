@@ -13,6 +13,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::solve::root::Course;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -64,8 +65,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             x: vec![0.0; shape.equations],
             guess: vec![0.0; rows],
             y: vec![0.0; rows],
-            excess: vec![0.0; rows],
-            slope: vec![0.0; rows],
+            course: vec![Course::start(); rows],
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],

@@ -133,15 +133,10 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             place.put(bodies, number);
             let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
             if !p.iter().all(|p| p.is_finite()) {
-                let position = q[number].to_vec();
+                let cause = StepFailure::MomentumNotFinite { position: q[number].to_vec() };
+                let momentum = Failure { body: number, cause };
                 let at = Moment { time: bodies.time, positions: q };
-                let cause = match self.effects.culprit(at, number) {
-                    Some((effect, force)) => {
-                        StepFailure::ForceNotFinite { effect, force: force.to_vec(), position }
-                    }
-                    None => StepFailure::MomentumNotFinite { position },
-                };
-                return Err(Failure { body: number, cause });
+                return Err(Failure::of_force(&self.effects, at, [number], 0).unwrap_or(momentum));
             }
         }
         Ok(())

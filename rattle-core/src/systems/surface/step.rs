@@ -10,10 +10,11 @@ use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
+use crate::solve::root::FAR_GUESS;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
-use crate::systems::surface::position::{Departure, FAR_GUESS, Landing};
+use crate::systems::surface::position::{Departure, Landing};
 
 /// First half: kick, drift, and the position multiplier. Lanes that have landed already stay there.
 #[inline(always)]
