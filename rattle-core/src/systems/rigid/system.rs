@@ -11,6 +11,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
+use crate::solve::nearing::Nearing;
 use crate::systems::rigid::body::CROOKED;
 use crate::systems::rigid::body::HALVINGS;
 use crate::systems::rigid::body::REDUCED;
@@ -203,19 +204,18 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
-            let mut nearest = f64::INFINITY;
+            let mut nearing = Nearing::leaving(1.0);
             loop {
                 let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
                 let distance = deviation.amax();
-                if distance <= CROOKED {
+                let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
+                if arrived {
                     break;
                 }
-                let nearer = distance < nearest; // false for NaN
-                if !nearer {
+                if lost {
                     let cause = StepFailure::NotProjected { distance, path };
                     return Err(Failure { body: number, cause });
                 }
-                nearest = distance;
                 place.straighten(&deviation);
             }
             place.put(bodies, number);
