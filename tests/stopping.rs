@@ -55,3 +55,49 @@ fn steps_on_surfaces_end_at_rounding() {
     check("from the last multiplier", |h| Rattle::new(h).guess(LastMultiplier));
     check("extrapolated", |h| Rattle::new(h).guess(Extrapolated));
 }
+
+/// The same for rods that hang one below the other, moving at random: what their lengths are off, in ε of the coordinates.
+fn furthest_rod<S: Method>(rods: usize, method: S) -> f64 {
+    let mut rng = StdRng::seed_from_u64(5);
+    let scene = Scene::points(rods + 1)
+        .link(Rod { length: 1.0 }, chain(rods))
+        .pin(0, [0.0, 0.0])
+        .with(weights(&vec![1.0; rods + 1]));
+    let mut worst = 0.0_f64;
+    for _ in 0..100 {
+        let mut places = vec![[0.0; 2]];
+        for i in 0..rods {
+            let (sin, cos) = rng.random_range(-1.2_f64..1.2).sin_cos();
+            places.push([places[i][0] + cos, places[i][1] + sin]);
+        }
+        let momenta = (0..=rods).map(|i| if i == 0 { [0.0; 2] } else { random::<2>(&mut rng) });
+        let start = scene.project(&State::of(places).with_momenta(momenta)).unwrap();
+        let mut simulation = scene.simulate(start, method.clone()).unwrap();
+        for _ in 0..100 {
+            if simulation.step().is_err() {
+                break;
+            }
+            let q: Vec<_> = simulation.positions().collect();
+            for pair in q.windows(2) {
+                let size = pair[0].amax().max(pair[1].amax());
+                let off = ((pair[1] - pair[0]).norm_squared() - 1.0) / 8.0_f64.sqrt();
+                worst = worst.max(off.abs() / (f64::EPSILON * size));
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn rods_end_at_rounding() {
+    fn check<S: Method>(what: &str, method: impl Fn(f64) -> S) {
+        for h in [0.003, 0.01, 0.03, 0.1] {
+            let off = [2, 10].map(|rods| furthest_rod(rods, method(h)));
+            println!("{what}, h = {h}: {off:.2?} ε");
+        }
+    }
+    check("Newton", Rattle::new);
+    check("symmetric", |h| Rattle::new(h).solved_by(Symmetric));
+    check("simplified", |h| Rattle::new(h).solved_by(Simplified));
+    check("Broyden", |h| Rattle::new(h).solved_by(Broyden));
+}

@@ -41,12 +41,12 @@ impl<T: Real> Shrinking<T> {
     }
 
     /// Notes the size of a correction. Returns by what part it is smaller than the one before, and about how much is left
-    /// once it is made: by the slower of the last two contractions, since one lucky correction is not the rate. Infinite
-    /// for the first one.
+    /// once it is made: by the slower of the last two contractions, since one lucky correction is not the rate. Both
+    /// infinite for the first one.
     #[inline(always)]
     pub(crate) fn note(&mut self, size: T) -> (T, T) {
         let Some(last) = self.last.replace(size) else {
-            return (T::from_f64(0.0), T::from_f64(f64::INFINITY));
+            return (T::from_f64(f64::INFINITY), T::from_f64(f64::INFINITY));
         };
         let contraction = size / last;
         let slower = T::select(self.contraction.le(contraction), contraction, self.contraction);
