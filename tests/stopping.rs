@@ -40,12 +40,12 @@ fn check<S: Method>(what: &str, method: impl Fn(f64) -> S) {
             furthest(rattle::surfaces::Gyroid { k: 1.0, epsilon: 0.0 }, [3.0, 3.0, 3.0], method(h)),
         ];
         println!("{what}, h = {h}: {off:.2?} ε");
-        assert!(off.iter().all(|&off| off > 0.0 && off < 5.0), "{what}, h = {h}: {off:?} ε");
+        assert!(off.iter().all(|&off| off > 0.0 && off < 12.0), "{what}, h = {h}: {off:?} ε");
     }
 }
 
-/// The rounding of the position alone is 1 ε, that of g as large. An estimate of what is left that leaves out third
-/// derivatives of g is off by 60 ε here, by 190 ε there.
+/// The rounding of g is 2 ε of the position on the lemniscate, 7 ε (once 10 ε) on the torus, as much where each solve goes on
+/// to the floor. An estimate of what is left that leaves out third derivatives of g is off by 60 ε here, by 190 ε there.
 #[test]
 fn steps_on_surfaces_end_at_rounding() {
     check("Newton", Rattle::new);
@@ -94,6 +94,7 @@ fn rods_end_at_rounding() {
         for h in [0.003, 0.01, 0.03, 0.1] {
             let off = [2, 10].map(|rods| furthest_rod(rods, method(h)));
             println!("{what}, h = {h}: {off:.2?} ε");
+            assert!(off.iter().all(|&off| off > 0.0 && off < 4.0), "{what}, h = {h}: {off:?} ε");
         }
     }
     check("Newton", Rattle::new);
