@@ -117,7 +117,10 @@ fn a_step_does_not_allocate() {
     });
     assert_eq!((one.steps(), two.steps()), (500, 500));
     assert_eq!(allocated.count_total, 0);
-    assert!(allocation_counter::measure(|| drop(black_box(one.state()))).count_total > 0, "the counter counts");
+    assert!(
+        allocation_counter::measure(|| drop(black_box(one.state()))).count_total > 0,
+        "the counter counts"
+    );
 }
 
 #[test]
