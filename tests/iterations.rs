@@ -137,8 +137,8 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
     [after.values - before.values, after.gradients - before.gradients].map(|count| count as f64 / 150.0)
 }
 
-/// What each costs. A chord takes the slower of its last two contractions for its rate, which takes up to 0.8 evaluations more than
-/// the last one alone would; see `solve/stop.rs` of the core, and `tests/stopping.rs` for what the last one alone leaves.
+/// What each costs. In chains a chord takes the slower of its last two contractions for its rate, which takes up to 0.8 evaluations
+/// more than the last one alone would; see `solve/stop.rs` of the core, and `tests/stopping.rs` for what the last one alone leaves.
 #[test]
 fn evaluations() {
     println!("{:24} lemniscate, h = 0.02       0.01                  0.002", "");

@@ -1,8 +1,8 @@
 //! When a solve ends: once what the next correction would be is known to be far below rounding.
 //!
 //! Corrections are displacements, and their floor is the rounding of the coordinates that they displace. A solve ends
-//! when a correction was at the floor, or when what is left after one, as told by how fast the last ones shrank, is below
-//! [`SPARE`] of the floor: then nothing needs to be evaluated to see how small it is.
+//! when a correction was at the floor, or when what is left after one is known to be below [`SPARE`] of the floor: then the
+//! constraint needs not be evaluated to see how small it is.
 //!
 //! A sixteenth is what rounding hides. Measured in networks by the residuals of rods in twice the digits, as root mean
 //! square in ε of the coordinates, and evaluations of g a step (3 000 to 12 000 steps of each):
@@ -13,10 +13,11 @@
 //! | 1/256 | 0.187 ε, 2.49 | 0.191 ε, 32.4 | 0.172 ε, 2.14 | 0.177 ε, 20.0 |
 //! | solved to the floor | 0.184 ε, 3.13 | 0.190 ε, 32.6 | 0.172 ε, 3.01 | 0.177 ε, 20.1 |
 //!
-//! On surfaces 40 000 steps each of the lemniscate, a torus and a gyroid end within 2.5, 10 and 1.4 ε of the surface, as many where
+//! On surfaces 40 000 steps each of the lemniscate, a torus and a gyroid end within 2.5, 9 and 1.5 ε of the surface, as many where
 //! each solve goes on to the floor: that is the rounding of g (`tests/stopping.rs`). What matters more than the sixteenth is that the
-//! estimate is no guess. One that left out third derivatives of g ended some steps 60 and 190 ε off, with 1/256 as with 1/16; one that
-//! took the last contraction for the rate ended some 9 and 15 ε off.
+//! estimate is no guess. On surfaces the normal where the solve ends, which is needed anyway, tells what is left; without it some
+//! steps ended 60 and 190 ε off, with 1/256 as with 1/16. In networks the slower of the last two contractions is taken; with the
+//! last one some steps ended 9 ε off instead of 3.
 
 use crate::number::real::Real;
 

@@ -21,9 +21,10 @@
 //! ends. Otherwise it goes on until a correction is at the floor, or a Newton step is no longer half the one before although
 //! the slope no longer changes: then it is the rounding of g itself.
 //!
-//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: with
-//! γ the larger of δₖ/δₖ₋₁ and δₖ₋₁/δₖ₋₂ the next correction is γδₖ, by the secant method (δₖ/δₖ₋₂)δₖ. They are on their own only while each correction is
-//! at most half the one before: else, and where the root found is not trusted, Newton's method makes the step.
+//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: the next
+//! correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the slope s there is evaluated, and
+//! |1 − s/s̃| δₖ is left with the slope s̃ that was used. They are on their own only while each correction is at most half the one
+//! before: else, and where the root found is not trusted, Newton's method makes the step.
 //!
 //! **Which root**: see [`crate::solve::root`]. Where h·κ·|v| > ½ the root is always followed.
 
@@ -32,7 +33,7 @@ use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, straight};
-use crate::solve::stop::{SPARE, Shrinking};
+use crate::solve::stop::SPARE;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 
@@ -243,19 +244,26 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let mut slope = first_slope;
         let (mut first_correction, mut before, mut last) = (zero, zero, zero);
         let (mut converged, mut going) = (zero.lt(zero), zero.le(zero));
-        let mut shrinking = Shrinking::start();
+        let mut at_end = None;
         for step in 0..MAX_CHORDS {
             let chord = -g / slope;
             let size = chord.abs() * length;
             let shrinks = if step == 0 { size.lt(T::from_f64(f64::INFINITY)) } else { size.le(half * last) };
-            let arrived = size.le(floor);
+            let mut arrived = size.le(floor);
             going = going.and(shrinks.or(arrived));
             let chord = T::select(going, chord, zero);
             multiplier = multiplier + chord;
             first_correction = if step == 0 { size } else { first_correction };
-            let (_, left) = shrinking.note(size);
-            let next = if X::KIND == Kind::Broyden { size * size / before } else { left }; // 1/0 or 0/0 at first
-            let arrived = arrived.or(next.le(T::from_f64(SPARE) * floor));
+            let earlier = if X::KIND == Kind::Broyden { before } else { last };
+            let next = size * size / earlier; // none without an earlier one: 1/0, or 0/0
+            let spare = going.and(next.le(T::from_f64(SPARE) * floor));
+            at_end = None;
+            if !spare.not().all() {
+                let [gradient] = constraint.jacobian(&self.point(multiplier));
+                let left = (T::from_f64(1.0) - dot(&gradient, n) / slope).abs() * size;
+                arrived = arrived.or(spare.and(left.le(T::from_f64(SPARE) * floor)));
+                at_end = Some(gradient);
+            }
             converged = converged.or(going.and(arrived));
             going = going.and(arrived.not());
             if going.not().all() {
@@ -268,7 +276,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 slope = T::select(going, (g - g_before) / chord, slope);
             }
         }
-        let [gradient] = constraint.jacobian(&self.point(multiplier));
+        let gradient = at_end.unwrap_or_else(|| constraint.jacobian(&self.point(multiplier))[0]);
         let increment = self.increment(multiplier);
         Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
     }
