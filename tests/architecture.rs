@@ -13,6 +13,7 @@ const CORE: &[&[&str]] = &[
     &["kernel"],
     &["effect", "geometry"],
     &["motion"],
+    &["solve"],
     &["systems", "methods"],
     &["scene"],
     &["run"],

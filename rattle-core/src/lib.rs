@@ -8,6 +8,7 @@
 //! kernel                  what a macro writes: functions of one place, and their derivatives
 //! effect  geometry        forces; curvature
 //! motion                  the contract: bodies, state, system, method
+//! solve                   when a solve ends, which root, how stages converge: alike for all systems
 //! systems │ methods       neither knows the other
 //! scene                   what is simulated
 //! run                     who goes on, and who watches
@@ -22,6 +23,7 @@ pub mod motion;
 pub mod number;
 pub mod run;
 pub mod scene;
+mod solve;
 pub mod systems;
 
 pub use motion::start::START_TOLERANCE;

@@ -31,6 +31,7 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
+use crate::solve::stop::{NOISE, SPARE};
 use std::array::from_fn;
 
 /// Iterations after which a step is given up; four to eight suffice where it is accurate.
@@ -208,8 +209,8 @@ impl Bdf2 {
                 }
             }
             let contraction = worst / last;
-            let stalled = contraction >= 0.5 && worst <= 64.0;
-            if worst <= 1.0 / 16.0 || stalled {
+            let stalled = contraction >= 0.5 && worst <= NOISE;
+            if worst <= SPARE || stalled {
                 for body in 0..q.len() {
                     increment[body] = moved(bodies, body, &q[body], &q_low[body]);
                 }

@@ -1,6 +1,9 @@
 //! Why a step failed.
 
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::error::StepFailure;
+use crate::number::real::Real;
 
 /// Why a step failed, and for which body.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,4 +12,22 @@ pub struct Failure {
     pub body: usize,
     /// What stopped it.
     pub cause: StepFailure,
+}
+
+impl Failure {
+    /// The force on the first of these bodies where it is not finite, in this lane; none if all forces are.
+    #[cold]
+    pub(crate) fn of_force<T: Real, F: Forces<T, D>, const D: usize>(
+        effects: &F,
+        at: Moment<'_, T, D>,
+        bodies: impl IntoIterator<Item = usize>,
+        lane: usize,
+    ) -> Option<Self> {
+        let numbers = |x: &[T; D]| x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect();
+        bodies.into_iter().find_map(|body| {
+            let (effect, force) = effects.culprit(at, body)?;
+            let (force, position) = (numbers(&force), numbers(&at.positions[body]));
+            Some(Self { body, cause: StepFailure::ForceNotFinite { effect, force, position } })
+        })
+    }
 }

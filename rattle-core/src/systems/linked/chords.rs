@@ -2,7 +2,8 @@
 //! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the step.
 
 use crate::motion::iteration::{Iteration, Kind};
-use crate::systems::linked::flight::{FAR_GUESS, Flight, LARGE_TURN, LEARNED, Landing, MAX_CORRECTIONS};
+use crate::solve::stop::{SPARE, Shrinking};
+use crate::systems::linked::flight::{Flight, LEARNED, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::network::solver::Solver;
 
@@ -37,7 +38,7 @@ impl<const D: usize> Flight<'_, D> {
             turn = self.change(room, self.blocks); // until the guess, which is near the end
         }
         let path = self.path_to(&landing, solver, room);
-        turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room)
+        self.trusts_all(&landing, turn, path, solver, room)
     }
 
     /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as it
@@ -69,7 +70,7 @@ impl<const D: usize> Flight<'_, D> {
         }
         self.measure_rounding((!(look || symmetric)).then_some(self.blocks), room);
         let mut landing = Landing { converged: false, upright, first: 0.0, contradictory: false };
-        let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
+        let (mut shrinking, mut residual) = (Shrinking::start(), room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
             if !residual.is_finite() {
                 break;
@@ -88,15 +89,16 @@ impl<const D: usize> Flight<'_, D> {
             if correction == 0 {
                 landing.first = self.length_of_correction(solver, room);
             }
-            let contraction = residual / last;
-            if residual <= 1.0 || (correction > 0 && contraction * residual <= 1.0 / 16.0) {
+            let (_, left) = shrinking.note(residual);
+            if residual <= 1.0 || left <= SPARE {
                 landing.converged = true;
                 break;
             }
             self.place(solver, 1.0, room);
             self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
             counts.values += 1;
-            (last, residual) = (residual, room.residual(m));
+            let last = residual;
+            residual = room.residual(m);
             if residual > SLOWEST * last {
                 break;
             }

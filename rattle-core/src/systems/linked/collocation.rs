@@ -21,6 +21,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, sum, two_sum};
+use crate::solve::stop::{NOISE, SPARE_OF_STAGES};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -234,8 +235,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             let contraction = worst / last;
             let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
-            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= 1.0 / 256.0;
-            let stalled = iteration > 3 && contraction >= 0.9 && worst < 64.0 * long;
+            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= SPARE_OF_STAGES;
+            let stalled = iteration > 3 && contraction >= 0.9 && worst < NOISE * long;
             if worst <= 0.25 || small || stalled {
                 return Ok(());
             }
@@ -244,11 +245,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     let q = &stages.q[stage * n..][..n];
                     let reached = q.iter().flatten().all(|q| q.is_finite());
                     let at = Moment { time: bodies.time + h * table.nodes[stage], positions: q };
-                    let culprit = (0..n).find_map(|body| Some((body, self.effects.culprit(at, body)?)));
-                    if let (true, Some((body, (effect, force)))) = (reached, culprit) {
-                        let (force, position) = (force.to_vec(), q[body].to_vec());
-                        let cause = StepFailure::ForceNotFinite { effect, force, position };
-                        return Err(Failure { body, cause });
+                    if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, 0..n, 0)) {
+                        return Err(failure);
                     }
                 }
                 let cause =

@@ -134,12 +134,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     pub(crate) fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
         // Links hand a force that is none on to other bodies.
-        let culprits = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
+        let free = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
         let at = Moment { time: bodies.time, positions: q };
-        let mut culprits = culprits.filter_map(|body| Some((body, self.effects.culprit(at, body)?)));
-        if let Some((body, (effect, force))) = culprits.next() {
-            let (force, position) = (force.to_vec(), q[body].to_vec());
-            return Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } };
+        if let Some(failure) = Failure::of_force(&self.effects, at, free, 0) {
+            return failure;
         }
         Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
     }

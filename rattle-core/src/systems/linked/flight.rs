@@ -11,15 +11,16 @@
 //!
 //! **Stopping.** Residuals are measured as lengths, |gᵢ|/|∇gᵢ|, against the rounding ε·ℓ of the coordinates that
 //! equation i touches; neither the scale of g nor the rest of a long chain matters. From two residuals the
-//! contraction is known, and the solve ends without an evaluation once the next one would be below 1/16 of that rounding.
-//! It also ends where a fresh derivative, equal to the one before, does not make residuals smaller: then they are the
-//! rounding of g itself.
+//! contraction is known, and the solve ends without an evaluation once what the next residual would be is spare
+//! ([`crate::solve::stop`]). It also ends where a fresh derivative, equal to the one before, does not make residuals
+//! smaller: then they are the rounding of g itself.
 //!
-//! **Which root.** As on surfaces: if the guess was off by a small part of the path (or the normals do not change), pivots
-//! stayed positive and the normals turn by less than a half within the step, the root is the one that the motion leads to. Otherwise it is
-//! followed from h = 0 in parts of the step that are halved until that holds.
+//! **Which root**: see [`crate::solve::root`]. Upright means here that pivots stay positive, and a path is short in which
+//! the normals turn by less than a half.
 
 use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, straight};
+use crate::solve::stop::{SPARE, Shrinking};
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::along;
@@ -27,23 +28,12 @@ use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 
-/// A first correction longer than this part of the path asks for following, as on surfaces; while it is followed, …
-pub(crate) const FAR_GUESS: f64 = 0.02;
-/// … than this part.
-const FAR_EXTRAPOLATION: f64 = 0.1;
-/// Normals that change by more than this part of their length within the step ask for following.
-pub(crate) const LARGE_TURN: f64 = 0.5;
-/// A smaller relative change of the normals is none.
-const STRAIGHT: f64 = 1e-7;
 /// Residuals that shrink by less ask for a new derivative.
 const CONTRACTION: f64 = 0.25;
 /// Corrections that Broyden's method keeps; one that needs more of them is given up.
 pub(crate) const LEARNED: usize = 6;
 /// Corrections after which a solve is given up.
 pub(crate) const MAX_CORRECTIONS: usize = 40;
-/// The smallest part of a step in which a root is followed, and how many parts are tried.
-const SMALLEST_PART: f64 = 1.0 / 4096.0;
-const MAX_PARTS: usize = 200;
 /// Halvings of a failed step that are tried, to say which would pass.
 pub(crate) const HALVINGS: i32 = 24;
 /// Steps in which normals change by less are short enough to be accurate: where one fails, the reason is another.
@@ -117,23 +107,28 @@ impl<const D: usize> Flight<'_, D> {
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
         let path = self.path_to(&landing, solver, room);
-        if turn <= LARGE_TURN && self.trusts(&landing, FAR_GUESS * path, solver, 1.0, room) {
+        if self.trusts_all(&landing, turn, path, solver, room) {
             return landing;
         }
         counts.followed += 1;
         self.follow(solver, path, room, counts)
     }
 
-    /// Whether the root found for the part `s` of the step is taken for the one that the motion leads to: the guess was off
-    /// by no more than `far`, or the normals there are those of the start (as at rest, where `far` is 0).
-    pub(crate) fn trusts(
+    /// Whether the root found for the whole step, after this path and where normals turn so much, is trusted.
+    pub(crate) fn trusts_all(
         &self,
         landing: &Landing,
-        far: f64,
+        turn: f64,
+        path: f64,
         solver: &Solver<D>,
-        s: f64,
         room: &mut Room<D>,
     ) -> bool {
+        turn <= SHORT_PATH && self.trusts(landing, FAR_GUESS * path, solver, 1.0, room)
+    }
+
+    /// Whether the root found for the part `s` of the step is trusted: the guess was off by no more than `far`, or the
+    /// normals there are those of the start (as at rest, where `far` is 0).
+    fn trusts(&self, landing: &Landing, far: f64, solver: &Solver<D>, s: f64, room: &mut Room<D>) -> bool {
         landing.converged && landing.upright && (landing.first <= far || self.straight(solver, s, room))
     }
 
@@ -144,7 +139,7 @@ impl<const D: usize> Flight<'_, D> {
         let (g, there) = (&mut room.g[..m], &mut room.blocks[..blocks]);
         let time = self.time + s * self.h;
         self.shape.gradients(self.component, time, &room.trial, g, there, &mut room.rates[..m]);
-        self.change(room, self.blocks) <= STRAIGHT
+        self.change(room, self.blocks) <= straight::<f64>()
     }
 
     /// The longest way of a body without the constraints, or with those that move.
@@ -206,7 +201,7 @@ impl<const D: usize> Flight<'_, D> {
         counts.gradients += 1;
         let mut landing =
             Landing { converged: false, upright: pivot > 0.0, first: 0.0, contradictory: false };
-        let (mut last, mut residual) = (f64::INFINITY, room.residual(m));
+        let (mut shrinking, mut residual) = (Shrinking::start(), room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
             note(room);
             if !residual.is_finite() {
@@ -218,22 +213,22 @@ impl<const D: usize> Flight<'_, D> {
             if correction == 0 {
                 landing.first = self.length_of_correction(solver, room);
             }
-            let contraction = residual / last;
-            let known = last.is_finite() && contraction <= CONTRACTION;
-            if residual <= 1.0 || (known && contraction * residual <= 1.0 / 16.0) {
+            let (_, left) = shrinking.note(residual);
+            if residual <= 1.0 || left <= SPARE {
                 landing.converged = true;
                 return landing;
             }
             self.place(solver, s, room);
             self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
             counts.values += 1;
-            (last, residual) = (residual, room.residual(m));
+            let last = residual;
+            residual = room.residual(m);
             if residual > CONTRACTION * last {
                 room.before[..blocks].copy_from_slice(&room.blocks[..blocks]);
                 let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..blocks]);
                 self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
                 counts.gradients += 1;
-                if self.change(room, &room.before) <= STRAIGHT {
+                if self.change(room, &room.before) <= straight::<f64>() {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
@@ -243,47 +238,32 @@ impl<const D: usize> Flight<'_, D> {
                 }
                 let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
                 landing.upright &= pivot > 0.0;
-                last = f64::INFINITY;
+                shrinking = Shrinking::start();
             }
         }
         landing
     }
 
-    /// The landing that is reached from h = 0 without leaving the root, in parts that are halved until each is trusted.
+    /// The landing that is reached from h = 0 without leaving the root.
     #[cold]
     #[inline(never)]
     fn follow(&self, solver: &mut Solver<D>, path: f64, room: &mut Room<D>, counts: &mut Counts) -> Landing {
         let m = self.rows().equations();
-        room.excess[..m].fill(0.0);
-        room.slope[..m].fill(0.0);
-        let (mut s, mut part) = (0.0, 0.5);
+        room.course[..m].fill(Course::start());
         let mut landing = Landing { converged: false, upright: false, first: 0.0, contradictory: false };
-        for _ in 0..MAX_PARTS {
-            let end = f64::min(s + part, 1.0);
-            let length = end - s;
+        let reached = follow(|part| {
             for i in 0..m {
-                room.y[i] = room.guess[i] * end * end + room.excess[i] + room.slope[i] * length;
+                room.y[i] = room.course[i].ahead(room.guess[i], part);
             }
-            landing = self.land(solver, end, room, counts, |_| ());
-            if self.trusts(&landing, FAR_EXTRAPOLATION * length * path, solver, end, room) {
-                for i in 0..m {
-                    let excess = room.y[i] - room.guess[i] * end * end;
-                    room.slope[i] = (excess - room.excess[i]) / length;
-                    room.excess[i] = excess;
-                }
-                s = end;
-                part *= 2.0;
-                if s >= 1.0 {
-                    return landing;
-                }
-            } else {
-                part *= 0.5;
-                if part < SMALLEST_PART {
-                    break;
-                }
+            landing = self.land(solver, part.end, room, counts, |_| ());
+            let far = FAR_EXTRAPOLATION * part.length * path;
+            let trusted = self.trusts(&landing, far, solver, part.end, room);
+            for i in 0..m {
+                room.course[i].note(trusted, room.guess[i], part, room.y[i]);
             }
-        }
-        Landing { converged: false, ..landing }
+            trusted
+        });
+        Landing { converged: reached, ..landing }
     }
 
     /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these

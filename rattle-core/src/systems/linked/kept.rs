@@ -5,6 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{dot, largest};
+use crate::solve::root::Course;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -75,8 +76,8 @@ pub(crate) struct Room<const D: usize> {
     pub(super) guess: Vec<f64>,
     /// x of the component under way.
     pub(super) y: Vec<f64>,
-    pub(super) excess: Vec<f64>,
-    pub(super) slope: Vec<f64>,
+    /// How x goes on while its root is followed.
+    pub(super) course: Vec<Course<f64>>,
     pub(super) dx: Vec<f64>,
     /// |∇gᵢ|, and 1/|∇gᵢ| over the rounding of the coordinates that equation i depends on.
     pub(super) lengths: Vec<f64>,

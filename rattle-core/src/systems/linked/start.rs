@@ -6,6 +6,7 @@ use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::shape::Shape;
@@ -14,6 +15,9 @@ use crate::systems::network::solver::Solver;
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
 /// condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
 const NARROW: f64 = 1e-3;
+
+/// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
+const NEAR: f64 = 1e-7;
 
 /// Components of up to so many equations get an orthonormal basis where theirs depend on each other.
 const BASIS_AT_MOST: usize = 1000;
@@ -250,7 +254,7 @@ fn place<const D: usize>(
     let m = shape.components[c].rows.equations();
     let mut x = vec![0.0; m];
     let mut distances: Vec<f64> = Vec::new();
-    let mut worst = 0;
+    let (mut nearing, mut worst) = (Nearing::leaving(f64::INFINITY), 0);
     for _ in 0..MAX_PROJECTION_STEPS {
         start.evaluate(shape, c, time);
         let mut distance = 0.0;
@@ -286,8 +290,7 @@ fn place<const D: usize>(
             let cause = StartFailure::ConstraintNotFinite { value: start.g[worst], gradient, position };
             return Err(at(shape, c, worst, cause));
         }
-        let stalled = distances.last().is_some_and(|last| distance >= 0.5 * last);
-        if correction <= f64::EPSILON * size || (stalled && distance <= 1e-7 * size) {
+        if nearing.look(distance, correction <= f64::EPSILON * size, distance <= NEAR * size).0 {
             if distance > START_TOLERANCE * size {
                 let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
                 return Err(at(shape, c, worst, cause));

@@ -13,6 +13,9 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::solve::nearing::Nearing;
+use crate::solve::root::Course;
+use crate::solve::stop::NOISE;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -64,8 +67,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             x: vec![0.0; shape.equations],
             guess: vec![0.0; rows],
             y: vec![0.0; rows],
-            excess: vec![0.0; rows],
-            slope: vec![0.0; rows],
+            course: vec![Course::start(); rows],
             dx: vec![0.0; rows],
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
@@ -351,21 +353,19 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
             let rows = &component.rows;
             let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.room.velocity[body]));
             let path = h.abs() * moves.fold(0.0, f64::max);
-            let long = 64.0 * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
-            let mut nearest = f64::INFINITY;
+            let long = NOISE * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
+            let mut nearing = Nearing::leaving(0.25); // from afar Newton's method goes half of the way each time
             loop {
                 let (q, time) = (bodies.q.as_ref(), bodies.time);
                 let (sine, row) = bodies.kept.normals(shape, c, time, q);
                 // In roundings of the places alone: a velocity that has run away must not make up for the distance.
                 let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
-                let rounding = roundings <= long;
-                // Newton's method near its root leaves less; from afar it goes half of the way each time. False for NaN.
-                let nearer = distance < if rounding { 0.5 } else { 0.25 } * nearest;
-                if roundings <= 1.0 || rounding && !nearer {
+                let (arrived, lost) = nearing.look(distance, roundings <= 1.0, roundings <= long);
+                if arrived {
                     self.check_rank(c, bodies, sine, row)?;
                     break;
                 }
-                if !nearer {
+                if lost {
                     let body = shape.equation_at(c, worst).bodies[0];
                     return Err(if distance.is_finite() {
                         Failure { body, cause: StepFailure::NotProjected { distance, path } }
@@ -374,7 +374,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
                         Failure { body, cause: StepFailure::ConstraintNotFinite { position } }
                     });
                 }
-                nearest = distance;
                 let (m, (_, block)) = (rows.equations(), component.first);
                 let Kept { blocks, solvers, room, .. } = &mut bodies.kept;
                 let blocks = &blocks[block..block + rows.blocks()];

@@ -6,6 +6,7 @@ use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
 use crate::number::vector::{dot, sum, two_sum};
+use crate::solve::nearing::Nearing;
 use crate::systems::phase::fibre::slide;
 use crate::systems::phase::kept::InPhaseSpace;
 use crate::systems::phase::point::{Hidden, Level, Point, Verlet, solve};
@@ -190,11 +191,11 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
         let mut at = Point::high(body);
-        let (mut distances, mut last) = (Vec::new(), f64::INFINITY);
+        let (mut distances, mut nearing) = (Vec::new(), Nearing::leaving(f64::INFINITY));
         for _ in 0..MAX_PROJECTION_STEPS {
             let Level { value, gradients, size } = Level::of(&self.constraint, &at, &at);
             let (_, roundings) = worst(&value, &size);
-            if roundings <= 1.0 || (roundings >= 0.5 * last && roundings <= NOISE) {
+            if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
                 let body = Body { q: at.q, q_low: [0.0; D], p: at.p, p_low: [0.0; D] };
                 let slid = self.slide_to_hidden(0.0, &body);
                 return match slid {
@@ -211,7 +212,6 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let step = (0..M).fold(Point::ZERO, |sum, i| sum.plus(&gradients[i].times(-weights[i])));
             distances.push(product(&step, &step).sqrt());
             at = at.plus(&step);
-            last = roundings;
         }
         Err(StartFailure::NoProjection { distances: distances.into_iter().collect() })
     }

@@ -11,6 +11,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
+use crate::solve::nearing::Nearing;
 use crate::systems::rigid::body::CROOKED;
 use crate::systems::rigid::body::HALVINGS;
 use crate::systems::rigid::body::REDUCED;
@@ -133,15 +134,10 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             place.put(bodies, number);
             let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
             if !p.iter().all(|p| p.is_finite()) {
-                let position = q[number].to_vec();
+                let cause = StepFailure::MomentumNotFinite { position: q[number].to_vec() };
+                let momentum = Failure { body: number, cause };
                 let at = Moment { time: bodies.time, positions: q };
-                let cause = match self.effects.culprit(at, number) {
-                    Some((effect, force)) => {
-                        StepFailure::ForceNotFinite { effect, force: force.to_vec(), position }
-                    }
-                    None => StepFailure::MomentumNotFinite { position },
-                };
-                return Err(Failure { body: number, cause });
+                return Err(Failure::of_force(&self.effects, at, [number], 0).unwrap_or(momentum));
             }
         }
         Ok(())
@@ -208,19 +204,18 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
-            let mut nearest = f64::INFINITY;
+            let mut nearing = Nearing::leaving(1.0);
             loop {
                 let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
                 let distance = deviation.amax();
-                if distance <= CROOKED {
+                let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
+                if arrived {
                     break;
                 }
-                let nearer = distance < nearest; // false for NaN
-                if !nearer {
+                if lost {
                     let cause = StepFailure::NotProjected { distance, path };
                     return Err(Failure { body: number, cause });
                 }
-                nearest = distance;
                 place.straighten(&deviation);
             }
             place.put(bodies, number);

@@ -11,8 +11,7 @@
 //! constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to node.
 //! **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the positions.
 //! **Stopping.** Displacements of an iteration shrink by a factor that the last two tell, taken as 1e-4 at least; the solve
-//! ends once the next would be below 1/256 of the rounding of the positions (with 1/16 energy drifts by 1e-16 a step, with
-//! 1/256 by 1e-17 at most). **Which root.** Normals of successive stages must not be turned over.
+//! ends once the next would be spare ([`crate::solve::stop`]). **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -26,6 +25,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::solve::stop::{NOISE, SPARE_OF_STAGES};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -236,8 +236,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             let contraction = worst / last;
             let rate = contraction.max(last_contraction).max(LUCKY); // a lucky iteration is not the rate
-            let small = iteration > 0 && rate < 0.5 && rate * worst <= 1.0 / 256.0;
-            let stalled = iteration > 3 && contraction >= 0.5 && worst < 64.0;
+            let small = iteration > 0 && rate < 0.5 && rate * worst <= SPARE_OF_STAGES;
+            let stalled = iteration > 3 && contraction >= 0.5 && worst < NOISE;
             if worst <= 1.0 || small || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
@@ -292,9 +292,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         for stage in 1..count {
             let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
             let reached = at.positions[body].iter().all(|q| q.lanes().all(f64::is_finite));
-            if reached && self.effects.culprit(at, body).is_some() {
-                let normal = self.count.each(Normal::new(stages.normal[body * count]));
-                return FailureAt::of(body, false).not_finite(&self.effects, at, normal.as_ref());
+            if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, [body], 0)) {
+                return failure;
             }
         }
         FailureAt::of(body, false).unsolved(h, count, iterations, f64::NAN)

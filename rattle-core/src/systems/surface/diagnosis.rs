@@ -155,12 +155,8 @@ impl FailureAt {
     ) -> Failure {
         let place = &at.positions[self.body];
         let position = self.numbers(place);
-        if let Some((effect, force)) = effects.culprit(at, self.body) {
-            return self.because(StepFailure::ForceNotFinite {
-                effect,
-                force: self.numbers(&force),
-                position,
-            });
+        if let Some(failure) = Failure::of_force(effects, at, [self.body], self.lane) {
+            return failure;
         }
         self.no_normal(place, &normals[self.body].gradient)
             .unwrap_or_else(|| self.because(StepFailure::MomentumNotFinite { position }))

@@ -15,59 +15,30 @@
 //!
 //! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not know how g is
 //! scaled. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With
-//! γ = δ₂/δ₁ the next correction is about γ²δ₂, third derivatives of g left out: once that is below 1/256 of the floor
-//! the solve ends without another evaluation of g (with 1/16, one step in 5 000 of a gas was off by 25 ε). Otherwise it goes on until a correction is at the floor, or no longer shrinks although
+//! γ = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g do nothing. Once that is spare
+//! ([`crate::solve::stop`]), the slope there is evaluated, which the end of the step needs anyway. Its difference from the
+//! slope s̃ of the parabola tells what third derivatives do: (1 − s̃/s) δ₂ is left of g(q′). If that is spare too the solve
+//! ends. Otherwise it goes on until a correction is at the floor, or a Newton step is no longer half the one before although
 //! the slope no longer changes: then it is the rounding of g itself.
 //!
-//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: with
-//! γ = δₖ/δₖ₋₁ the next correction is γδₖ, by the secant method (δₖ/δₖ₋₂)δₖ. They are on their own only while each correction is
-//! at most half the one before: else, and where the root found is not trusted, Newton's method makes the step.
+//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: the next
+//! correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the slope s there is evaluated, and
+//! |1 − s/s̃| δₖ is left with the slope s̃ that was used. They are on their own only while each correction is at most half the one
+//! before: else, and where the root found is not trusted, Newton's method makes the step.
 //!
-//! **Which root.** The line may meet the surface more than once; the motion continues on the root that starts
-//! from Λ = 0 at h = 0. The root found is taken for that one if the normal is not turned over, the guess was off by
-//! a small part of the path, and the path is short against the length on which the slope changes; or if the slope
-//! does not change at all. Otherwise, and where h·κ·|v| > ½, the root is followed from h = 0 in parts of the step that
-//! satisfy the same condition, and found that way or not at all.
+//! **Which root**: see [`crate::solve::root`]. Where h·κ·|v| > ½ the root is always followed.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, straight};
+use crate::solve::stop::SPARE;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 
-/// The root is followed if the first correction is longer than this part of the path …
-pub(crate) const FAR_GUESS: f64 = 0.02;
-
-/// … while it is followed, than this part (its guesses are extrapolations) …
-const FAR_EXTRAPOLATION: f64 = 0.1;
-
-/// … or if the path is longer than this part of the length on which the slope changes. `tests/hard_cases.rs` takes
-/// random steps with h·κ·|v| up to 3 on several surfaces, and none goes astray.
-const LONG_PATH: f64 = 0.5;
-
-/// A relative change of the slope below this is none: well above rounding, and 10⁷ corrections make a bend.
-const STRAIGHT: f64 = 1e-7;
-
-/// The same where rounding is coarser.
-const fn straight<T: Real>() -> f64 {
-    if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
-}
-
-/// The smallest part of a step in which a root is followed.
-const SMALLEST_PART: f64 = 1.0 / 4096.0;
-
-/// Parts, taken or halved, after which a root is given up.
-const MAX_PARTS: usize = 200;
-
 /// Corrections with a slope that is not the newest are given up where they do not shrink by half, at the latest here.
 const MAX_CHORDS: usize = 60;
-
-/// Normals that change by more than this part of their length within a step ask for Newton's method, …
-const LARGE_TURN: f64 = 0.5;
-
-/// … and what is left of a correction is below this part of the floor when a solve ends without another evaluation.
-const SPARE: f64 = 1.0 / 256.0;
 
 /// Cycles of two corrections after which a solve is given up; four suffice where one exists.
 const MAX_CYCLES: usize = 12;
@@ -129,7 +100,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let (square, turned) = (dot(n, n), add_scaled(&landing.gradient, T::from_f64(-1.0), n));
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-        let short_path = dot(&turned, &turned).le(T::from_f64(LARGE_TURN * LARGE_TURN) * square);
+        let short_path = dot(&turned, &turned).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
         let upright = T::from_f64(0.0).lt(dot(&landing.gradient, n));
         landing.converged.and(upright).and(near_guess).and(short_path)
     }
@@ -153,11 +124,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         (landing, trusted)
     }
 
-    /// The landing that is reached from h = 0 without leaving the root: the position equation with `drift` s and
-    /// `push` s² for s = 0 … 1, in parts that are halved until each root found is trusted. Not converged where no
-    /// part is small enough: the root ends, or turns too sharply to tell.
-    ///
-    /// Every lane takes its own parts, so lanes do not influence each other.
+    /// The landing that is reached from h = 0 without leaving the root, of the position equation with `drift` s and
+    /// `push` s² for s = 0 … 1. Not converged where there is none.
     #[cold]
     #[inline(never)]
     pub(crate) fn follow<K: ConstraintKernel<T, D, 1>>(
@@ -166,38 +134,25 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         drift: &[T; D],
         push: &[T; D],
     ) -> Landing<T, D> {
-        let (zero, one, half) = (T::from_f64(0.0), T::from_f64(1.0), T::from_f64(0.5));
         let drift_and_push = dot(drift, drift) + dot(push, push);
-        // Λ(s) = guess s² + excess, the excess extrapolated linearly.
-        let (mut s, mut part) = (zero, half);
-        let (mut excess, mut rate) = (zero, zero);
+        let mut course = Course::start();
         let mut arrived: Option<Landing<T, D>> = None;
-        for _ in 0..MAX_PARTS {
-            let end = (s + part).min(one);
-            let length = end - s;
-            let parabola = self.guess * end * end;
-            let free = add_scaled(&scaled(end, drift), end * end, push);
-            let on_the_way = Self { free, guess: parabola + excess + rate * length, ..*self };
+        let reached = follow(|part| {
+            let (s, length) = (part.end, part.length);
+            let free = add_scaled(&scaled(s, drift), s * s, push);
+            let on_the_way = Self { free, guess: course.ahead(self.guess, part), ..*self };
             let landing = on_the_way.land(constraint, |_| ());
-            let going = s.lt(one).and(T::from_f64(SMALLEST_PART).le(part));
-            let taken =
-                going.and(on_the_way.trusts(&landing, length * length * drift_and_push, FAR_EXTRAPOLATION));
-
-            let new_excess = landing.multiplier - parabola;
-            rate = T::select(taken, (new_excess - excess) / length, rate);
-            excess = T::select(taken, new_excess, excess);
-            s = T::select(taken, end, s);
-            part = T::select(taken, part + part, T::select(going, half * part, part));
-            arrived = Some(match arrived {
-                Some(before) => landing.or(taken, before),
+            let path_square = length * length * drift_and_push;
+            let trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
+            course.note(trusted, self.guess, part, landing.multiplier);
+            arrived = Some(match arrived.take() {
+                Some(before) => landing.or(trusted, before),
                 None => landing,
             });
-            if s.lt(one).and(T::from_f64(SMALLEST_PART).le(part)).not().all() {
-                break;
-            }
-        }
+            trusted
+        });
         let mut landing = arrived.unwrap_or_else(|| self.land(constraint, |_| ()));
-        landing.converged = one.le(s);
+        landing.converged = reached;
         landing
     }
 
@@ -245,12 +200,18 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             correction(second);
             let shrinking = second / first;
             let next = second * shrinking * shrinking;
-            converged = converged.or(near.and((T::from_f64(256.0) * next).le(floor)));
-            if converged.all() {
+            let spare = near.and((T::from_f64(1.0 / SPARE) * next).le(floor));
+            if !spare.not().all() {
                 [gradient] = constraint.jacobian(&self.point(multiplier));
-                break;
+                let way = T::from_f64(1.0) + ostrowski / newton; // from the guess, in units of the Newton step
+                let of_parabola = slope * (T::from_f64(1.0) - T::from_f64(2.0) * ratio * way);
+                let third = (T::from_f64(1.0) - of_parabola / dot(&gradient, n)).abs() * second;
+                converged = converged.or(spare.and((T::from_f64(1.0 / SPARE) * third).le(floor)));
+                if converged.all() {
+                    break;
+                }
             }
-            last = T::select(near, second, first);
+            last = first;
             let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
             if converged.or(hopeless).all() || cycle == MAX_CYCLES {
                 [gradient] = constraint.jacobian(&self.point(multiplier)); // for the lanes that did converge
@@ -283,18 +244,26 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let mut slope = first_slope;
         let (mut first_correction, mut before, mut last) = (zero, zero, zero);
         let (mut converged, mut going) = (zero.lt(zero), zero.le(zero));
+        let mut at_end = None;
         for step in 0..MAX_CHORDS {
             let chord = -g / slope;
             let size = chord.abs() * length;
             let shrinks = if step == 0 { size.lt(T::from_f64(f64::INFINITY)) } else { size.le(half * last) };
-            let arrived = size.le(floor);
+            let mut arrived = size.le(floor);
             going = going.and(shrinks.or(arrived));
             let chord = T::select(going, chord, zero);
             multiplier = multiplier + chord;
             first_correction = if step == 0 { size } else { first_correction };
             let earlier = if X::KIND == Kind::Broyden { before } else { last };
             let next = size * size / earlier; // none without an earlier one: 1/0, or 0/0
-            let arrived = arrived.or(next.le(T::from_f64(SPARE) * floor));
+            let spare = going.and(next.le(T::from_f64(SPARE) * floor));
+            at_end = None;
+            if !spare.not().all() {
+                let [gradient] = constraint.jacobian(&self.point(multiplier));
+                let left = (T::from_f64(1.0) - dot(&gradient, n) / slope).abs() * size;
+                arrived = arrived.or(spare.and(left.le(T::from_f64(SPARE) * floor)));
+                at_end = Some(gradient);
+            }
             converged = converged.or(going.and(arrived));
             going = going.and(arrived.not());
             if going.not().all() {
@@ -307,23 +276,10 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 slope = T::select(going, (g - g_before) / chord, slope);
             }
         }
-        let [gradient] = constraint.jacobian(&self.point(multiplier));
+        let gradient = at_end.unwrap_or_else(|| constraint.jacobian(&self.point(multiplier))[0]);
         let increment = self.increment(multiplier);
         Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
     }
-}
-
-/// Whether the root found, with this slope, is taken for the one that the motion continues on: after a path of this length, and a
-/// guess that was this far off, where the slope was `first`, and that is too far if it is more than the part `far` of the path.
-#[inline(always)]
-pub(crate) fn is_the_root<T: Real>(off_square: T, first: T, slope: T, path_square: T, far: f64) -> T::Mask {
-    let change = (slope - first) / slope; // of no unit: g may be scaled by any number
-    let change_square = change * change;
-    let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-    let short_path = (change_square * path_square).le(T::from_f64(LONG_PATH * LONG_PATH) * off_square);
-    let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
-    let upright = T::from_f64(0.0).lt(slope);
-    upright.and(straight.or(near_guess.and(short_path)))
 }
 
 impl<T: Real, const D: usize> Landing<T, D> {

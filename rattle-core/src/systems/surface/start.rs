@@ -9,6 +9,8 @@ use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::finite;
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
+use crate::solve::nearing::Nearing;
+use crate::solve::root::straight;
 use crate::systems::surface::normal::Normal;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
@@ -78,7 +80,7 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     finite("momentum", &body.p)?;
     let mut q = body.q;
     let mut distances: Vec<f64> = Vec::new();
-    let mut last_square = 0.0;
+    let (mut nearing, mut last_square) = (Nearing::leaving(f64::INFINITY), 0.0);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([value], [gradient]) = constraint.value_and_jacobian(&q);
         let square = dot(&gradient, &gradient);
@@ -89,11 +91,10 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
             return Err(StartFailure::SingularPoint { gradient: 0.0, distance: 0.0 });
         }
         let distance = value.abs() / square.sqrt();
-        // As in the solver: at the rounding of q, or at that of g, where steps no longer shrink though ∇g stays.
-        let straight = (square - last_square).abs() <= 1e-7 * square;
-        let stalled = straight && distances.last().is_some_and(|last| distance >= 0.5 * last);
+        // Where ∇g stays, distances that do not shrink are the rounding of g, however large.
+        let near = (square - last_square).abs() <= straight::<f64>() * square;
         last_square = square;
-        if distance <= f64::EPSILON * largest(&q) || stalled {
+        if nearing.look(distance, distance <= f64::EPSILON * largest(&q), near).0 {
             let normal = Normal::new(gradient);
             let mut p = body.p;
             for _ in 0..2 {

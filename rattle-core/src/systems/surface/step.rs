@@ -10,10 +10,13 @@ use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
+use crate::solve::nearing::Nearing;
+use crate::solve::root::FAR_GUESS;
+use crate::solve::stop::NOISE;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
-use crate::systems::surface::position::{Departure, FAR_GUESS, Landing};
+use crate::systems::surface::position::{Departure, Landing};
 
 /// First half: kick, drift, and the position multiplier. Lanes that have landed already stay there.
 #[inline(always)]
@@ -258,26 +261,24 @@ where
     let zero = T::from_f64(0.0);
     let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
     let rounding = T::from_f64(f64::EPSILON) * largest(q).max(largest(&path));
-    let mut nearest = T::from_f64(f64::INFINITY);
+    let (mut nearing, mut left) = (Nearing::leaving(1.0), zero);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([g], [gradient]) = constraint.value_and_jacobian(q);
         let normal = Normal::new(gradient);
         let shift = scaled(-g * normal.inverse_square, &gradient);
         let distance = dot(&shift, &shift).sqrt();
-        // At the rounding of q, or at that of g, where steps no longer shrink.
-        let stalled = nearest.le(distance + distance).and(distance.le(T::from_f64(64.0) * rounding));
-        let arrived = distance.le(rounding).or(stalled);
+        let near = distance.le(T::from_f64(NOISE) * rounding);
+        let (arrived, lost) = nearing.look(distance, distance.le(rounding), near);
         if arrived.all() {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
         }
-        let nearer = distance.lt(nearest);
-        if !arrived.or(nearer).all() {
-            return Err(FailureAt::of(body, arrived.or(nearer)).not_projected(distance, &path, q));
+        if !lost.not().all() {
+            return Err(FailureAt::of(body, lost.not()).not_projected(distance, &path, q));
         }
         let shift = shift.map(|shift| T::select(arrived, zero, shift));
         (*q, *q_low) = two_sum(q, &sum(q_low, &shift));
-        nearest = distance;
+        left = distance;
     }
-    Err(FailureAt::of(body, false).not_projected(nearest, &path, q))
+    Err(FailureAt::of(body, false).not_projected(left, &path, q))
 }

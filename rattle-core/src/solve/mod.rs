@@ -1,0 +1,5 @@
+//! What systems and methods solve alike: when a solve ends, which root it may end at, and when constraints are reached.
+
+pub(crate) mod nearing;
+pub(crate) mod root;
+pub(crate) mod stop;

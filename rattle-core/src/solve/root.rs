@@ -1,0 +1,112 @@
+//! Which root of a position equation the motion continues on, and how that root is followed.
+//!
+//! A path may meet the constraints more than once; the motion continues on the root that starts from Λ = 0 at h = 0. The
+//! root that an iteration finds is trusted to be that one if
+//!
+//! * normals are not turned over ("upright"), and either
+//! * the first guess was off by a small part of the path, and the path is short against the length on which normals
+//!   change; or
+//! * normals do not change at all ("straight").
+//!
+//! A root that is not trusted is followed from h = 0: the position equation is solved for parts of the step, which are
+//! halved until each root found is trusted. A root that no part of sensible length reaches has ended, or turns too
+//! sharply to tell. `tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces, and
+//! `tests/linked_roots.rs` of double pendulums: none ends on another root.
+
+use crate::number::real::{Mask, Real};
+
+/// A first correction longer than this part of the path is too far …
+pub(crate) const FAR_GUESS: f64 = 0.02;
+
+/// … and while a root is followed, longer than this part of the path: first guesses are then extrapolations.
+pub(crate) const FAR_EXTRAPOLATION: f64 = 0.1;
+
+/// A path is short up to this part of the length on which normals change.
+pub(crate) const SHORT_PATH: f64 = 0.5;
+
+/// What [`straight`] is in double precision: well above rounding, and 10⁷ corrections make a bend.
+const STRAIGHT: f64 = 1e-7;
+
+/// The smallest part of a step in which a root is followed.
+const SMALLEST_PART: f64 = 1.0 / 4096.0;
+
+/// Parts, taken or halved, after which a root is given up.
+const MAX_PARTS: usize = 200;
+
+/// A relative change of normals below this is none: 1e-7, or what is well above rounding where that is coarser.
+pub(crate) const fn straight<T: Real>() -> f64 {
+    if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
+}
+
+/// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) at the first guess and at the root.
+///
+/// `off_square` is the square of the first correction, `path_square` that of the path, both lengths; `far` is
+/// [`FAR_GUESS`] or [`FAR_EXTRAPOLATION`].
+#[inline(always)]
+pub(crate) fn is_the_root<T: Real>(off_square: T, first: T, slope: T, path_square: T, far: f64) -> T::Mask {
+    let change = (slope - first) / slope; // of no unit: g may be scaled by any number
+    let change_square = change * change;
+    let near_guess = off_square.le(T::from_f64(far * far) * path_square);
+    let short_path = (change_square * path_square).le(T::from_f64(SHORT_PATH * SHORT_PATH) * off_square);
+    let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
+    let upright = T::from_f64(0.0).lt(slope);
+    upright.and(straight.or(near_guess.and(short_path)))
+}
+
+/// A part of a step, from one share of the step to another; in each lane its own.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<T: Real> {
+    /// The share of the step where the part ends: s in q + s·drift + s²·push.
+    pub(crate) end: T,
+    /// How much of the step the part is.
+    pub(crate) length: T,
+    /// Where the root is still being followed; other lanes wait.
+    pub(crate) going: T::Mask,
+}
+
+/// Follows a root from h = 0 to the end of the step. `attempt` solves for one part, remembers what it finds where it
+/// trusts that and the part is `going`, and says where it does. True where the end is reached.
+///
+/// Every lane takes its own parts, so lanes do not influence each other.
+#[inline(always)]
+pub(crate) fn follow<T: Real>(mut attempt: impl FnMut(&Part<T>) -> T::Mask) -> T::Mask {
+    let (zero, one, half) = (T::from_f64(0.0), T::from_f64(1.0), T::from_f64(0.5));
+    let (mut s, mut part) = (zero, half);
+    for _ in 0..MAX_PARTS {
+        let going = s.lt(one).and(T::from_f64(SMALLEST_PART).le(part));
+        if going.not().all() {
+            break;
+        }
+        let end = (s + part).min(one);
+        let trusted = going.and(attempt(&Part { end, length: end - s, going }));
+        s = T::select(trusted, end, s);
+        part = T::select(trusted, part + part, T::select(going, half * part, part));
+    }
+    one.le(s)
+}
+
+/// A number sought along the step: Λ(s) = guess·s² + excess, the excess extrapolated linearly from part to part.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Course<T> {
+    excess: T,
+    rate: T,
+}
+
+impl<T: Real> Course<T> {
+    /// Before the first part: the excess is 0 and stays so.
+    pub(crate) fn start() -> Self {
+        Self { excess: T::from_f64(0.0), rate: T::from_f64(0.0) }
+    }
+
+    /// What is to be expected at the end of a part.
+    pub(crate) fn ahead(&self, guess: T, part: &Part<T>) -> T {
+        guess * part.end * part.end + self.excess + self.rate * part.length
+    }
+
+    /// Notes what was found there, where that is trusted.
+    pub(crate) fn note(&mut self, trusted: T::Mask, guess: T, part: &Part<T>, found: T) {
+        let excess = found - guess * part.end * part.end;
+        self.rate = T::select(trusted, (excess - self.excess) / part.length, self.rate);
+        self.excess = T::select(trusted, excess, self.excess);
+    }
+}
