@@ -65,8 +65,8 @@ pub(crate) struct Landing<T: Real, const D: usize> {
     pub(crate) gradient: [T; D],
     /// Length δ₁ of the first correction: how far off the guess was.
     pub(crate) first_correction: T,
-    /// ∇g·∇g(q) where it was made.
-    pub(crate) first_slope: T,
+    /// ∇g·∇g(q) where it was made, and where the body lands.
+    pub(crate) slopes: [T; 2],
     /// Corrections at or below this length count as converged.
     pub(crate) floor: T,
     /// Whether the equation was solved to the floor.
@@ -88,9 +88,9 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// guess that was off by `far` of it is too far.
     #[inline(always)]
     pub(crate) fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
-        let slope = dot(&self.normal.gradient, &landing.gradient);
+        let [first, slope] = landing.slopes;
         let off_square = landing.first_correction * landing.first_correction;
-        landing.converged.and(is_the_root(off_square, landing.first_slope, slope, path_square, far))
+        landing.converged.and(is_the_root(off_square, first, slope, path_square, far))
     }
 
     /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is not known.
@@ -101,7 +101,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
         let short_path = dot(&turned, &turned).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
-        let upright = T::from_f64(0.0).lt(dot(&landing.gradient, n));
+        let upright = T::from_f64(0.0).lt(landing.slopes[1]);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }
 
@@ -171,12 +171,12 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let mut multiplier = self.guess;
         let (mut last, mut last_slope) = (T::from_f64(f64::INFINITY), zero);
         let mut converged = zero.lt(zero);
-        let mut gradient = *n;
+        let (mut gradient, mut slope) = (*n, zero);
         let mut first_cycle = None;
         for cycle in 1..=MAX_CYCLES {
             let ([g], [at_point]) = constraint.value_and_jacobian(&self.point(multiplier));
             gradient = at_point;
-            let slope = dot(&gradient, n);
+            slope = dot(&gradient, n);
             let newton = -g / slope;
             let first = newton.abs() * length;
             correction(first);
@@ -193,20 +193,21 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let [g_next] = constraint.value(&self.point(multiplier));
             let ratio = g_next / g;
             let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
-            let ostrowski = -g_next / (slope * (T::from_f64(1.0) - T::from_f64(2.0) * ratio));
-            let ostrowski = T::select(near.and(converged.not()), ostrowski, zero);
-            multiplier = multiplier + ostrowski;
-            let second = ostrowski.abs() * length;
+            let bend = T::from_f64(1.0) - T::from_f64(2.0) * ratio;
+            let share = T::select(near.and(converged.not()), ratio / bend, zero); // of Newton's step
+            multiplier = multiplier + share * newton;
+            let second = share.abs() * first;
             correction(second);
-            let shrinking = second / first;
-            let next = second * shrinking * shrinking;
+            let next = share * share * second;
             let spare = near.and((T::from_f64(1.0 / SPARE) * next).le(floor));
             if !spare.not().all() {
                 [gradient] = constraint.jacobian(&self.point(multiplier));
-                let way = T::from_f64(1.0) + ostrowski / newton; // from the guess, in units of the Newton step
-                let of_parabola = slope * (T::from_f64(1.0) - T::from_f64(2.0) * ratio * way);
-                let third = (T::from_f64(1.0) - of_parabola / dot(&gradient, n)).abs() * second;
-                converged = converged.or(spare.and((T::from_f64(1.0 / SPARE) * third).le(floor)));
+                let of_parabola = slope * (bend - T::from_f64(2.0) * ratio * (T::from_f64(1.0) - ratio));
+                slope = dot(&gradient, n);
+                let found = bend * slope; // as much larger as that of the parabola
+                let left = (found - of_parabola).abs() * second;
+                let known = (T::from_f64(1.0 / SPARE) * left).le(floor * found.abs());
+                converged = converged.or(spare.and(known));
                 if converged.all() {
                     break;
                 }
@@ -215,12 +216,13 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
             if converged.or(hopeless).all() || cycle == MAX_CYCLES {
                 [gradient] = constraint.jacobian(&self.point(multiplier)); // for the lanes that did converge
+                slope = dot(&gradient, n);
                 break;
             }
         }
         let (first_correction, first_slope) = first_cycle.unwrap_or((zero, zero));
-        let increment = self.increment(multiplier);
-        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
+        let (increment, slopes) = (self.increment(multiplier), [first_slope, slope]);
+        Landing { increment, multiplier, gradient, first_correction, slopes, floor, converged }
     }
 
     /// Solves for Λ with the slope at the guess or that of the start, as it is or corrected by each two values. Not
@@ -277,8 +279,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         }
         let gradient = at_end.unwrap_or_else(|| constraint.jacobian(&self.point(multiplier))[0]);
-        let increment = self.increment(multiplier);
-        Landing { increment, multiplier, gradient, first_correction, first_slope, floor, converged }
+        let (increment, slopes) = (self.increment(multiplier), [first_slope, dot(&gradient, n)]);
+        Landing { increment, multiplier, gradient, first_correction, slopes, floor, converged }
     }
 }
 
@@ -291,7 +293,7 @@ impl<T: Real, const D: usize> Landing<T, D> {
             multiplier: choose(self.multiplier, other.multiplier),
             gradient: from_fn(|i| choose(self.gradient[i], other.gradient[i])),
             first_correction: choose(self.first_correction, other.first_correction),
-            first_slope: choose(self.first_slope, other.first_slope),
+            slopes: from_fn(|i| choose(self.slopes[i], other.slopes[i])),
             floor: self.floor,
             converged: mask.or(other.converged), // who is chosen has converged
         }
