@@ -1,7 +1,9 @@
 //! RATTLE in lanes.
 
+use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
+use crate::kernel::functions::ConstraintKernel;
 use crate::methods::rattle::Rattle;
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
@@ -16,6 +18,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
+use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
 use std::borrow::Borrow;
 
@@ -102,14 +105,14 @@ where
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
-        let (q, p, low) = (own(sight.position()), own(sight.momentum()), own(SVector::zeros()));
-        let bodies = system.bodies(|_| Body { q, q_low: low, p, p_low: low }, sight.time);
-        let (mut multiplier, mut force) = ([S::from_f64(0.0)], [low]);
-        system.multipliers(&bodies, &mut multiplier);
-        system.constraint_forces(&bodies, &mut force);
-        (multiplier.map(Lane::to_f64).to_vec(), vec![force[0].map(Lane::to_f64).into()])
+        let (q, p) = (own(sight.position()), own(sight.momentum()));
+        let ([gradient], [bend]) = (constraint.borrow().jacobian(&q), constraint.borrow().jet(&q, &p).2);
+        let (normal, mut force) = (Normal::new(gradient), [Force::zero()]);
+        let (at, effects) = (Moment { time: sight.time, positions: &[q] }, effects.borrow());
+        effects.evaluate(at, &mut effects.room(1), &mut force);
+        let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
+        (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
     }
 }
 
