@@ -68,7 +68,7 @@ fn lanes_are_simulations_to_rounding() {
 fn what_does_not_go_in_lanes_goes_alone_and_is_a_simulation() {
     let lobatto = Lobatto::<3>::new(0.02);
     assert_eq!(off(Double, &lobatto, 20), 0.0);
-    assert_eq!(off(Double, &Geodesic::new(2, 0.02), 20), 0.0);
+    assert_eq!(off(Double, &Shake::new(0.02), 20), 0.0);
     let double = || Scene::points::<2>(2).link(PlanarRod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, 0.0]);
     let scene = double().with(PlanarGravity { g: 1.0 });
     let starts = (0..5).map(|i| {

@@ -7,7 +7,7 @@ use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::prelude::*;
 use rattle::system::System;
-use rattle::{Error, Geodesic};
+use rattle::Error;
 
 /// How far from each other a trajectory in lanes and its simulation are.
 fn gap<Y: System<f64, 3, Count = One>, S: Method>(
@@ -63,6 +63,7 @@ fn lanes_are_simulations_that_retry() {
         ("double", off(Double, &rattle, 1e-15)),
         ("compensated", off(Compensated, &rattle, 1e-15)),
         ("composition", off(Double, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 1e-15)),
+        ("position Verlet", off(Double, &PositionVerlet::new(0.03), 1e-15)),
         ("backwards", off(Double, &Rattle::new(-0.015), 1e-15)),
         ("single", off(Single, &rattle, 5e-7)),
     ] {
@@ -70,7 +71,7 @@ fn lanes_are_simulations_that_retry() {
         assert!(number > 10 && factor < 30.0, "{name}: {factor}, {number}");
     }
     // By themselves they are simulations, bit for bit.
-    let (alone, number) = off(Double, &Geodesic::new(2, 0.03), 1e-15);
+    let (alone, number) = off(Double, &Lobatto::<2>::new(0.03), 1e-15);
     assert!(alone == 0.0 && number > 10, "{alone:e}, {number}");
 }
 

@@ -23,7 +23,7 @@ pub use crate::methods::coefficients::*;
 use crate::error::Error;
 use crate::methods::rattle::Rattle;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, RattleSteps, View};
+use crate::motion::method::{Method, Splitting, Stage, View};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -82,14 +82,13 @@ impl<B: Method> Method for Composition<B> {
     fn is_symmetric(&self) -> bool {
         self.base.is_symmetric()
     }
-    const RATTLE_STEPS: RattleSteps = match B::RATTLE_STEPS {
-        RattleSteps::None => RattleSteps::None,
-        RattleSteps::One | RattleSteps::Several => RattleSteps::Several,
+    const SPLITTING: Splitting = match B::SPLITTING {
+        Splitting::Not => Splitting::Not,
+        Splitting::OneStage | Splitting::Stages => Splitting::Stages,
     };
-    fn rattle_steps(&self) -> Option<Vec<f64>> {
+    fn stages(&self) -> Vec<Stage> {
         let of_each = self.coefficients.gammas.iter();
-        let of_each = of_each.map(|gamma| self.base.with_step(gamma * self.base.step_size()).rattle_steps());
-        Some(of_each.collect::<Option<Vec<_>>>()?.concat())
+        of_each.flat_map(|gamma| self.base.with_step(gamma * self.base.step_size()).stages()).collect()
     }
     fn numbered(&self, trajectory: u64) -> Self {
         Self { base: self.base.numbered(trajectory), ..*self }

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, check_step_size};
+use crate::motion::method::{Method, Splitting, Stage, check_step_size};
 use crate::motion::need::Kicks;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
@@ -55,6 +55,13 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     const SYMMETRIC: bool;
     /// How much later than positions momenta are, in steps; negative if earlier. 0 but for staggered methods.
     const DELAY: f64 = 0.0;
+
+    /// Whether the map is a splitting into [stages](Self::stages), which goes in the lanes of an ensemble.
+    const SPLITTING: Splitting = Splitting::Not;
+    /// The stages of a step of this size, in turn; as many as [`SPLITTING`](Self::SPLITTING) says.
+    fn stages(&self, _h: f64) -> Vec<Stage> {
+        Vec::new()
+    }
 
     /// Whether the map makes sense for a system with so many equations.
     ///
@@ -121,6 +128,10 @@ impl<M: Map> Method for Fixed<M> {
     }
     fn momentum_delay(&self) -> f64 {
         M::DELAY * self.h
+    }
+    const SPLITTING: Splitting = M::SPLITTING;
+    fn stages(&self) -> Vec<Stage> {
+        self.map.stages(self.h)
     }
     fn check(&self, equations: usize) -> Result<(), Error> {
         self.map.check(equations)?;

@@ -14,6 +14,7 @@
 
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
+use crate::motion::method::{Splitting, Stage};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -51,6 +52,14 @@ impl Map for KickDriftsKick {
     const NAME: &'static str = "geodesic RATTLE";
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = true;
+
+    const SPLITTING: Splitting = Splitting::Stages;
+    fn stages(&self, h: f64) -> Vec<Stage> {
+        let kick = |at_end: bool| if at_end { 0.5 * h } else { 0.0 };
+        let (number, inner) = (self.inner, h / f64::from(self.inner));
+        let stage = |i| Stage { before: kick(i == 0), h: inner, after: kick(i + 1 == number) };
+        (0..number).map(stage).collect()
+    }
 
     #[inline(always)]
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

@@ -14,6 +14,7 @@
 
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
+use crate::motion::method::{Splitting, Stage};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -36,6 +37,14 @@ impl Map for DriftKickDrift {
     const NAME: &'static str = "position Verlet";
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = true;
+
+    const SPLITTING: Splitting = Splitting::Stages;
+    fn stages(&self, h: f64) -> Vec<Stage> {
+        vec![
+            Stage { before: 0.0, h: 0.5 * h, after: h },
+            Stage { before: 0.0, h: 0.5 * h, after: 0.0 },
+        ]
+    }
 
     #[inline(always)]
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

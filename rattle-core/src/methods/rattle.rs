@@ -21,7 +21,7 @@
 use crate::motion::failure::Failure;
 use crate::motion::guess::{FromState, Guess};
 use crate::motion::iteration::{Iteration, Kind, Newton};
-use crate::motion::method::{Method, RattleSteps};
+use crate::motion::method::{Method, Splitting, Stage};
 use crate::motion::need::Steps;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
@@ -104,9 +104,9 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     fn is_symmetric(&self) -> bool {
         true
     }
-    const RATTLE_STEPS: RattleSteps = RattleSteps::One;
-    fn rattle_steps(&self) -> Option<Vec<f64>> {
-        Some(vec![self.h])
+    const SPLITTING: Splitting = Splitting::OneStage;
+    fn stages(&self) -> Vec<Stage> {
+        vec![Stage { before: 0.5 * self.h, h: self.h, after: 0.5 * self.h }]
     }
 
     fn memory<T: Real, Y: System<T, D>, const D: usize>(

@@ -12,6 +12,7 @@
 
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
+use crate::motion::method::{Splitting, Stage};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -37,6 +38,11 @@ impl Map for KickDrift {
     const NAME: &'static str = "symplectic Euler";
     const ORDER: u32 = 1;
     const SYMMETRIC: bool = false;
+
+    const SPLITTING: Splitting = Splitting::OneStage;
+    fn stages(&self, h: f64) -> Vec<Stage> {
+        vec![Stage { before: h, h, after: 0.0 }]
+    }
 
     #[inline(always)]
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

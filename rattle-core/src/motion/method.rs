@@ -61,14 +61,14 @@ pub trait Method: Clone + Send + Sync + 'static {
         0.0
     }
 
-    /// Of how many RATTLE steps one step consists: known by the type, so that an ensemble's lanes are compiled for methods of that
-    /// kind alone.
-    const RATTLE_STEPS: RattleSteps = RattleSteps::None;
+    /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble are compiled for
+    /// methods of that kind alone.
+    const SPLITTING: Splitting = Splitting::Not;
 
-    /// The lengths of the RATTLE steps that one step consists of, if it does, as many as [`RATTLE_STEPS`](Self::RATTLE_STEPS) says: such methods go in the lanes of an
-    /// [ensemble](crate::run::ensemble), and make sense in [phase space](crate::systems::phase).
-    fn rattle_steps(&self) -> Option<Vec<f64>> {
-        None
+    /// The stages that one step consists of, as many as [`SPLITTING`](Self::SPLITTING) says, in turn: such methods go in the lanes of
+    /// an [ensemble](crate::run::ensemble).
+    fn stages(&self) -> Vec<Stage> {
+        Vec::new()
     }
 
     /// The same method for the trajectory with this number in an ensemble, 0 for a simulation: what is random in the method
@@ -131,15 +131,27 @@ pub trait Method: Clone + Send + Sync + 'static {
     ) -> Result<(), Failure>;
 }
 
-/// Of how many RATTLE steps a step of a [`Method`] consists.
+/// Whether a step of a [`Method`] is a splitting into [stages](Stage).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RattleSteps {
-    /// It does not.
-    None,
-    /// One.
-    One,
-    /// Any number.
-    Several,
+pub enum Splitting {
+    /// It is not.
+    Not,
+    /// Into one.
+    OneStage,
+    /// Into any number of them.
+    Stages,
+}
+
+/// A drift of a splitting along the constraints, with the kicks before and after it; after each kick momenta are made those of motion
+/// along the constraints. All are lengths of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stage {
+    /// The kick before.
+    pub before: f64,
+    /// The drift.
+    pub h: f64,
+    /// The kick after, by the forces there.
+    pub after: f64,
 }
 
 /// Refuses a step size that is zero or not finite.

@@ -20,6 +20,7 @@
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
+use crate::motion::method::Stage;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
@@ -89,7 +90,9 @@ pub(crate) struct Part {
     pub(super) h: f64,
     /// What momenta are kept times: h where all steps are equal, else 1.
     pub(super) unit: f64,
-    /// The kick after it.
+    /// The kick before it, by which momenta are ahead.
+    pub(super) lead: f64,
+    /// The kick after it, and that before the next one.
     pub(super) kick: f64,
     /// Λ of the step before it in terms of its own.
     pub(super) before: f64,
@@ -98,17 +101,13 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    pub(crate) fn length(&self) -> f64 {
-        self.h
-    }
-
-    /// The parts of a method that takes RATTLE steps of these lengths in turn, again and again.
+    /// The parts of a method that consists of these stages, taken in turn again and again.
     ///
     /// Λ/h² is a smooth function of time. In steps of one length it is extrapolated quadratically. In steps of different
     /// lengths linearly, Λ taken to be that of a third of the step, unless that lies far away.
-    pub(crate) fn of<const EQUAL: bool>(lengths: &[f64]) -> Vec<Part> {
-        let n = lengths.len();
-        let at = |i: usize| lengths[i % n];
+    pub(crate) fn of<const EQUAL: bool>(stages: &[Stage]) -> Vec<Part> {
+        let n = stages.len();
+        let at = |i: usize| stages[i % n].h;
         let part = |i: usize| {
             let (before, h, next) = (at(i + n - 1), at(i), at(i + 1));
             let (last, earlier) = (h + next / 3.0 - h / 3.0, before + h / 3.0 - before / 3.0);
@@ -117,7 +116,9 @@ impl Part {
             let linear = [(1.0 + far) * (next / h).powi(2), -far * (next / before).powi(2), 0.0];
             let weights = if n == 1 { [3.0, -3.0, 1.0] } else { linear };
             let unit = if EQUAL { h } else { 1.0 };
-            Part { h, unit, kick: 0.5 * (h + next), before: (before / h).powi(2), weights }
+            let Stage { before: lead, after, .. } = stages[i];
+            let kick = after + stages[(i + 1) % n].before;
+            Part { h, unit, lead, kick, before: (before / h).powi(2), weights }
         };
         (0..n).map(part).collect()
     }
@@ -176,7 +177,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let (h, unit) = (S::from_f64(part.h), S::from_f64(part.unit));
         let [gradient] = constraint.borrow().jacobian(&q[0]);
         let normal = Normal::new(gradient);
-        let pushed = laws.kick(lane, &q[0], S::from_f64(0.5) * h, p[1]);
+        let pushed = laws.kick(lane, &q[0], S::from_f64(part.lead), p[1]);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
         let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
@@ -233,7 +234,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let q = at(&self.q, lane);
         let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
         let normal = Normal::new(gradient);
-        let kick = S::from_f64(-0.5 * part.h);
+        let kick = S::from_f64(-part.lead);
         let change = laws.kick(lane, &q, kick, low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));

@@ -10,8 +10,8 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! One body of up to 16 coordinates on a surface, moved by RATTLE or a composition of it, goes in lanes where the processor has fused
-//! multiply-add. All else goes trajectory by trajectory, as a [`Simulation`](crate::run::simulation::Simulation) each, on all cores.
+//! One body of up to 16 coordinates on a surface, moved by a splitting of kicks and drifts (RATTLE, position Verlet, symplectic Euler, Geodesic RATTLE) or a
+//! composition of one, goes in lanes where the processor has fused multiply-add. All else goes trajectory by trajectory, as a [`Simulation`](crate::run::simulation::Simulation) each, on all cores.
 //!
 //! **The same numbers everywhere.** What a trajectory does depends on its start alone: not on the trajectories beside it,
 //! on the number of threads, or on how a run is divided; nor on the instruction set, as long as it has fused multiply-add
@@ -35,8 +35,8 @@ mod laws;
 pub mod look;
 mod loops;
 pub mod precision;
-mod rattle_lanes;
 mod side_by_side;
+mod splitting_lanes;
 pub mod stream;
 pub mod trajectories;
 

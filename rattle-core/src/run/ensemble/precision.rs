@@ -2,13 +2,14 @@
 
 use crate::effect::list::Effects;
 use crate::kernel::functions::Constraint;
+use crate::motion::method::Stage;
 use crate::motion::state::State;
 use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lane};
 use crate::number::vectors::LANES;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Same};
-use crate::run::ensemble::rattle_lanes::RattleLanes;
+use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::run::ensemble::side_by_side::SideBySide;
 
 /// Double precision; what rounding takes from a position is lost. The default. (On coordinates near 1, above which doubles are
@@ -52,8 +53,8 @@ pub trait Precision: Copy {
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct InLanes {
-    /// The RATTLE steps of a step.
-    pub(crate) lengths: Vec<f64>,
+    /// The stages of a step.
+    pub(crate) stages: Vec<Stage>,
     /// The step.
     pub(crate) h: f64,
     /// The instructions.
@@ -92,7 +93,7 @@ precision! {
 fn same<S, C, E, const D: usize, const SUMS: usize, const EQUAL: bool>(
     (constraint, effects): (&C, &E),
     starts: &[State<D>],
-    InLanes { lengths, h, set }: &InLanes,
+    InLanes { stages, h, set }: &InLanes,
 ) -> Box<dyn Group<D>>
 where
     S: Lane,
@@ -101,10 +102,10 @@ where
 {
     let laws = Same(constraint.kernel::<S>(), effects.forces::<S>());
     if starts.len() == 1 {
-        let engine = RattleLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, lengths, *set);
+        let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *set);
         Box::new(SideBySide::new(engine, starts, *h))
     } else {
-        let engine = RattleLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, lengths, *set);
+        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
         Box::new(SideBySide::new(engine, starts, *h))
     }
 }
@@ -112,7 +113,7 @@ where
 fn each<S, C, E, const D: usize, const SUMS: usize, const EQUAL: bool>(
     scenes: &[(&C, &E)],
     starts: &[State<D>],
-    InLanes { lengths, h, set }: &InLanes,
+    InLanes { stages, h, set }: &InLanes,
 ) -> Box<dyn Group<D>>
 where
     S: Lane,
@@ -121,6 +122,6 @@ where
 {
     let of = |lane: usize| scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
     let laws = Each::<C, E, S, LANES, D>::new(of);
-    let engine = RattleLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, lengths, *set);
+    let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
     Box::new(SideBySide::new(engine, starts, *h))
 }

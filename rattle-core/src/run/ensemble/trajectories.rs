@@ -13,7 +13,7 @@ use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
-use crate::motion::method::{Method, RattleSteps};
+use crate::motion::method::{Method, Splitting};
 use crate::motion::state::State;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::group::Group;
@@ -134,9 +134,8 @@ impl<const D: usize> Ensemble<D> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
         let lanes = Fusing::of(set)
-            .zip(method.rattle_steps())
-            .filter(|(_, lengths)| lengths.iter().all(|length| length.abs() >= SHORT))
-            .map(|(set, lengths)| InLanes { lengths, h, set });
+            .map(|set| InLanes { stages: method.stages(), h, set })
+            .filter(|lanes| lanes.stages.iter().all(|stage| stage.h.abs() >= SHORT));
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         let mut trajectories = trajectories.into_iter();
         loop {
@@ -347,9 +346,9 @@ impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Ali
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
         let scene = (surfaces[0], effects);
-        if const { go_in_lanes::<S>(RattleSteps::One, D) } {
+        if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
             Some(P::same::<C, E, true, D>(scene, starts, lanes))
-        } else if const { go_in_lanes::<S>(RattleSteps::Several, D) } {
+        } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
             Some(P::same::<C, E, false, D>(scene, starts, lanes))
         } else {
             None
@@ -368,9 +367,9 @@ impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
         let scenes: Vec<_> = surfaces.iter().copied().zip(effects.iter().copied()).collect();
-        if const { go_in_lanes::<S>(RattleSteps::One, D) } {
+        if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
             Some(P::each::<C, E, true, D>(&scenes, starts, lanes))
-        } else if const { go_in_lanes::<S>(RattleSteps::Several, D) } {
+        } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
             Some(P::each::<C, E, false, D>(&scenes, starts, lanes))
         } else {
             None
@@ -378,10 +377,10 @@ impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<
     }
 }
 
-/// Whether a method goes in lanes made for so many RATTLE steps. Asked where a constant is wanted: what is not asked for is then
+/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked for is then
 /// not compiled.
-const fn go_in_lanes<S: Method>(steps: RattleSteps, coordinates: usize) -> bool {
-    coordinates <= MOST_COORDINATES && S::RATTLE_STEPS as u8 == steps as u8
+const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
+    coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
 }
 
 /// What is wrong with a start of which a number is larger than there are numbers.

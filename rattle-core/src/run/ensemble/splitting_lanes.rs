@@ -1,13 +1,12 @@
-//! RATTLE in lanes.
+//! Splittings in lanes.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
-use crate::methods::rattle::Rattle;
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
-use crate::motion::method::Method;
+use crate::motion::method::Stage;
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -23,22 +22,23 @@ use nalgebra::SVector;
 use std::borrow::Borrow;
 
 /// A block, what its lanes obey, and the parts of a step.
-pub(crate) struct RattleLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
+pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     laws: X,
+    stages: Vec<Stage>,
     parts: Vec<Part>,
     set: Fusing,
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
-    RattleLanes<S, X, L, D, SUMS, EQUAL>
+    SplittingLanes<S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    /// Lanes, none of them set, that obey these laws in RATTLE steps of these lengths.
-    pub(crate) fn new(laws: X, lengths: &[f64], set: Fusing) -> Self {
-        Self { block: Block::new(), laws, parts: Part::of::<EQUAL>(lengths), set }
+    /// Lanes, none of them set, that obey these laws in stages like these.
+    pub(crate) fn new(laws: X, stages: &[Stage], set: Fusing) -> Self {
+        Self { block: Block::new(), laws, stages: stages.to_vec(), parts: Part::of::<EQUAL>(stages), set }
     }
 }
 
@@ -51,7 +51,7 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: b
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
-    for RattleLanes<S, X, L, D, SUMS, EQUAL>
+    for SplittingLanes<S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
     X: Laws<S, D>,
@@ -93,8 +93,14 @@ where
     fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let steps = self.parts.iter().map(|part| part.length() / f64::from(number)).collect::<Vec<_>>();
-        in_parts::<S, _, D>(&system, &steps.repeat(number as usize), &self.body(lane))
+        let share = |x: f64| x / f64::from(number);
+        let stage = |&Stage { before, h, after }: &Stage| Stage {
+            before: share(before),
+            h: share(h),
+            after: share(after),
+        };
+        let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
+        in_parts::<S, _, D>(&system, &stages.repeat(number as usize), &self.body(lane))
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
@@ -116,18 +122,20 @@ where
     }
 }
 
-/// Where a body is after RATTLE steps of these lengths.
+/// Where a body is after these stages.
 #[cold]
 #[inline(never)]
 fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
-    steps: &[f64],
+    stages: &[Stage],
     &Body { q, q_low, p, p_low }: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
     let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
     let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
-    for &h in steps {
-        Rattle::new(h).step(system, &mut bodies, &mut [], &mut ())?;
+    for &Stage { before, h, after } in stages {
+        system.drift(before, h, &mut bodies, &mut ())?;
+        system.evaluate_forces(&mut bodies);
+        system.settle(after, h, &mut bodies, &mut ())?;
     }
     let Body { q, q_low, p, p_low } = bodies.body(0);
     let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));
