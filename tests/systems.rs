@@ -1,4 +1,4 @@
-//! Which method moves which system: the table on the front page and in the reference, asked of every pair.
+//! Which method moves which system: the table of `docs/methods.md` and of the reference, asked of every pair.
 
 mod common;
 use common::*;

@@ -17,7 +17,7 @@ use std::fmt::Debug;
 /// ([`Among`](crate::effect::Among)). An effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
-    note = "an effect is made by `potential!` with {D} variables, by `pair_potential!`, or from a potential of several bodies by `.over(members)`"
+    note = "an effect is made by `potential!` with {D} variables, by `pair_potential!`, from a potential of several bodies by `.over(members)`, or is a `Flow<{D}>` of momenta or an `Effect` written by hand"
 )]
 pub trait Effect<const D: usize, Kind> {
     /// The effect over the scalar `T`.

@@ -84,7 +84,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
 
     /// Whether momenta are M v in the coordinates of the places, and [`drift`](Self::drift) solves g(q′) = 0 along normals
-    /// that are kept.
+    /// that are kept. Other ways to solve it than Newton's, and `Bdf2`, are for such systems alone.
     #[inline(always)]
     fn is_cartesian(&self) -> bool {
         true
