@@ -8,7 +8,7 @@ use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::state::Remembered;
 use crate::motion::stir::step;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::clock::later;
 use crate::run::watch::observer::Observer;
@@ -165,7 +165,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`Error::Step`] says why the step cannot be taken; the simulation is then unchanged.
     #[inline(always)]
     pub fn step(&mut self) -> Result<(), Error> {
-        self.advance(&mut ())
+        self.take(1, &mut ())
     }
 
     /// Takes `steps` steps.
@@ -173,10 +173,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Errors
     /// At the first step that cannot be taken; the simulation is then as the steps before left it.
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
-        for _ in 0..steps {
-            self.advance(&mut ())?;
-        }
-        Ok(())
+        self.take(steps, &mut ())
     }
 
     /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is a number
@@ -248,7 +245,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// As [`Self::run`]; `see` has been shown every step that was taken.
     pub fn run_with(&mut self, steps: u64, mut see: impl FnMut(&Self)) -> Result<(), Error> {
         for _ in 0..steps {
-            self.advance(&mut ())?;
+            self.step()?;
             see(self);
         }
         Ok(())
@@ -282,16 +279,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         assert!(every > 0, "a simulation is observed after every 1 or more steps");
         let mut before = Seen::new(self.steps, 1, self.bodies(), |page| self.look(page));
         let mut now = before.clone();
-        for step in 1..=steps {
-            self.advance(&mut Listening(observer))?;
-            if step.is_multiple_of(every) {
-                now.steps = self.steps;
-                self.look(now.page());
-                observer.see(&before.sight(self), &now.sight(self));
-                std::mem::swap(&mut before, &mut now);
-            }
+        for _ in 0..steps / every {
+            self.take(every, &mut Listening(observer))?;
+            now.steps = self.steps;
+            self.look(now.page());
+            observer.see(&before.sight(self), &now.sight(self));
+            std::mem::swap(&mut before, &mut now);
         }
-        Ok(())
+        self.take(steps % every, &mut Listening(observer))
+    }
+
+    /// Takes so many steps. In one place for all who take steps: a step is much to compile.
+    #[inline(never)]
+    fn take(&mut self, steps: u64, witness: &mut impl Witness<f64>) -> Result<(), Error> {
+        (0..steps).try_for_each(|_| self.advance(witness))
     }
 
     #[inline(always)]
@@ -355,7 +356,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&method, &self.system)?;
         let mut memory = method.memory(system, &self.bodies);
         for _ in 0..parts {
-            step(&method, system, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
+            seldom(&method, &self.system, &mut self.bodies, memory.as_mut(), witness)?;
             if let Some(taken) = method.time_taken(memory.as_ref()) {
                 self.clock = later(self.clock, (taken, 0.0));
             }
@@ -369,14 +370,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[inline(never)]
     fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
-        let system = view(&self.method, &self.system)?;
         self.bodies.save(&mut reversal.after);
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
         let bodies = &mut self.bodies;
         let back =
-            (0..parts).try_for_each(|_| step(&backwards, system, &self.system, bodies, memory, &mut ()));
+            (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));
@@ -399,6 +399,19 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.put_back(&mut self.bodies, &self.before);
         self.memory.as_mut().copy_from_slice(self.memory_before.as_ref());
     }
+}
+
+/// A step that is seldom taken, in one place.
+#[cold]
+#[inline(never)]
+fn seldom<Y: System<f64, D>, S: Method, W: Witness<f64>, const D: usize>(
+    method: &S,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, f64, D>,
+    memory: &mut [f64],
+    witness: &mut W,
+) -> Result<(), Trouble> {
+    Ok(step(method, view(method, system)?, system, bodies, memory, witness)?)
 }
 
 /// The larger one; NaN if one is.
