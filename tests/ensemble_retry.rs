@@ -2,12 +2,12 @@
 
 mod common;
 use common::*;
+use rattle::Error;
 use rattle::bodies::One;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::prelude::*;
 use rattle::system::System;
-use rattle::Error;
 
 /// How far from each other a trajectory in lanes and its simulation are.
 fn gap<Y: System<f64, 3, Count = One>, S: Method>(

@@ -40,10 +40,7 @@ impl Map for DriftKickDrift {
 
     const SPLITTING: Splitting = Splitting::Stages;
     fn stages(&self, h: f64) -> Vec<Stage> {
-        vec![
-            Stage { before: 0.0, h: 0.5 * h, after: h },
-            Stage { before: 0.0, h: 0.5 * h, after: 0.0 },
-        ]
+        vec![Stage { before: 0.0, h: 0.5 * h, after: h }, Stage { before: 0.0, h: 0.5 * h, after: 0.0 }]
     }
 
     #[inline(always)]

@@ -375,8 +375,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));
         let bodies = &mut self.bodies;
-        let back =
-            (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut ()));
+        let back = (0..parts).try_for_each(|_| seldom(&backwards, &self.system, bodies, memory, &mut ()));
         let (mut worst, mut body, mut size) = (0.0, 0, 0.0_f64);
         for i in 0..self.bodies.q.as_ref().len() {
             let (was, is) = (self.before.body(i), self.bodies.body(i));

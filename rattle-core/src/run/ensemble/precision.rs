@@ -9,8 +9,8 @@ use crate::number::lanes::{Fused, Lane};
 use crate::number::vectors::LANES;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Same};
-use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::run::ensemble::side_by_side::SideBySide;
+use crate::run::ensemble::splitting_lanes::SplittingLanes;
 
 /// Double precision; what rounding takes from a position is lost. The default. (On coordinates near 1, above which doubles are
 /// twice as far apart as below, rounding is biased: on a unit sphere the energy grows by 1e-17 of itself in each step.)
