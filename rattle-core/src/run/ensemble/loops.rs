@@ -50,33 +50,15 @@ pub(super) fn step<S, const L: usize, const D: usize, const SUMS: usize, const E
 where
     S: Lane,
 {
-    let Scratch { free, old, multiplier, over_slope, g } = scratch;
-    let Block { q, way, normal, square, bias, rest, guess, past, q_low, way_low, part } = block;
-    let low = (q_low, way_low);
-    advance::<S, L, D, SUMS, EQUAL>(
-        laws,
-        &parts[*part],
-        q,
-        way,
-        low,
-        normal,
-        old,
-        square,
-        bias,
-        rest,
-        guess,
-        past,
-        (free, multiplier, over_slope, g),
-    )?;
-    *part = if *part + 1 == parts.len() { 0 } else { *part + 1 };
+    let part = &parts[block.part];
+    if L == 1 {
+        advance(block, laws, part, &mut Scratch::new())?; // in registers
+    } else {
+        advance(block, laws, part, scratch)?;
+    }
+    block.part = if block.part + 1 == parts.len() { 0 } else { block.part + 1 };
     Ok(())
 }
-
-type Of<'a, S, const L: usize, const D: usize, const SUMS: usize> =
-    (&'a mut [Vectors<S, L, D>; SUMS], &'a mut [Vectors<S, L, D>; SUMS]);
-
-type Paper<'a, S, const L: usize, const D: usize> =
-    (&'a mut Vectors<S, L, D>, &'a mut [S; L], &'a mut [S; L], &'a mut [S; L]);
 
 /// x + c·y; x + y where steps are equal.
 #[inline(always)]
@@ -98,27 +80,19 @@ fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize, const E
     plus::<S, D, EQUAL>(&at(&q_low[0], lane), share, &at(&way_low[0], lane))
 }
 
-/// One part of a step. What it works on are arguments one by one, since compilers then know that no two overlap.
-#[allow(clippy::too_many_arguments, reason = "see above")]
+/// One part of a step. Its loops are told what they work on one by one, since compilers then know that no two overlap.
 #[inline(always)]
 fn advance<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &mut Block<S, L, D, SUMS, EQUAL>,
     laws: &impl Laws<S, D>,
     part: &Part,
-    q: &mut Vectors<S, L, D>,
-    way: &mut Vectors<S, L, D>,
-    (q_low, way_low): Of<'_, S, L, D, SUMS>,
-    normal: &mut Vectors<S, L, D>,
-    old: &mut Vectors<S, L, D>,
-    square: &mut [S; L],
-    bias: &mut [S; L],
-    rest: &mut [S; L],
-    first: &mut [S; L],
-    past: &mut [[S; L]; 2],
-    (free, multiplier, over_slope, g): Paper<'_, S, L, D>,
+    scratch: &mut Scratch<S, L, D>,
 ) -> Result<(), Stuck>
 where
     S: Lane,
 {
+    let Scratch { free, old, multiplier, over_slope, g } = scratch;
+    let Block { q, way, normal, square, bias, rest, guess: first, past, q_low, way_low, .. } = block;
     let share = S::from_f64(part.h / part.unit);
     guess::<S, L, D, SUMS, EQUAL>(
         laws, share, q, way, q_low, way_low, normal, first, free, multiplier, over_slope, g,
