@@ -348,3 +348,32 @@ fn comparisons() {
     assert_eq!(holds(1.0), vector![false, true, false, true]);
     assert_eq!(holds(1.0_f64.next_up()), vector![false, false, true, true]);
 }
+
+/// What another macro was given as an expression is one operand, as in Rust, sign and sums and all.
+#[test]
+fn fragments_are_operands() {
+    macro_rules! formulas {
+        ($e:expr) => {
+            constraint! { struct Power {} |x| x + $e^2 }
+            constraint! { struct Difference {} |x| x - $e }
+            constraint! { struct Product {} |x| $e * x }
+            constraint! { struct Negative {} |x| x + -$e }
+            constraint! { struct Exponent {} |x| x^$e + 2^-$e }
+            constraint! { struct First {} |x| $e - x }
+        };
+    }
+    {
+        formulas!(-3.0);
+        let at = vector![2.0];
+        let found = [Power {}.value(&at).x, Difference {}.value(&at).x, Product {}.value(&at).x];
+        assert_eq!(found, [11.0, 5.0, -6.0]);
+        let found = [Negative {}.value(&at).x, Exponent {}.value(&at).x, First {}.value(&at).x];
+        assert_eq!(found, [5.0, 8.125, -5.0]);
+    }
+    formulas!(-2.0 + 1.0);
+    let at = vector![2.0];
+    let found = [Power {}.value(&at).x, Difference {}.value(&at).x, Product {}.value(&at).x];
+    assert_eq!(found, [3.0, 3.0, -2.0]);
+    let found = [Negative {}.value(&at).x, Exponent {}.value(&at).x, First {}.value(&at).x];
+    assert_eq!(found, [3.0, 2.5, -3.0]);
+}

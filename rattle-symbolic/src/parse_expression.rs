@@ -12,7 +12,7 @@
 use crate::functions::Function;
 use crate::problems::{Extent, Problems};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
-use crate::tokens::{drain, error, found, invisible, starts_operand};
+use crate::tokens::{drain, error, found, invisible, is_invisible, starts_operand};
 use proc_macro2::{Ident, Span};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser as _, Result};
@@ -140,8 +140,8 @@ impl<'p> Parser<'p> {
                 $(if input.peek(Token![$token]) { return Some(Operator::$operator); })*
             };
         }
-        if input.peek(Token![*]) && input.peek2(Token![*]) {
-            return None; // a slip for `^`
+        if is_invisible(input) || input.peek(Token![*]) && input.peek2(Token![*]) {
+            return None; // an operand, or a slip for `^`
         }
         if self.condition && input.peek(Token![==]) {
             return Some(Operator::Equal);
@@ -172,7 +172,7 @@ impl<'p> Parser<'p> {
     }
 
     fn signed(&mut self, input: ParseStream) -> Result<Expr> {
-        if !input.peek(Token![-]) {
+        if is_invisible(input) || !input.peek(Token![-]) {
             return self.power(input);
         }
         let minus: Token![-] = input.parse()?;

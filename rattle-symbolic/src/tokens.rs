@@ -29,6 +29,12 @@ pub(crate) fn found(input: ParseStream) -> String {
     }
 }
 
+/// Whether a group without delimiters comes next: what a `macro_rules!` macro was given as an expression. `syn` looks into such a
+/// group when it is asked for the next token, so that of `-3` in a group only the sign would be seen.
+pub(crate) fn is_invisible(input: ParseStream) -> bool {
+    input.cursor().group(Delimiter::None).is_some()
+}
+
 /// The content of a group without delimiters, if one comes next.
 pub(crate) fn invisible(input: ParseStream) -> Option<TokenStream> {
     let step = input.step(|cursor| match cursor.group(Delimiter::None) {
