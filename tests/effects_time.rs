@@ -124,6 +124,34 @@ impl Flow<3> for Magnetic {
     }
 }
 
+/// Drag along x alone, which turning does not commute with.
+#[derive(Debug, Clone, Copy)]
+struct AlongX(f64);
+
+impl Flow<3> for AlongX {
+    fn flow<T: Real>(
+        &self,
+        h: f64,
+        _: Moment<'_, T, 3>,
+        momenta: &[[T; 3]],
+        _: &[[T; 3]],
+        changes: &mut [[T; 3]],
+    ) {
+        let (lost, none) = (T::from_f64((-self.0 * h).exp_m1()), T::from_f64(0.0));
+        let changed = changes.iter_mut().zip(momenta);
+        changed.for_each(|(change, p)| *change = [lost * p[0], none, none]);
+    }
+}
+
+/// Flows that do not commute: the last one of the first half is the first one of the second.
+#[test]
+fn flows_stand_symmetrically_about_a_step() {
+    let scene = Scene::point().with(Weight { g: 1.0 }).with(Magnetic(2.0)).with(AlongX(0.7));
+    let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.5]);
+    let mut checked = scene.simulate(start, Rattle::new(0.1)).unwrap().check_reversal(1e-14).unwrap();
+    checked.run(40).unwrap();
+}
+
 const DRAG: Drag = Drag { gamma: 0.3, grows: false };
 
 fn bits<const D: usize>(state: &State<D>) -> Vec<u64> {

@@ -8,7 +8,7 @@
 //! kernel                  what a macro writes: functions of one place, and their derivatives
 //! effect  geometry        forces; curvature
 //! motion                  the contract: bodies, state, system, method
-//! solve                   when a solve ends, which root, how stages converge: alike for all systems
+//! solve                   when a solve ends, which root, when constraints are reached: alike for all
 //! systems │ methods       neither knows the other
 //! scene                   what is simulated
 //! run                     who goes on, and who watches

@@ -26,7 +26,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        self.begin(self.ready(&start, &method)?, &start, method.numbered(0))
+        let method = method.numbered(0);
+        self.begin(self.ready(&start, &method)?, &start, method)
     }
 
     /// Says what is wrong with a start, or gives the system that is ready to move from there.

@@ -122,6 +122,12 @@ impl Part {
         };
         (0..n).map(part).collect()
     }
+
+    /// What the kick before it makes of something, if there is one; this way or that.
+    #[inline(always)]
+    fn led<S: Lane, X>(&self, way: f64, kicked: impl FnOnce(S) -> X, still: X) -> X {
+        if self.lead == 0.0 { still } else { kicked(S::from_f64(way * self.lead)) }
+    }
 }
 
 /// The sum of the components.
@@ -177,7 +183,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let (h, unit) = (S::from_f64(part.h), S::from_f64(part.unit));
         let [gradient] = constraint.borrow().jacobian(&q[0]);
         let normal = Normal::new(gradient);
-        let pushed = laws.kick(lane, &q[0], S::from_f64(part.lead), p[1]);
+        let pushed = part.led(1.0, |kick| laws.kick(lane, &q[0], kick, p[1]), p[1]);
         let (_, back) = normal.projection(&sum(&p[0], &pushed));
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
         let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
@@ -234,8 +240,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let q = at(&self.q, lane);
         let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
         let normal = Normal::new(gradient);
-        let kick = S::from_f64(-part.lead);
-        let change = laws.kick(lane, &q, kick, low);
+        let change = part.led(-1.0, |kick| laws.kick(lane, &q, kick, low), low);
         let (_, back) = normal.projection(&sum(&ahead, &change));
         let (p, low) = two_sum(&ahead, &sum(&change, &back));
         [p, low.map(|x| if SUMS == 0 { S::default() } else { x })]

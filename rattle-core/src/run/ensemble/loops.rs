@@ -146,10 +146,17 @@ where
             put(normal, lane, gradient);
         }
     }
-    finish::<S, L, D, SUMS, EQUAL>(
-        laws, part, old, normal, free, multiplier, over_slope, q, way, q_low, way_low, square, bias, rest,
-        first, past,
-    );
+    if EQUAL || part.kick != 0.0 {
+        finish::<S, L, D, SUMS, EQUAL, true>(
+            laws, part, old, normal, free, multiplier, over_slope, q, way, q_low, way_low, square, bias,
+            rest, first, past,
+        );
+    } else {
+        finish::<S, L, D, SUMS, EQUAL, false>(
+            laws, part, old, normal, free, multiplier, over_slope, q, way, q_low, way_low, square, bias,
+            rest, first, past,
+        );
+    }
     Ok(())
 }
 
@@ -297,10 +304,10 @@ fn again<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
     None
 }
 
-/// Makes the new positions and ways, and the next guess.
+/// Makes the new positions and ways, and the next guess. Without kicks no force is evaluated.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool, const KICKS: bool>(
     laws: &impl Laws<S, D>,
     part: &Part,
     normal: &Vectors<S, L, D>,
@@ -340,11 +347,12 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
         let project = |change: [S; D], along: S| {
             if EQUAL { change } else { add_scaled(&change, -along / length, &m) }
         };
+        let kicked = |p: [S; D]| if KICKS { laws.kick(i, &place, kick, p) } else { p };
         let new = if SUMS == 0 {
-            let pushed = laws.kick(i, &place, kick, add_scaled(&old, push, &n));
+            let pushed = kicked(add_scaled(&old, push, &n));
             project(pushed, dot(&m, &pushed))
         } else {
-            let change = laws.kick(i, &place, kick, add_scaled(&at(&way_low[0], i), push, &n));
+            let change = kicked(add_scaled(&at(&way_low[0], i), push, &n));
             let (new, low) = two_sum(&old, &project(change, dot(&m, &sum(&old, &change))));
             put(&mut way_low[0], i, low);
             new

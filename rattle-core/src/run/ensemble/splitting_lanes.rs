@@ -100,7 +100,7 @@ where
             after: share(after),
         };
         let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
-        in_parts::<S, _, D>(&system, &stages.repeat(number as usize), &self.body(lane))
+        in_parts::<S, _, D>(&system, &stages, number, &self.body(lane))
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
@@ -122,20 +122,25 @@ where
     }
 }
 
-/// Where a body is after these stages.
+/// Where a body is after these stages, taken so many times in turn.
 #[cold]
 #[inline(never)]
 fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
+    number: u32,
     &Body { q, q_low, p, p_low }: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
     let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
     let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
-    for &Stage { before, h, after } in stages {
-        system.drift(before, h, &mut bodies, &mut ())?;
-        system.evaluate_forces(&mut bodies);
-        system.settle(after, h, &mut bodies, &mut ())?;
+    for _ in 0..number {
+        for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
+            system.drift(before, h, &mut bodies, &mut ())?;
+            if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
+                system.evaluate_forces(&mut bodies);
+            }
+            system.settle(after, h, &mut bodies, &mut ())?;
+        }
     }
     let Body { q, q_low, p, p_low } = bodies.body(0);
     let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));

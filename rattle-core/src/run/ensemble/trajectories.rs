@@ -135,19 +135,25 @@ impl<const D: usize> Ensemble<D> {
         let h = method.step_size();
         let lanes = Fusing::of(set)
             .map(|set| InLanes { stages: method.stages(), h, set })
+            .filter(|lanes| match S::SPLITTING {
+                Splitting::Not => false,
+                Splitting::OneStage => lanes.stages.len() == 1,
+                Splitting::Stages => !lanes.stages.is_empty(),
+            })
             .filter(|lanes| lanes.stages.iter().all(|stage| stage.h.abs() >= SHORT));
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         let mut trajectories = trajectories.into_iter();
         loop {
-            let (mut scenes, mut starts, mut systems) = (Vec::new(), Vec::new(), Vec::new());
+            let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
             for (scene, start) in trajectories.by_ref().take(LANES) {
                 let trajectory = ensemble.len + scenes.len();
+                let method = method.numbered(trajectory as u64);
                 let system = match beyond(most, &start) {
                     Some(error) => Err(error),
                     None => scene.ready(&start, &method),
                 };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
-                systems.push(system.map_err(error)?);
+                ready.push((system.map_err(error)?, method));
                 starts.push(start);
                 scenes.push(scene);
             }
@@ -157,11 +163,10 @@ impl<const D: usize> Ensemble<D> {
             let single = starts.iter().all(|start| start.len() == 1)
                 && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
             let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
-            let number = ensemble.len;
             let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
-                let each = scenes.iter().zip(&starts).zip(systems).zip(number as u64..);
-                each.map(|(((scene, start), system), number)| {
-                    let simulation = scene.begin(system, start, method.numbered(number))?;
+                let each = scenes.iter().zip(&starts).zip(ready);
+                each.map(|((scene, start), (system, method))| {
+                    let simulation = scene.begin(system, start, method)?;
                     Ok(Box::new(Alone::new(simulation)) as _)
                 })
                 .collect()
