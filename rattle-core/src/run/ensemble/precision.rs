@@ -32,7 +32,7 @@ pub trait Precision: Copy {
     /// The largest number that there is.
     const MOST: f64;
 
-    /// A group of trajectories that obey the same; `EQUAL` says that RATTLE steps are of one length.
+    /// A group of trajectories that obey the same; `EQUAL` says that a step is one stage.
     #[doc(hidden)]
     fn same<C: Constraint<D, 1>, E: Effects<D>, const EQUAL: bool, const D: usize>(
         scene: (&C, &E),
