@@ -18,7 +18,7 @@ use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGH
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
@@ -87,12 +87,8 @@ impl Method for Dop853 {
         false
     }
     fn check(&self, _: usize) -> Result<(), Error> {
-        match self.tolerance {
-            Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => {
-                Err(Error::Tolerance(tolerance))
-            }
-            _ => check_step_size(self.h),
-        }
+        check_tolerance(self.tolerance)?;
+        check_step_size(self.h)
     }
 
     fn prepare<T: Real, Y: System<T, D>, const D: usize>(

@@ -21,7 +21,7 @@ use crate::error::{Error, StepFailure};
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::capability::{Rates, Series};
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
@@ -82,12 +82,8 @@ impl Method for Taylor {
         if !(2..=64).contains(&self.order) {
             return Err(Error::Order(self.order));
         }
-        match self.tolerance {
-            Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => {
-                Err(Error::Tolerance(tolerance))
-            }
-            _ => check_step_size(self.h),
-        }
+        check_tolerance(self.tolerance)?;
+        check_step_size(self.h)
     }
 
     fn prepare<T: Real, Y: System<T, D>, const D: usize>(

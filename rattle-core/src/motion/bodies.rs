@@ -63,6 +63,15 @@ pub struct Body<T, const D: usize> {
     pub p_low: [T; D],
 }
 
+impl<T, const D: usize> Body<T, D> {
+    /// The same in other numbers.
+    pub(crate) fn map<U>(self, number: impl Fn(T) -> U) -> Body<U, D> {
+        let Self { q, q_low, p, p_low } = self;
+        let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(&number));
+        Body { q, q_low, p, p_low }
+    }
+}
+
 /// Positions and momenta of all bodies, and what a [`System`](crate::motion::system::System) keeps at them.
 ///
 /// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` holds what

@@ -158,3 +158,11 @@ pub struct Stage {
 pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }
 }
+
+/// Refuses a tolerance, where there is one, that is not positive or not finite.
+pub(crate) fn check_tolerance(tolerance: Option<f64>) -> Result<(), Error> {
+    match tolerance {
+        Some(tolerance) if !(tolerance > 0.0 && tolerance.is_finite()) => Err(Error::Tolerance(tolerance)),
+        _ => Ok(()),
+    }
+}

@@ -69,8 +69,8 @@ where
         self.block = lanes;
     }
 
-    fn set(&mut self, lane: usize, &Body { q, q_low, p, p_low }: &Body<f64, D>) {
-        let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
+    fn set(&mut self, lane: usize, body: &Body<f64, D>) {
+        let Body { q, q_low, p, p_low } = body.map(S::from_f64);
         self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
     }
 
@@ -86,8 +86,7 @@ where
     fn body(&self, lane: usize) -> Body<f64, D> {
         let ([q, q_low], [p, p_low]) =
             (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
-        let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));
-        Body { q, q_low, p, p_low }
+        Body { q, q_low, p, p_low }.map(Lane::to_f64)
     }
 
     fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure> {
@@ -129,10 +128,9 @@ fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
     number: u32,
-    &Body { q, q_low, p, p_low }: &Body<f64, D>,
+    body: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
-    let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(S::from_f64));
-    let mut bodies = system.bodies(|_| Body { q, q_low, p, p_low }, 0.0);
+    let mut bodies = system.bodies(|_| body.map(S::from_f64), 0.0);
     for _ in 0..number {
         for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
             system.drift(before, h, &mut bodies, &mut ())?;
@@ -142,9 +140,7 @@ fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
             system.settle(after, h, &mut bodies, &mut ())?;
         }
     }
-    let Body { q, q_low, p, p_low } = bodies.body(0);
-    let [q, q_low, p, p_low] = [q, q_low, p, p_low].map(|x| x.map(Lane::to_f64));
-    Ok(Body { q, q_low, p, p_low })
+    Ok(bodies.body(0).map(Lane::to_f64))
 }
 
 /// A block on a tour.
