@@ -35,12 +35,12 @@ fn four_alone<S: Method>(method: &S) {
     let lanes = |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
     let zero = [Four([0.0; 4]); 3];
     let mut together = system.bodies(
-        |_| Body {
+        &[Body {
             q: lanes(&|lane| alone[lane].position().into()),
             q_low: zero,
             p: lanes(&|lane| alone[lane].momentum().into()),
             p_low: zero,
-        },
+        }],
         0.0,
     );
     let seen = || S::Need::of(&system).unwrap();
@@ -77,14 +77,14 @@ fn parameters_can_differ_from_lane_to_lane() {
     assert_eq!(gravity.value(&height).0, [3.0, 1.5, 0.0, -3.0]);
 
     let same = Four::from_f64;
-    let place = |_| Body {
+    let place = Body {
         q: [same(0.0), same(0.0), Four(surfaces.map(|surface| surface.r))],
         q_low: [same(0.0); 3],
         p: [same(0.6), same(0.8), same(0.0)],
         p_low: [same(0.0); 3],
     };
     let system = OnSurface::new(constraint, OneByOne, (), One);
-    let mut together = system.bodies(place, 0.0);
+    let mut together = system.bodies(&[place], 0.0);
     for _ in 0..500 {
         Rattle::new(2e-3).step(&system, &mut together, &mut [], &mut ()).unwrap();
         for (lane, simulation) in alone.iter_mut().enumerate() {
@@ -147,12 +147,12 @@ fn a_lane_that_leaves_the_domain_does_not_touch_the_others() {
             |component: &dyn Fn(usize) -> [f64; 3]| from_fn(|d| Four(from_fn(|lane| component(lane)[d])));
         let zero = [Four([0.0; 4]); 3];
         let mut together = system.bodies(
-            |_| Body {
+            &[Body {
                 q: lanes(&|lane| alone[lane].position().into()),
                 q_low: zero,
                 p: lanes(&|lane| alone[lane].momentum().into()),
                 p_low: zero,
-            },
+            }],
             0.0,
         );
         let mut alone = alone;
@@ -180,12 +180,12 @@ fn a_lane_that_fails_is_told() {
     let system = scene.lanes::<Four>();
     let (zero, one) = (Four([0.0; 4]), Four([1.0; 4]));
     let mut bodies = system.bodies(
-        |_| Body {
+        &[Body {
             q: [one, zero, zero],
             q_low: [zero; 3],
             p: [zero, Four([0.1, 0.2, 30.0, 0.4]), zero],
             p_low: [zero; 3],
-        },
+        }],
         0.0,
     );
     let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut [], &mut ()).unwrap_err();

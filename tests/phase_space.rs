@@ -346,7 +346,7 @@ fn steps_from_all_points_of_a_fibre_arrive_together() {
     let arrive = |s: f64| -> [[f64; 2]; 2] {
         let (sin, cos) = s.sin_cos();
         let (q, p) = ((q * cos + p * sin).into(), (p * cos - q * sin).into());
-        let mut bodies = system.bodies(|_| Body { q, q_low: [0.0; 2], p, p_low: [0.0; 2] }, 0.0);
+        let mut bodies = system.bodies(&[Body { q, q_low: [0.0; 2], p, p_low: [0.0; 2] }], 0.0);
         Rattle::new(0.1).step(&system, &mut bodies, &mut [], &mut ()).unwrap();
         [bodies.q[0], bodies.p[0]]
     };

@@ -263,7 +263,7 @@ fn great_circles() {
     let (q, v) = ([0.6, 0.0, 0.8], [0.0, 1.0, 0.0]);
     let system = scene.lanes::<f64>();
     let start = Body { q, q_low: [0.0; 3], p: v, p_low: [0.0; 3] };
-    let mut bodies = system.bodies(|_| start, 0.0);
+    let mut bodies = system.bodies(&[start], 0.0);
     system.reserve_series(&mut bodies, LAST + 1);
     let mut series = vec![[0.0; 3]; LAST + 1];
     system.expand(&mut bodies, &mut series, &mut ());

@@ -93,7 +93,7 @@ fn with_what_it_remembers_it_goes_back() {
     let system = scene().lanes::<f64>();
     let start = billiard(0.7);
     let (q, p) = (start.positions().next().unwrap().into(), start.momenta().next().unwrap().into());
-    let mut bodies = system.bodies(|_| Body { q, q_low: [0.0; 3], p, p_low: [0.0; 3] }, 0.0);
+    let mut bodies = system.bodies(&[Body { q, q_low: [0.0; 3], p, p_low: [0.0; 3] }], 0.0);
     let method = Variable::of(Rattle::new(0.02), 0.3);
     let all = (&system, &system, &system);
     let mut memory: Vec<f64> = method.memory(all, &bodies);

@@ -109,13 +109,16 @@ pub(crate) struct Room<N: Count, T: Real, const D: usize> {
 }
 
 impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
-    /// The bodies in these places.
-    pub fn new(count: N, kept: X, place: impl Fn(usize) -> Body<T, D>, time: f64) -> Self {
+    /// The bodies in these places, one for each.
+    ///
+    /// # Panics
+    /// If there are fewer places than bodies.
+    pub fn new(count: N, kept: X, places: &[Body<T, D>], time: f64) -> Self {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
         let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept, room: None };
         for i in 0..count.number() {
-            let Body { q, q_low, p, p_low } = place(i);
+            let Body { q, q_low, p, p_low } = places[i];
             (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
             (bodies.p.as_mut()[i], bodies.p_low.as_mut()[i]) = (p, p_low);
         }

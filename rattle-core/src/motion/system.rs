@@ -44,8 +44,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// What messages call such a system: "a rigid body".
     fn kind(&self) -> &'static str;
 
-    /// The bodies in these places at this time, with all evaluated there that is kept.
-    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<Self, T, D>;
+    /// The bodies in these places, one for each, at this time, with all evaluated there that is kept.
+    fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<Self, T, D>;
     /// Evaluates anew what is kept, after positions were put back.
     fn refresh(&self, bodies: &mut BodiesOf<Self, T, D>);
 

@@ -32,3 +32,30 @@ impl<T, W: Witness<T>> Witness<T> for AtEnd<'_, W> {
     }
     fn momentum_multiplier(&mut self, _: usize, _: T) {}
 }
+
+/// What a witness is told, whichever it is.
+pub(crate) trait Hears<T> {
+    fn position_multiplier(&mut self, equation: usize, lambda: T);
+    fn momentum_multiplier(&mut self, equation: usize, mu: T);
+}
+
+impl<T, W: Witness<T>> Hears<T> for W {
+    fn position_multiplier(&mut self, equation: usize, lambda: T) {
+        Witness::position_multiplier(self, equation, lambda);
+    }
+    fn momentum_multiplier(&mut self, equation: usize, mu: T) {
+        Witness::momentum_multiplier(self, equation, mu);
+    }
+}
+
+/// Any witness, for steps that are compiled once for all.
+pub(crate) struct Whoever<'a, T>(pub(crate) &'a mut dyn Hears<T>);
+
+impl<T> Witness<T> for Whoever<'_, T> {
+    fn position_multiplier(&mut self, equation: usize, lambda: T) {
+        self.0.position_multiplier(equation, lambda);
+    }
+    fn momentum_multiplier(&mut self, equation: usize, mu: T) {
+        self.0.momentum_multiplier(equation, mu);
+    }
+}

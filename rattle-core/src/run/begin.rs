@@ -10,7 +10,7 @@ use crate::motion::hold::Hold;
 use crate::motion::method::{Method, check_step_size};
 use crate::motion::state::State;
 use crate::motion::stir;
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::run::simulation::Simulation;
 use crate::scene::Scene;
 
@@ -33,6 +33,16 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// Says what is wrong with a start, or gives the system that is ready to move from there.
     pub(crate) fn ready<S: Method>(&self, start: &State<D>, method: &S) -> Result<C::System<E, N>, Error> {
         check_step_size(method.step_size())?;
+        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
+        let tangent = method.momentum_delay() == 0.0 && !own;
+        let system = self.system_at(start, method.step_size(), tangent)?;
+        method.check(system.equations())?;
+        view(method, &system)?;
+        Ok(system)
+    }
+
+    /// The same for any method of this step, which wants momenta to be tangent or does not.
+    fn system_at(&self, start: &State<D>, h: f64, tangent: bool) -> Result<C::System<E, N>, Error> {
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
         }
@@ -46,11 +56,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             let bodies = start.len();
             return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
         }
-        let own = start.remembered.as_ref().is_some_and(|memory| memory.method == method.identity());
-        let tangent = method.momentum_delay() == 0.0 && !own;
-        let system = self.constraint.system(&self.effects, self.count, start, method.step_size(), tangent)?;
-        method.check(system.equations())?;
-        view(method, &system)?;
+        let system = self.constraint.system(&self.effects, self.count, start, h, tangent)?;
         self.check_forces(&start.bodies, start.time)?;
         Ok(system)
     }
@@ -63,12 +69,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: &State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        let seen = view(&method, &system)?;
-        let mut bodies = system.bodies(|i| start.bodies[i], start.time);
-        method.prepare(seen, &mut bodies);
-        if system.flows() > 0 {
-            bodies.make_room(stir::ROOM);
-        }
+        let mut bodies = bodies_at(&system, start);
+        method.prepare(view(&method, &system)?, &mut bodies);
         Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
     }
 
@@ -86,4 +88,13 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         Ok(())
     }
+}
+
+/// The bodies where a simulation starts, with room for flows.
+fn bodies_at<Y: System<f64, D>, const D: usize>(system: &Y, start: &State<D>) -> BodiesOf<Y, f64, D> {
+    let mut bodies = system.bodies(&start.bodies, start.time);
+    if system.flows() > 0 {
+        bodies.make_room(stir::ROOM);
+    }
+    bodies
 }

@@ -217,11 +217,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
         if self.is_at(sight) {
             return (self.multipliers(), self.constraint_forces());
         }
-        let place = |i: usize| {
-            let (q, p) = (sight.positions[i].into(), sight.momenta[i].into());
-            Body { q, q_low: [0.0; D], p, p_low: [0.0; D] }
+        let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
+            q: q.into(),
+            q_low: [0.0; D],
+            p: p.into(),
+            p_low: [0.0; D],
         };
-        let bodies = self.system.bodies(place, sight.time);
+        let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
+        let bodies = self.system.bodies(&places, sight.time);
         let (mut multipliers, mut forces) =
             (vec![0.0; self.system.equations()], vec![[0.0; D]; self.bodies()]);
         self.system.multipliers(&bodies, &mut multipliers);

@@ -9,7 +9,7 @@ use crate::motion::method::Method;
 use crate::motion::state::Remembered;
 use crate::motion::stir::step;
 use crate::motion::system::{BodiesOf, System};
-use crate::motion::witness::Witness;
+use crate::motion::witness::{Hears, Whoever, Witness};
 use crate::number::clock::later;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
@@ -35,10 +35,25 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     /// The time of the start, or of now where steps differ in length, and what rounding took from it.
     pub(super) clock: (f64, f64),
     pub(super) start_energy: f64,
-    /// How often a step that cannot be taken is halved.
-    halvings: u32,
+    /// If a step that cannot be taken is to be halved.
+    halving: Option<Halving<Y, S, D>>,
     /// If every step is to be taken back and compared.
     reversal: Option<Box<Reversal<Y, S, D>>>,
+}
+
+/// How often a step that cannot be taken is halved, and what takes it in parts: compiled for those who ask for it.
+struct Halving<Y: System<f64, D>, S: Method, const D: usize> {
+    most: u32,
+    #[allow(clippy::type_complexity, reason = "said once")]
+    take: fn(&mut Simulation<Y, S, D>, u32, &mut dyn Hears<f64>) -> Result<(), Trouble>,
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Copy for Halving<Y, S, D> {}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
 /// Why a step is not taken as it is.
@@ -46,6 +61,22 @@ enum Trouble {
     Refused(Error),
     Failed(Failure),
     NotReversed { body: usize, off: f64, tolerance: f64 },
+}
+
+impl Trouble {
+    /// The error that tells of it, of a step that was halved so often.
+    fn told(self, step: u64, time: f64, halvings: u32) -> Error {
+        match (self, halvings) {
+            (Self::Refused(error), _) => error,
+            (Self::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
+            (Self::Failed(Failure { body, cause }), _) => {
+                Error::Retried { step, time, body, halvings, cause }
+            }
+            (Self::NotReversed { body, off, tolerance }, _) => {
+                Error::NotReversed { step, time, body, off, tolerance }
+            }
+        }
+    }
 }
 
 impl From<Error> for Trouble {
@@ -62,6 +93,8 @@ impl From<Failure> for Trouble {
 
 /// What it takes to take a step back and go on as if it had not been.
 struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
+    /// What takes a step in so many parts back: compiled for those who ask for it.
+    take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
     tolerance: f64,
     backwards: S,
     after: Saved<Y::Count, f64, D>,
@@ -88,8 +121,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             memory.as_mut().copy_from_slice(numbers);
         }
         let memory_before = memory.clone();
-        let (steps, start_energy) = (0, 0.0);
-        let mut simulation = Self {
+        let start_energy = system.kinetic_energy(&bodies) + system.potential_energy(&bodies);
+        let (steps, halving, reversal) = (0, None, None);
+        Ok(Self {
             system,
             method,
             bodies,
@@ -99,11 +133,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             steps,
             clock,
             start_energy,
-            halvings: 0,
-            reversal: None,
-        };
-        simulation.start_energy = simulation.energy();
-        Ok(simulation)
+            halving,
+            reversal,
+        })
     }
 
     /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
@@ -125,7 +157,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     pub(crate) fn halve(&mut self, halvings: u32) {
-        self.halvings = halvings.min(MOST_HALVINGS);
+        let most = halvings.min(MOST_HALVINGS);
+        self.halving = (most > 0).then_some(Halving { most, take: Self::parts });
     }
 
     /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
@@ -155,7 +188,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let backwards = self.method.with_step(-self.method.step_size());
         let memory = backwards.memory(view(&backwards, &self.system)?, &self.bodies);
         let (after, blank) = (self.before.clone(), memory.clone());
-        self.reversal = Some(Box::new(Reversal { tolerance, backwards, after, blank, memory }));
+        self.reversal =
+            Some(Box::new(Reversal { take: Self::take_back, tolerance, backwards, after, blank, memory }));
         Ok(self)
     }
 
@@ -292,7 +326,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Takes so many steps. In one place for all who take steps: a step is much to compile.
     #[inline(never)]
     fn take(&mut self, steps: u64, witness: &mut impl Witness<f64>) -> Result<(), Error> {
-        (0..steps).try_for_each(|_| self.advance(witness))
+        for _ in 0..steps {
+            self.advance(witness)?;
+        }
+        Ok(())
     }
 
     #[inline(always)]
@@ -305,9 +342,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
                 }
-                if self.reversal.is_some()
-                    && let Err(trouble) = self.take_back(1)
-                {
+                if let Err(trouble) = self.compare(1) {
                     self.take_in_parts(trouble, witness)?;
                 }
             }
@@ -324,34 +359,36 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Takes the step in trouble in parts, as often halved as is allowed.
     #[cold]
     #[inline(never)]
-    fn take_in_parts(&mut self, trouble: Trouble, witness: &mut impl Witness<f64>) -> Result<(), Error> {
-        let (clock, mut trouble) = (self.clock, trouble);
+    fn take_in_parts(&mut self, mut trouble: Trouble, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
+        let clock = self.clock;
         self.put_back();
-        let halvings = if self.method.momentum_delay() == 0.0 { self.halvings } else { 0 };
-        for halved in 1..=halvings {
-            let taken = self.parts(1 << halved, witness);
-            match taken.and_then(|()| self.take_back(1 << halved)) {
-                Ok(()) => return Ok(()),
-                Err(again) => trouble = again,
+        let halving = self.halving.filter(|_| self.method.momentum_delay() == 0.0);
+        let most = halving.map_or(0, |halving| halving.most);
+        if let Some(Halving { take, .. }) = halving {
+            for halved in 1..=most {
+                let taken = take(self, 1 << halved, witness);
+                match taken.and_then(|()| self.compare(1 << halved)) {
+                    Ok(()) => return Ok(()),
+                    Err(again) => trouble = again,
+                }
+                self.clock = clock;
+                self.put_back();
             }
-            self.clock = clock;
-            self.put_back();
         }
-        let (step, time) = (self.steps + 1, self.time());
-        Err(match (trouble, halvings) {
-            (Trouble::Refused(error), _) => error,
-            (Trouble::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
-            (Trouble::Failed(Failure { body, cause }), _) => {
-                Error::Retried { step, time, body, halvings, cause }
-            }
-            (Trouble::NotReversed { body, off, tolerance }, _) => {
-                Error::NotReversed { step, time, body, off, tolerance }
-            }
-        })
+        Err(trouble.told(self.steps + 1, self.time(), most))
+    }
+
+    /// Compares the step just made, in so many parts, with the way back, if that is asked for.
+    #[inline(always)]
+    fn compare(&mut self, parts: u32) -> Result<(), Trouble> {
+        match self.reversal.as_ref().map(|reversal| reversal.take) {
+            Some(take) => take(self, parts),
+            None => Ok(()),
+        }
     }
 
     /// Takes a step in so many parts.
-    fn parts(&mut self, parts: u32, witness: &mut impl Witness<f64>) -> Result<(), Trouble> {
+    fn parts(&mut self, parts: u32, witness: &mut dyn Hears<f64>) -> Result<(), Trouble> {
         let method = self.method.with_step(self.method.step_size() / f64::from(parts));
         let system = view(&method, &self.system)?;
         let mut memory = method.memory(system, &self.bodies);
@@ -365,9 +402,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes the step just made, in so many parts, back, compares, and makes it again, if that is asked for.
-    #[cold]
-    #[inline(never)]
+    /// Takes the step just made, in so many parts, back, compares, and makes it again.
     fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
         self.bodies.save(&mut reversal.after);
@@ -403,14 +438,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 /// A step that is seldom taken, in one place.
 #[cold]
 #[inline(never)]
-fn seldom<Y: System<f64, D>, S: Method, W: Witness<f64>, const D: usize>(
+fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
     method: &S,
     system: &Y,
     bodies: &mut BodiesOf<Y, f64, D>,
     memory: &mut [f64],
-    witness: &mut W,
+    witness: &mut dyn Hears<f64>,
 ) -> Result<(), Trouble> {
-    Ok(step(method, view(method, system)?, system, bodies, memory, witness)?)
+    Ok(step(method, view(method, system)?, system, bodies, memory, &mut Whoever(witness))?)
 }
 
 /// The larger one; NaN if one is.
@@ -426,7 +461,7 @@ fn farthest<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Reversal<Y, S, D> {
     fn clone(&self) -> Self {
         let (after, blank, memory) = (self.after.clone(), self.blank.clone(), self.memory.clone());
-        Self { tolerance: self.tolerance, backwards: self.backwards.clone(), after, blank, memory }
+        Self { backwards: self.backwards.clone(), after, blank, memory, ..*self }
     }
 }
 

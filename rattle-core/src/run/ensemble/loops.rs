@@ -35,7 +35,6 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
-use crate::systems::surface::step::land;
 use crate::systems::surface::tiles::CORRECTIONS;
 use std::borrow::Borrow;
 
@@ -393,20 +392,22 @@ fn alone<S: Lane, const D: usize>(
     let constraint = laws.constraint(lane);
     let constraint = constraint.borrow();
     let [bend] = constraint.jet(&q, &p).2;
-    let guess = S::from_f64(-0.5) * step * step * bend * normal.inverse_square;
+    let zero = S::from_f64(0.0);
     let path = scaled(step, &p);
-    let departure = Departure { q: &q, q_low: &back, normal: &normal, free: path, guess };
-    let landing = land(
-        constraint,
+    let departure = Departure {
         h,
-        0,
-        &departure,
-        &p,
+        body: 0,
+        q: &q,
+        q_low: &back,
+        p: &p,
+        normal: &normal,
         bend,
-        &path,
-        &crate::effect::force::Absent,
-        S::from_f64(0.0),
-        None,
-    )?;
+        path,
+        push: [zero; D],
+        push_square: zero,
+        free: path,
+        guess: S::from_f64(-0.5) * step * step * bend * normal.inverse_square,
+    };
+    let landing = departure.land_rarely(constraint, None)?;
     Ok((landing.multiplier + step * eta, landing.gradient))
 }

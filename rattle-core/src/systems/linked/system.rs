@@ -51,7 +51,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.series_blocks().map(|_| self).ok_or(NO_SERIES)
     }
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<F, N, D> {
+    fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<F, N, D> {
         let (shape, n) = (&self.shape, self.count.number());
         let (rows, blocks) = shape.widest;
         let room = Room {
@@ -84,7 +84,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             stages: None,
             series: None,
         };
-        let mut bodies = Bodies::new(self.count, kept, place, time);
+        let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
     }

@@ -39,8 +39,8 @@ where
         false
     }
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<f64, D>, time: f64) -> BodiesOf<N, D, M> {
-        let mut bodies = Bodies::new(self.count, self.count.each([[0.0; M]; M]), place, time);
+    fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<N, D, M> {
+        let mut bodies = Bodies::new(self.count, self.count.each([[0.0; M]; M]), places, time);
         self.refresh(&mut bodies);
         bodies
     }

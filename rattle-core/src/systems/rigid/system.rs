@@ -47,10 +47,10 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         false
     }
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<f64, 9>, time: f64) -> BodiesOf<F, N> {
+    fn bodies(&self, places: &[Body<f64, 9>], time: f64) -> BodiesOf<F, N> {
         let n = self.count.number();
         let kept = Kept { force: vec![F::Force::zero(); n], of_effects: self.effects.room(n), series: None };
-        let mut bodies = Bodies::new(self.count, kept, place, time);
+        let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
     }

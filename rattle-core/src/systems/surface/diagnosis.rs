@@ -3,10 +3,10 @@
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;
-use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::dot;
+use crate::systems::surface::equation::Equation;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
 
@@ -64,13 +64,9 @@ impl FailureAt {
     }
 
     /// |∇g|, |v| and κ at the start of the step.
-    fn curvature<T: Real, const D: usize>(
-        &self,
-        normal: &Normal<T, D>,
-        p: &[T; D],
-        bend: T,
-    ) -> (f64, f64, f64) {
-        let gradient = self.number(dot(&normal.gradient, &normal.gradient)).sqrt();
+    fn curvature<T: Real, const D: usize>(&self, departure: &Departure<'_, T, D>) -> (f64, f64, f64) {
+        let &Departure { p, bend, normal: Normal { gradient: n, .. }, .. } = departure;
+        let gradient = self.number(dot(n, n)).sqrt();
         let speed = self.number(dot(p, p)).sqrt();
         let curvature = if speed == 0.0 { 0.0 } else { self.number(bend).abs() / (gradient * speed * speed) };
         (gradient, speed, curvature)
@@ -86,14 +82,9 @@ impl FailureAt {
     /// h·κ·|v| is not below 1.
     #[cold]
     #[inline(never)]
-    pub(crate) fn too_long<T: Real, const D: usize>(
-        &self,
-        h: f64,
-        departure: &Departure<'_, T, D>,
-        p: &[T; D],
-        bend: T,
-    ) -> Failure {
-        let (_, speed, curvature) = self.curvature(departure.normal, p, bend);
+    pub(crate) fn too_long<T: Real, const D: usize>(&self, departure: &Departure<'_, T, D>) -> Failure {
+        let h = departure.h;
+        let (_, speed, curvature) = self.curvature(departure);
         let reach = h.abs() * curvature * speed;
         self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
             self.because(if reach.is_finite() {
@@ -107,19 +98,16 @@ impl FailureAt {
     /// The position equation has no solution that can be used: solves it once more, taking notes.
     #[cold]
     #[inline(never)]
-    pub(crate) fn lost<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
+    pub(crate) fn lost<T: Real, const D: usize>(
         &self,
-        h: f64,
-        constraint: &K,
+        equation: &dyn Equation<T, D>,
         departure: &Departure<'_, T, D>,
-        p: &[T; D],
-        bend: T,
     ) -> Failure {
         let mut corrections = Vec::new();
-        let landing = departure.land(constraint, |length| corrections.push(self.number(length)));
+        let landing = departure.solve(equation, |length| corrections.push(self.number(length)));
         corrections.retain(|&length| length != 0.0); // second corrections that were not made
-        let (gradient, speed, curvature) = self.curvature(departure.normal, p, bend);
-        let reach = h.abs() * curvature * speed;
+        let (gradient, speed, curvature) = self.curvature(departure);
+        let reach = departure.h.abs() * curvature * speed;
         if corrections.iter().any(|length| !length.is_finite()) {
             let position = self.numbers(departure.q);
             return self.because(StepFailure::ConstraintNotFinite { position });

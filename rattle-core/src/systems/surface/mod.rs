@@ -6,8 +6,10 @@
 
 pub(crate) mod collocation;
 pub(crate) mod diagnosis;
+pub(crate) mod equation;
 mod hold;
 pub(crate) mod kept;
+mod landing;
 pub(crate) mod normal;
 pub(crate) mod position;
 mod room;

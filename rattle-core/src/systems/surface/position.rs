@@ -26,14 +26,14 @@
 //! |1 − s/s̃| δₖ is left with the slope s̃ that was used. They are on their own only while each correction is at most half the one
 //! before: else, and where the root found is not trusted, Newton's method makes the step.
 //!
-//! **Which root**: see [`crate::solve::root`]. Where h·κ·|v| > ½ the root is always followed.
+//! **Which root**: see [`crate::systems::surface::landing`].
 
-use crate::kernel::functions::ConstraintKernel;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, straight};
+use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::solve::root::straight;
 use crate::solve::stop::SPARE;
+use crate::systems::surface::equation::Equation;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 
@@ -43,12 +43,22 @@ const MAX_CHORDS: usize = 60;
 /// Cycles of two corrections after which a solve is given up; four suffice where one exists.
 const MAX_CYCLES: usize = 12;
 
-/// One body at the start of a step, and where it would go without the constraint.
+/// One body at the start of a step of length `h`, and where it would go without the constraint.
 #[derive(Clone, Copy)]
 pub(crate) struct Departure<'a, T, const D: usize> {
+    pub(crate) h: f64,
+    pub(crate) body: usize,
     pub(crate) q: &'a [T; D],
     pub(crate) q_low: &'a [T; D],
+    pub(crate) p: &'a [T; D],
     pub(crate) normal: &'a Normal<T, D>,
+    /// pᵀ∇²g p = ∓κ |∇g| |p|², or what a guess says about it.
+    pub(crate) bend: T,
+    /// h·p, to the last bit.
+    pub(crate) path: [T; D],
+    /// What the force displaces, and the square of that.
+    pub(crate) push: [T; D],
+    pub(crate) push_square: T,
     /// q′ − q without the constraint.
     pub(crate) free: [T; D],
     /// First guess of Λ.
@@ -84,83 +94,11 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         sum(self.q, &sum(self.q_low, &self.increment(multiplier)))
     }
 
-    /// Whether the root found is taken for the one that the motion continues on, after a path of this length, if a
-    /// guess that was off by `far` of it is too far.
-    #[inline(always)]
-    pub(crate) fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
-        let [first, slope] = landing.slopes;
-        let off_square = landing.first_correction * landing.first_correction;
-        landing.converged.and(is_the_root(off_square, first, slope, path_square, far))
-    }
-
-    /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is not known.
-    #[inline(always)]
-    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
-        let n = &self.normal.gradient;
-        let (square, turned) = (dot(n, n), add_scaled(&landing.gradient, T::from_f64(-1.0), n));
-        let off_square = landing.first_correction * landing.first_correction;
-        let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-        let short_path = dot(&turned, &turned).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
-        let upright = T::from_f64(0.0).lt(landing.slopes[1]);
-        landing.converged.and(upright).and(near_guess).and(short_path)
-    }
-
-    /// The landing by this iteration, and whether its root is taken for the one that the motion continues on, after a path
-    /// of this length.
-    #[inline(always)]
-    pub(crate) fn try_to_land<X: Iteration, K: ConstraintKernel<T, D, 1>>(
-        &self,
-        constraint: &K,
-        path_square: T,
-    ) -> (Landing<T, D>, T::Mask) {
-        let landing = match X::KIND {
-            Kind::Newton => self.land(constraint, |_| ()),
-            _ => self.chords::<X, K>(constraint),
-        };
-        let trusted = match X::KIND {
-            Kind::Newton | Kind::Symmetric => self.trusts(&landing, path_square, FAR_GUESS),
-            Kind::Simplified | Kind::Broyden => self.trusts_without_slope(&landing, path_square, FAR_GUESS),
-        };
-        (landing, trusted)
-    }
-
-    /// The landing that is reached from h = 0 without leaving the root, of the position equation with `drift` s and
-    /// `push` s² for s = 0 … 1. Not converged where there is none.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn follow<K: ConstraintKernel<T, D, 1>>(
-        &self,
-        constraint: &K,
-        drift: &[T; D],
-        push: &[T; D],
-    ) -> Landing<T, D> {
-        let drift_and_push = dot(drift, drift) + dot(push, push);
-        let mut course = Course::start();
-        let mut arrived: Option<Landing<T, D>> = None;
-        let reached = follow(|part| {
-            let (s, length) = (part.end, part.length);
-            let free = add_scaled(&scaled(s, drift), s * s, push);
-            let on_the_way = Self { free, guess: course.ahead(self.guess, part), ..*self };
-            let landing = on_the_way.land(constraint, |_| ());
-            let path_square = length * length * drift_and_push;
-            let trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
-            course.note(trusted, self.guess, part, landing.multiplier);
-            arrived = Some(match arrived.take() {
-                Some(before) => landing.or(trusted, before),
-                None => landing,
-            });
-            trusted
-        });
-        let mut landing = arrived.unwrap_or_else(|| self.land(constraint, |_| ()));
-        landing.converged = reached;
-        landing
-    }
-
     /// Solves for Λ; `correction` is told every correction's length.
     #[inline(always)]
-    pub(crate) fn land<K: ConstraintKernel<T, D, 1>>(
+    pub(crate) fn solve(
         &self,
-        constraint: &K,
+        equation: &(impl Equation<T, D> + ?Sized),
         mut correction: impl FnMut(T),
     ) -> Landing<T, D> {
         let n = &self.normal.gradient;
@@ -174,7 +112,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let (mut gradient, mut slope) = (*n, zero);
         let mut first_cycle = None;
         for cycle in 1..=MAX_CYCLES {
-            let ([g], [at_point]) = constraint.value_and_jacobian(&self.point(multiplier));
+            let (g, at_point) = equation.value_and_gradient(&self.point(multiplier));
             gradient = at_point;
             slope = dot(&gradient, n);
             let newton = -g / slope;
@@ -190,7 +128,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
             multiplier = multiplier + T::select(converged, zero, newton);
 
-            let [g_next] = constraint.value(&self.point(multiplier));
+            let g_next = equation.value(&self.point(multiplier));
             let ratio = g_next / g;
             let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
             let bend = T::from_f64(1.0) - T::from_f64(2.0) * ratio;
@@ -201,7 +139,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let next = share * share * second;
             let spare = near.and((T::from_f64(1.0 / SPARE) * next).le(floor));
             if !spare.not().all() {
-                [gradient] = constraint.jacobian(&self.point(multiplier));
+                gradient = equation.gradient(&self.point(multiplier));
                 let of_parabola = slope * (bend - T::from_f64(2.0) * ratio * (T::from_f64(1.0) - ratio));
                 slope = dot(&gradient, n);
                 let found = bend * slope; // as much larger as that of the parabola
@@ -215,7 +153,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             last = first;
             let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
             if converged.or(hopeless).all() || cycle == MAX_CYCLES {
-                [gradient] = constraint.jacobian(&self.point(multiplier)); // for the lanes that did converge
+                gradient = equation.gradient(&self.point(multiplier)); // for the lanes that did converge
                 slope = dot(&gradient, n);
                 break;
             }
@@ -228,7 +166,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// Solves for Λ with the slope at the guess or that of the start, as it is or corrected by each two values. Not
     /// converged where corrections do not shrink by half.
     #[inline(always)]
-    fn chords<X: Iteration, K: ConstraintKernel<T, D, 1>>(&self, constraint: &K) -> Landing<T, D> {
+    pub(crate) fn chords<X: Iteration>(&self, equation: &impl Equation<T, D>) -> Landing<T, D> {
         let n = &self.normal.gradient;
         let square = dot(n, n);
         let length = square.sqrt();
@@ -237,10 +175,10 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
         let mut multiplier = self.guess;
         let (mut g, first_slope) = if X::KIND == Kind::Symmetric {
-            let ([g], [gradient]) = constraint.value_and_jacobian(&self.point(multiplier));
+            let (g, gradient) = equation.value_and_gradient(&self.point(multiplier));
             (g, dot(&gradient, n))
         } else {
-            let [g] = constraint.value(&self.point(multiplier));
+            let g = equation.value(&self.point(multiplier));
             (g, square)
         };
         let mut slope = first_slope;
@@ -261,7 +199,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let spare = going.and(next.le(T::from_f64(SPARE) * floor));
             at_end = None;
             if !spare.not().all() {
-                let [gradient] = constraint.jacobian(&self.point(multiplier));
+                let gradient = equation.gradient(&self.point(multiplier));
                 let left = (T::from_f64(1.0) - dot(&gradient, n) / slope).abs() * size;
                 arrived = arrived.or(spare.and(left.le(T::from_f64(SPARE) * floor)));
                 at_end = Some(gradient);
@@ -273,12 +211,12 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
             (before, last) = (last, size);
             let g_before = g;
-            [g] = constraint.value(&self.point(multiplier));
+            g = equation.value(&self.point(multiplier));
             if X::KIND == Kind::Broyden {
                 slope = T::select(going, (g - g_before) / chord, slope);
             }
         }
-        let gradient = at_end.unwrap_or_else(|| constraint.jacobian(&self.point(multiplier))[0]);
+        let gradient = at_end.unwrap_or_else(|| equation.gradient(&self.point(multiplier)));
         let (increment, slopes) = (self.increment(multiplier), [first_slope, dot(&gradient, n)]);
         Landing { increment, multiplier, gradient, first_correction, slopes, floor, converged }
     }

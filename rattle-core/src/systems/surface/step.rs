@@ -11,14 +11,58 @@ use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
-use crate::solve::root::FAR_GUESS;
 use crate::solve::stop::NOISE;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use crate::systems::surface::position::{Departure, Landing};
 
-/// First half: kick, drift, and the position multiplier. Lanes that have landed already stay there.
+/// A body that departs: its path, force and, where a guess of λ is given, h·κ·|v| from that instead of second derivatives.
+#[inline(always)]
+fn departure<'a, T, K, F, N, const D: usize>(
+    kick: f64,
+    h: f64,
+    lambda: Option<T>,
+    constraint: &K,
+    bodies: &'a Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+) -> Departure<'a, T, D>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+{
+    let (step, pushed) = (T::from_f64(h), T::from_f64(h * kick));
+    let share = T::from_f64(2.0 * kick / h); // of the force in the motion: 1 for RATTLE
+    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
+    let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
+    let along = force.dot(&normal.gradient, share);
+    let (lambda, bend) = if let Some(lambda) = lambda {
+        (lambda, lambda * dot(&normal.gradient, &normal.gradient) + along)
+    } else {
+        let [bend] = constraint.jet(q, p).2;
+        (multiplier_from_curvature(bend, along, normal), bend)
+    };
+    let path = sum(&scaled(step, p), &scaled(step, p_low));
+    Departure {
+        h,
+        body,
+        q,
+        q_low,
+        p,
+        normal,
+        bend,
+        path,
+        push: scaled(pushed, &force.components()),
+        push_square: force.square(pushed),
+        free: force.add_to(path, pushed),
+        guess: T::from_f64(0.5 * h * h) * lambda,
+    }
+}
+
+/// First half: kick, drift, and the position multiplier, by Newton's method from g̈ = 0.
 #[inline(always)]
 pub(crate) fn drift<T, K, F, N, W, const D: usize>(
     kick: f64,
@@ -26,7 +70,6 @@ pub(crate) fn drift<T, K, F, N, W, const D: usize>(
     constraint: &K,
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
-    landed: Option<(Landing<T, D>, T::Mask)>,
     witness: &mut W,
 ) -> Result<(), Failure>
 where
@@ -36,92 +79,38 @@ where
     N: Count,
     W: Witness<T>,
 {
-    let step = T::from_f64(h);
-    let (pushed, half_square) = (T::from_f64(h * kick), T::from_f64(0.5 * h * h));
-    let share = T::from_f64(2.0 * kick / h); // of the force in the motion: 1 for RATTLE
-    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
-    let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-    let normal = &bodies.kept.normal.as_ref()[body];
-    let force = bodies.kept.force.as_ref()[body];
-
-    let (_, _, [bend]) = constraint.jet(q, p); // pᵀ∇²g p = ∓κ |∇g| |p|²
-    let path = sum(&scaled(step, p), &scaled(step, p_low));
-    let departure = Departure {
-        q,
-        q_low,
-        normal,
-        free: force.add_to(path, pushed),
-        guess: half_square * multiplier_from_curvature(bend, force.dot(&normal.gradient, share), normal),
-    };
-    let landing = land(constraint, h, body, &departure, p, bend, &path, &force, pushed, landed)?;
-
+    let landing = departure(kick, h, None, constraint, bodies, body).land(constraint)?;
     arrive(kick, h, bodies, body, &landing, witness);
     Ok(())
 }
 
-/// Where a body lands by any iteration and from any guess of λ, which also tells h·κ·|v|; and in which lanes that is good enough
-/// to tell that the root is the right one.
+/// The same by any iteration and from any guess of λ. What that does not settle beyond doubt is left to [`drift`]'s way.
 #[inline(always)]
-pub(crate) fn try_to_land<X, T, K, F, N, const D: usize>(
+pub(crate) fn drift_by<X, T, K, F, N, W, const D: usize>(
     kick: f64,
     h: f64,
     lambda: Option<T>,
     constraint: &K,
-    bodies: &Bodies<N, T, Kept<N, T, F, D>, D>,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
-) -> (Landing<T, D>, T::Mask)
+    witness: &mut W,
+) -> Result<(), Failure>
 where
     X: Iteration,
     T: Real,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
-{
-    let (step, pushed) = (T::from_f64(h), T::from_f64(h * kick));
-    let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
-    let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-    let (normal, force) = (&bodies.kept.normal.as_ref()[body], bodies.kept.force.as_ref()[body]);
-    let along = force.dot(&normal.gradient, T::from_f64(2.0 * kick / h));
-    let (lambda, bend) = if let Some(lambda) = lambda {
-        (lambda, lambda * dot(&normal.gradient, &normal.gradient) + along)
-    } else {
-        let [bend] = constraint.jet(q, p).2;
-        (multiplier_from_curvature(bend, along, normal), bend)
-    };
-    let speed_square = dot(p, p);
-    let gentle = (T::from_f64(4.0) * step * step * bend * bend * normal.inverse_square).le(speed_square);
-    let departure = Departure {
-        q,
-        q_low,
-        normal,
-        free: force.add_to(sum(&scaled(step, p), &scaled(step, p_low)), pushed),
-        guess: T::from_f64(0.5 * h * h) * lambda,
-    };
-    let path_square = step * step * speed_square + force.square(pushed);
-    let (landing, trusted) = departure.try_to_land::<X, K>(constraint, path_square);
-    (landing, gentle.and(trusted))
-}
-
-/// [`drift`], out of the way of what is hoped for.
-#[cold]
-#[inline(never)]
-pub(crate) fn drift_again<T, K, F, N, W, const D: usize>(
-    kick: f64,
-    h: f64,
-    constraint: &K,
-    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
-    body: usize,
-    landed: (Landing<T, D>, T::Mask),
-    witness: &mut W,
-) -> Result<(), Failure>
-where
-    T: Real,
-    K: ConstraintKernel<T, D, 1>,
-    F: Forces<T, D>,
-    N: Count,
     W: Witness<T>,
 {
-    drift(kick, h, constraint, bodies, body, Some(landed), witness)
+    let (mut landing, done) =
+        departure(kick, h, lambda, constraint, bodies, body).try_to_land::<X>(constraint);
+    if !done.all() {
+        let by_default = departure(kick, h, None, constraint, bodies, body);
+        landing = by_default.land_rarely(constraint, Some((landing, done)))?;
+    }
+    arrive(kick, h, bodies, body, &landing, witness);
+    Ok(())
 }
 
 /// Takes a body to where it lands.
@@ -148,48 +137,6 @@ pub(crate) fn arrive<T, F, N, W, const D: usize>(
     (*p, *p_low) = two_sum(p, &change);
     (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
     *normal = Normal::new(landing.gradient);
-}
-
-/// Where the departing body lands: on the root that its motion, by `path` and under `pushed` times the force, leads to. Lanes
-/// that have landed already stay there.
-#[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
-#[inline(always)]
-pub(crate) fn land<T: Real, K: ConstraintKernel<T, D, 1>, F: Force<T, D>, const D: usize>(
-    constraint: &K,
-    h: f64,
-    body: usize,
-    departure: &Departure<'_, T, D>,
-    p: &[T; D],
-    bend: T,
-    path: &[T; D],
-    force: &F,
-    pushed: T,
-    landed: Option<(Landing<T, D>, T::Mask)>,
-) -> Result<Landing<T, D>, Failure> {
-    let step = T::from_f64(h);
-    let (speed_square, bent_square) =
-        (dot(p, p), step * step * bend * bend * departure.normal.inverse_square);
-    let within_reach = bent_square.le(speed_square); // (h·κ·|v|)² ≤ 1, times |v|²
-    let zero = T::from_f64(0.0);
-    let done = landed.as_ref().map_or(zero.lt(zero), |&(_, done)| done);
-    if !within_reach.or(done).all() {
-        return Err(FailureAt::of(body, within_reach.or(done)).too_long(h, departure, p, bend));
-    }
-    let mut landing = departure.land(constraint, |_| ());
-    if let Some((before, done)) = landed {
-        landing = before.or(done, landing);
-    }
-    let path_square = step * step * speed_square + force.square(pushed);
-    let gentle = (T::from_f64(4.0) * bent_square).le(speed_square); // h·κ·|v| ≤ ½
-    let trusted = done.or(gentle.and(departure.trusts(&landing, path_square, FAR_GUESS)));
-    if !trusted.all() {
-        let push = scaled(pushed, &force.components());
-        landing = landing.or(trusted, departure.follow(constraint, path, &push));
-        if !landing.converged.all() {
-            return Err(FailureAt::of(body, landing.converged).lost(h, constraint, departure, p, bend));
-        }
-    }
-    Ok(landing)
 }
 
 /// Second half: kick with the new force, and the momentum multiplier. False where p is not finite.

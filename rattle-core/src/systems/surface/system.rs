@@ -23,13 +23,11 @@ use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
-use crate::systems::surface::step::arrive;
 use crate::systems::surface::step::drift;
-use crate::systems::surface::step::drift_again;
+use crate::systems::surface::step::drift_by;
 use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
-use crate::systems::surface::step::try_to_land;
 use crate::systems::surface::tiles::{entry, may_go_in_tiles};
 
 impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
@@ -66,11 +64,11 @@ where
         blocks.map(|_| self).ok_or(NO_SERIES)
     }
 
-    fn bodies(&self, place: impl Fn(usize) -> Body<T, D>, time: f64) -> BodiesOf<N, T, F, D> {
+    fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let kept = Kept { normal, force, of_effects, stages: None, series: None };
-        let mut bodies = Bodies::new(self.count, kept, place, time);
+        let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
     }
@@ -104,18 +102,11 @@ where
         }
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for body in 0..bodies.q.as_ref().len() {
-            let constraint = &self.constraint;
             if by_default {
-                drift(kick, h, constraint, bodies, body, None, witness)?;
+                drift(kick, h, &self.constraint, bodies, body, witness)?;
             } else {
                 let lambda = guess.get(body).copied();
-                let (landing, trusted) =
-                    try_to_land::<X, _, _, _, _, D>(kick, h, lambda, constraint, bodies, body);
-                if trusted.all() {
-                    arrive(kick, h, bodies, body, &landing, witness);
-                } else {
-                    drift_again(kick, h, constraint, bodies, body, (landing, trusted), witness)?;
-                }
+                drift_by::<X, _, _, _, _, _, D>(kick, h, lambda, &self.constraint, bodies, body, witness)?;
             }
         }
         self.fuse_normals(bodies);
