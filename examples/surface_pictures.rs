@@ -11,7 +11,7 @@
 mod browser;
 
 use rattle::kernel::Constraint;
-use rattle::nalgebra::{SVector, Vector3};
+use rattle::nalgebra::Vector3;
 use rattle::prelude::*;
 use rattle::surfaces::*;
 use rattle::view::{Mesh, Page, Scene3};
@@ -90,10 +90,31 @@ impl Artist {
             let gradient: [f64; 3] = gradient.row(0).transpose().into();
             (value[0], gradient.map(|slope| if slope.is_finite() { slope } else { 0.0 }))
         };
+        let scene = Scene::on(surface);
+        // Until it leaves the cube or a step fails.
+        let geodesic = |start: State<3>| {
+            let mut simulation =
+                scene.simulate(scene.project(&start).ok()?, Rattle::new(0.004 * half)).ok()?;
+            let mut path = vec![simulation.position()];
+            while path.len() < 400 && simulation.step().is_ok() && simulation.position().amax() < half {
+                path.push(simulation.position());
+            }
+            Some(path)
+        };
+        self.picture(name, half, &g, &geodesic)
+    }
+
+    fn picture(
+        &mut self,
+        name: &str,
+        half: f64,
+        g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
+        geodesic: &dyn Fn(State<3>) -> Option<Vec<Vector3<f64>>>,
+    ) -> Result<(), Box<dyn Error>> {
         // Not centred on the symmetry planes, where some functions have no gradient.
         let (low, high) = ([-half, -1.0003 * half, -0.9997 * half], [half, 0.9997 * half, 1.0003 * half]);
         let mesh = Mesh::of(g, low, high, 90).or_else(|_| Mesh::within(g, low, high, 90))?;
-        let paths = geodesics(surface, &mesh, half);
+        let paths = geodesics(g, geodesic, &mesh, half);
         let samples = paths.iter().map(Vec::len).max().unwrap_or(0);
         let padded = paths.into_iter().map(|mut path| {
             path.resize(samples, *path.last().unwrap_or(&Vector3::zeros()));
@@ -119,30 +140,27 @@ impl Artist {
     }
 }
 
-/// Geodesics from a vertex in the middle of the picture, each until it leaves the cube or a step fails.
-fn geodesics<C: Constraint<3, 1> + Copy>(surface: C, mesh: &Mesh, half: f64) -> Vec<Vec<Vector3<f64>>> {
+/// Geodesics from a vertex in the middle of the picture.
+fn geodesics(
+    g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
+    geodesic: &dyn Fn(State<3>) -> Option<Vec<Vector3<f64>>>,
+    mesh: &Mesh,
+    half: f64,
+) -> Vec<Vec<Vector3<f64>>> {
     let viewer = Vector3::new(-0.4, -0.75, 0.53).normalize();
-    let inside = |q: &SVector<f64, 3>| q.amax() < half;
     let off_axis = |q: &Vector3<f64>| (q - viewer * q.dot(&viewer)).norm();
     let mut vertices: Vec<Vector3<f64>> = mesh.vertices.iter().map(|&q| q.into()).collect();
     vertices.retain(|q| q.amax() < 0.8 * half);
     // Near the line of sight, and then in front: rank by both.
     let rank = |q: &Vector3<f64>| off_axis(q) - 0.4 * q.dot(&viewer);
     vertices.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-    let scene = Scene::on(surface);
-    for start in vertices.iter().step_by(7) {
+    for &start in vertices.iter().step_by(7) {
         let from_here = |i: u32| {
             let angle = std::f64::consts::TAU * f64::from(i) / f64::from(GEODESICS);
-            let normal = surface.jacobian(start).transpose().normalize();
+            let normal = Vector3::from(g(start.into()).1).normalize();
             let across = normal.cross(&Vector3::new(0.3, 0.5, 0.8)).normalize();
             let direction = across * angle.cos() + normal.cross(&across) * angle.sin();
-            let state = scene.project(&State::at(*start).moving(direction)).ok()?;
-            let mut simulation = scene.simulate(state, Rattle::new(0.004 * half)).ok()?;
-            let mut path = vec![simulation.position()];
-            while path.len() < 400 && simulation.step().is_ok() && inside(&simulation.position()) {
-                path.push(simulation.position());
-            }
-            Some(path)
+            geodesic(State::at(start).moving(direction))
         };
         let paths: Vec<_> = (0..GEODESICS).filter_map(from_here).collect();
         if paths.len() == GEODESICS as usize && paths.iter().all(|path| path.len() > 40) {

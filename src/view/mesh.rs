@@ -52,7 +52,7 @@ impl Mesh {
         high: [f64; 3],
         cells: usize,
     ) -> Result<Self, MeshError> {
-        Self::net(g, low, high, cells, Border::Closed)
+        Self::net(&g, low, high, cells, Border::Closed)
     }
 
     /// The part of {g = 0} inside the box, as [`Mesh::of`] but open where the box cuts it: for surfaces without end.
@@ -73,22 +73,22 @@ impl Mesh {
         high: [f64; 3],
         cells: usize,
     ) -> Result<Self, MeshError> {
-        Self::net(g, low, high, cells, Border::Open)
+        Self::net(&g, low, high, cells, Border::Open)
     }
 
     fn net(
-        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
         low: [f64; 3],
         high: [f64; 3],
         cells: usize,
         border: Border,
     ) -> Result<Self, MeshError> {
         let grid = Grid::new(low, high, cells)?;
-        let net = grid.net(&grid.sample(&g, border)?);
+        let net = grid.net(&grid.sample(g, border)?);
         let mut mesh = Self { vertices: Vec::new(), normals: Vec::new(), triangles: Vec::new() };
         for &[i, j, k] in &net.positions {
             let start = grid.point([i, j, k].map(f64::from));
-            let (vertex, normal) = project(&g, start, grid.cell)?;
+            let (vertex, normal) = project(g, start, grid.cell)?;
             mesh.vertices.push(vertex);
             mesh.normals.push(normal);
         }
@@ -219,7 +219,7 @@ impl Grid {
     /// g at every point, first coordinate fastest, as single precision: the net needs the sign and roughly the size.
     fn sample(
         &self,
-        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
         border_is: Border,
     ) -> Result<Vec<f32>, MeshError> {
         let shape = self.shape();
@@ -266,7 +266,7 @@ impl Grid {
 /// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is at
 /// most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
 fn project(
-    g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+    g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
     start: [f64; 3],
     cell: f64,
 ) -> Result<([f64; 3], [f64; 3]), MeshError> {

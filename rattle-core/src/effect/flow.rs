@@ -89,13 +89,11 @@ impl<F: Flow<D>, const D: usize> Effect<D, Flowing> for F {
 
 impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     type Room = ();
+    const FLOWS: bool = true;
     fn room(&self, _: usize) {}
 
     fn changes_with_time(&self) -> bool {
         self.0.changes_with_time()
-    }
-    fn flows(&self) -> bool {
-        true
     }
     fn flow(
         &self,

@@ -38,13 +38,13 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     type Force: Force<T, D>;
     /// The [room](Acting::Room) of all effects.
     type Room: Clone + Debug + Send + Sync + 'static;
+    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    const FLOWS: usize;
     /// Room for so many bodies, made before the first step.
     fn room(&self, bodies: usize) -> Self::Room;
 
     /// Whether forces at the same positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
-    fn flows(&self) -> usize;
     /// Writes what the momenta change by in a time h by a flow, the first of which has number 0.
     #[allow(clippy::too_many_arguments, reason = "all that a flow may depend on")]
     fn flow(
@@ -60,7 +60,7 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Whether the effects can act in the lanes of an ensemble: at any time the same forces, without room of their own.
     #[inline(always)]
     fn in_lanes(&self) -> bool {
-        size_of::<Self::Room>() == 0 && !self.changes_with_time() && self.flows() == 0
+        size_of::<Self::Room>() == 0 && !self.changes_with_time() && Self::FLOWS == 0
     }
 
     /// Sets the force on every body. Neither allocates nor panics.
@@ -104,15 +104,12 @@ impl<const D: usize> Effects<D> for () {
 impl<T: Real, const D: usize> Forces<T, D> for () {
     type Force = Absent;
     type Room = ();
+    const FLOWS: usize = 0;
     fn room(&self, _: usize) {}
 
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         false
-    }
-    #[inline(always)]
-    fn flows(&self) -> usize {
-        0
     }
     fn flow(
         &self,
@@ -187,6 +184,7 @@ pub struct Superposed<A, F> {
 impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for Superposed<A, F> {
     type Force = [T; D];
     type Room = (F::Room, A::Room);
+    const FLOWS: usize = F::FLOWS + A::FLOWS as usize;
     fn room(&self, bodies: usize) -> Self::Room {
         (self.others.room(bodies), self.effect.room(bodies))
     }
@@ -194,10 +192,6 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         self.others.changes_with_time() || self.effect.changes_with_time()
-    }
-    #[inline(always)]
-    fn flows(&self) -> usize {
-        self.others.flows() + usize::from(self.effect.flows())
     }
     fn flow(
         &self,
@@ -209,7 +203,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         velocities: &[[T; D]],
         changes: &mut [[T; D]],
     ) {
-        if number < self.others.flows() {
+        if number < F::FLOWS {
             self.others.flow(number, h, at, others, momenta, velocities, changes);
         } else {
             self.effect.flow(h, at, own, momenta, velocities, changes);

@@ -53,6 +53,8 @@ pub trait Effect<const D: usize, Kind> {
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Room of the effect's own; `()` for none.
     type Room: Clone + Debug + Send + Sync + 'static;
+    /// Whether the effect moves momenta by a [`Flow`](crate::effect::Flow). Such an effect goes in no lanes.
+    const FLOWS: bool = false;
     /// Room for so many bodies. All that is allocated is allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
 
@@ -74,11 +76,6 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// U. Called by observations, not in a step; may allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
 
-    /// Whether the effect moves momenta by a [`Flow`](crate::effect::Flow). Such an effect goes in no lanes.
-    #[inline(always)]
-    fn flows(&self) -> bool {
-        false
-    }
     /// Writes what the momenta change by in a time h, as [`Flow::flow`](crate::effect::Flow::flow) does.
     fn flow(
         &self,

@@ -27,7 +27,7 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     system: &'a Y,
 ) -> Result<View<'a, S, f64, Y, D>, Error> {
     let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
-    if system.flows() > 0 && !divided {
+    if Y::FLOWS > 0 && !divided {
         return Err(refused(method.name(), FLOW, system));
     }
     S::Need::of(system).map_err(|kind| refused(method.name(), kind, system))
@@ -36,20 +36,36 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
 #[cold]
 #[inline(never)]
 fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'static str, system: &Y) -> Error {
-    let (free, whole) = (system.equations() == 0, system.flows() == 0);
-    let rows = [
-        ("Rattle", moves::<Rattle, Y, D>(system)),
-        ("Geodesic", moves::<Geodesic, Y, D>(system)),
-        ("PositionVerlet", moves::<PositionVerlet, Y, D>(system)),
-        ("Shake", moves::<Shake, Y, D>(system) && whole),
-        ("SymplecticEuler", moves::<SymplecticEuler, Y, D>(system) && whole),
-        ("Leapfrog", moves::<Leapfrog, Y, D>(system) && free && whole),
-        ("Lobatto", moves::<Lobatto<2>, Y, D>(system)),
-        ("Dop853", moves::<Dop853, Y, D>(system) && whole),
-        ("Taylor", moves::<Taylor, Y, D>(system) && whole),
-        ("Bdf2", moves::<Bdf2, Y, D>(system) && whole),
+    let whole = Y::FLOWS == 0;
+    let able = [
+        moves::<Rattle, Y, D>(system),
+        moves::<Geodesic, Y, D>(system),
+        moves::<PositionVerlet, Y, D>(system),
+        moves::<Shake, Y, D>(system) && whole,
+        moves::<SymplecticEuler, Y, D>(system) && whole,
+        moves::<Leapfrog, Y, D>(system) && system.equations() == 0 && whole,
+        moves::<Lobatto<2>, Y, D>(system),
+        moves::<Dop853, Y, D>(system) && whole,
+        moves::<Taylor, Y, D>(system) && whole,
+        moves::<Bdf2, Y, D>(system) && whole,
     ];
-    let others = rows.into_iter().filter_map(|(name, moves)| moves.then_some(name)).collect();
+    cannot_move(method, kind, able)
+}
+
+fn cannot_move(method: &'static str, kind: &'static str, able: [bool; 10]) -> Error {
+    let names = [
+        "Rattle",
+        "Geodesic",
+        "PositionVerlet",
+        "Shake",
+        "SymplecticEuler",
+        "Leapfrog",
+        "Lobatto",
+        "Dop853",
+        "Taylor",
+        "Bdf2",
+    ];
+    let others = names.into_iter().zip(able).filter_map(|(name, able)| able.then_some(name)).collect();
     Error::CannotMove { method, system: kind, others }
 }
 

@@ -41,6 +41,9 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// `Self`, or [`Never`](crate::motion::capability::Never) where there are no power series.
     type Series: Series<Self::Count, Self::Kept, T, D>;
 
+    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    const FLOWS: usize = 0;
+
     /// What messages call such a system: "a rigid body".
     fn kind(&self) -> &'static str;
 
@@ -152,11 +155,6 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
-    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
-    #[inline(always)]
-    fn flows(&self) -> usize {
-        0
-    }
     /// Writes what the momenta change by in a time h by the flow of this number, at the present places and time, constraints
     /// aside. `velocities` are those of the bodies. Neither allocates nor panics.
     fn flow(

@@ -33,6 +33,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     type Rates = Self;
     type Collocation = Self;
     type Series = Self;
+    const FLOWS: usize = F::FLOWS;
 
     fn kind(&self) -> &'static str {
         "linked bodies"
@@ -114,9 +115,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
     }
 
-    fn flows(&self) -> usize {
-        self.effects.flows()
-    }
     fn flow(
         &self,
         number: usize,

@@ -30,6 +30,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Rates = Self;
     type Collocation = Never;
     type Series = Self;
+    const FLOWS: usize = F::FLOWS;
 
     fn kind(&self) -> &'static str {
         REDUCED
@@ -70,9 +71,6 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         }
     }
 
-    fn flows(&self) -> usize {
-        self.effects.flows()
-    }
     fn flow(
         &self,
         number: usize,

@@ -43,6 +43,7 @@ where
     type Rates = Self;
     type Collocation = Self;
     type Series = Self;
+    const FLOWS: usize = F::FLOWS;
 
     fn kind(&self) -> &'static str {
         "bodies on surfaces"
@@ -157,10 +158,6 @@ where
         }
     }
 
-    #[inline(always)]
-    fn flows(&self) -> usize {
-        self.effects.flows()
-    }
     fn flow(
         &self,
         number: usize,
