@@ -408,6 +408,6 @@ fn alone<S: Lane, const D: usize>(
         free: path,
         guess: S::from_f64(-0.5) * step * step * bend * normal.inverse_square,
     };
-    let landing = departure.land_rarely(constraint, None)?;
+    let landing = departure.land(constraint)?;
     Ok((landing.multiplier + step * eta, landing.gradient))
 }

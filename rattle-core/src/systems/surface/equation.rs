@@ -12,6 +12,8 @@ pub(crate) trait Equation<T, const D: usize> {
     fn gradient(&self, q: &[T; D]) -> [T; D];
     /// Both.
     fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]);
+    /// pᵀ∇²g p.
+    fn bend(&self, q: &[T; D], p: &[T; D]) -> T;
 }
 
 impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K {
@@ -31,5 +33,11 @@ impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K
     fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]) {
         let ([g], [gradient]) = self.value_and_jacobian(q);
         (g, gradient)
+    }
+
+    #[inline(always)]
+    fn bend(&self, q: &[T; D], p: &[T; D]) -> T {
+        let [bend] = self.jet(q, p).2;
+        bend
     }
 }

@@ -5,6 +5,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
+use crate::solve::aim::Aim;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
@@ -75,6 +76,8 @@ pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     pub normal: N::Of<Normal<T, D>>,
     /// Forces last evaluated; of size zero where no effect acts.
     pub force: N::Of<F::Force>,
+    /// How far first guesses were off.
+    pub(crate) aim: N::Of<Aim<T>>,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.

@@ -3,13 +3,30 @@
 //! A root that is not trusted is followed, see [`crate::solve::root`]; where h·κ·|v| > ½ it always is, beyond 1 there may be none.
 
 use crate::motion::failure::Failure;
-use crate::motion::iteration::{Iteration, Kind};
+use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot, scaled};
-use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root};
+use crate::number::vector::{add_scaled, dot, largest, scaled};
+use crate::solve::aim::{Aim, INSIDE, ROUNDINGS, grows_to};
+use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::position::{Departure, Landing};
+
+/// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
+const LARGE: f64 = 1e6;
+
+/// A landing that may be the right one.
+#[derive(Clone, Copy)]
+pub(crate) struct Attempt<T: Real, const D: usize> {
+    pub(crate) landing: Landing<T, D>,
+    /// The first guess of Λ, and pᵀ∇²g p.
+    pub(crate) guess: T,
+    pub(crate) bend: T,
+    /// Where nothing in the two ends of the step speaks against it.
+    pub(crate) trusted: T::Mask,
+    /// Where it is the right one.
+    pub(crate) certain: T::Mask,
+}
 
 impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// The square of the way of a step, as far as it is not the constraint's.
@@ -26,32 +43,26 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         (step * step * self.bend * self.bend * self.normal.inverse_square).le(dot(self.p, self.p))
     }
 
-    /// Where the body lands: on the root that its motion leads to. By Newton's method from `guess`.
+    /// What a first guess was off by, over h³.
     #[inline(always)]
-    pub(crate) fn land(&self, equation: &impl Equation<T, D>) -> Result<Landing<T, D>, Failure> {
-        let within_reach = self.turns_little(1.0);
-        if !within_reach.all() {
-            let copy = *self; // what rare code reads by reference would else be kept in memory by all steps
-            return Err(FailureAt::of(self.body, within_reach).too_long(&copy));
-        }
-        let mut landing = self.solve(equation, |_| ());
-        let trusted = self.turns_little(2.0).and(self.trusts(&landing, self.path_square(), FAR_GUESS));
-        if !trusted.all() {
-            let copy = *self;
-            landing = landing.or(trusted, copy.follow(equation));
-            if !landing.converged.all() {
-                return Err(FailureAt::of(self.body, landing.converged).lost(equation, &copy));
-            }
-        }
-        Ok(landing)
+    pub(crate) fn off(&self, guess: T, landing: &Landing<T, D>) -> T {
+        (landing.multiplier - guess) * T::from_f64(1.0 / (self.h * self.h * self.h))
     }
 
-    /// Where the body lands by any iteration; and in which lanes that is good enough to tell that the root is the right one.
+    /// Whether the first guess was off as guesses usually are, or by rounding.
     #[inline(always)]
-    pub(crate) fn try_to_land<X: Iteration>(
+    fn is_as_usual(&self, landing: &Landing<T, D>, aim: &Aim<T>) -> T::Mask {
+        let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
+        aim.is_usual(self.off(self.guess, landing)).or(rounding)
+    }
+
+    /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the right one.
+    #[inline(always)]
+    pub(crate) fn attempt<X: Iteration>(
         &self,
-        equation: &impl Equation<T, D>,
-    ) -> (Landing<T, D>, T::Mask) {
+        equation: &(impl Equation<T, D> + ?Sized),
+        aim: &Aim<T>,
+    ) -> Attempt<T, D> {
         let landing = match X::KIND {
             Kind::Newton => self.solve(equation, |_| ()),
             _ => self.chords::<X>(equation),
@@ -62,42 +73,128 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 self.trusts_without_slope(&landing, self.path_square(), FAR_GUESS)
             }
         };
-        (landing, self.turns_little(2.0).and(trusted))
+        let trusted = self.turns_little(2.0).and(trusted);
+        let certain = trusted.and(self.is_as_usual(&landing, aim));
+        Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
-    /// The same as [`land`](Self::land), where a step is as rare as that; after an attempt that can be trusted in some lanes.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn land_rarely(
+    /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another root; and where the
+    /// root had to be followed.
+    pub(crate) fn look_again(
         &self,
         equation: &dyn Equation<T, D>,
-        attempt: Option<(Landing<T, D>, T::Mask)>,
-    ) -> Result<Landing<T, D>, Failure> {
-        let zero = T::from_f64(0.0);
-        let done = attempt.as_ref().map_or(zero.lt(zero), |&(_, done)| done);
-        let within_reach = self.turns_little(1.0).or(done);
+        attempt: &Attempt<T, D>,
+    ) -> Result<(Landing<T, D>, T::Mask), Failure> {
+        let Attempt { landing, trusted, certain, .. } = *attempt;
+        let within_reach = self.turns_little(1.0).or(certain);
         if !within_reach.all() {
             return Err(FailureAt::of(self.body, within_reach).too_long(self));
         }
-        let mut landing = self.solve(equation, |_| ());
-        if let Some((attempt, done)) = attempt {
-            landing = attempt.or(done, landing);
+        let certain = certain.or(trusted.and(self.confirms(
+            equation,
+            landing.multiplier,
+            landing.slopes[0],
+            landing.floor,
+        )));
+        if certain.all() {
+            return Ok((landing, certain.not()));
         }
-        let trusted =
-            self.turns_little(2.0).and(self.trusts(&landing, self.path_square(), FAR_GUESS)).or(done);
-        if !trusted.all() {
-            landing = landing.or(trusted, self.follow(equation));
-            if !landing.converged.all() {
-                return Err(FailureAt::of(self.body, landing.converged).lost(equation, self));
-            }
+        let followed = self.follow(equation);
+        let certain = certain.or(trusted.and(self.is_same(&followed, landing.multiplier)));
+        let landing = landing.or(certain, followed);
+        if landing.converged.all() {
+            Ok((landing, certain.not()))
+        } else {
+            Err(FailureAt::of(self.body, landing.converged).lost(equation, self))
         }
-        Ok(landing)
+    }
+
+    /// Where the body lands, with nothing known of the steps before.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn land(&self, equation: &dyn Equation<T, D>) -> Result<Landing<T, D>, Failure> {
+        let attempt = self.attempt::<Newton>(equation, &Aim::unknown());
+        self.look_again(equation, &attempt).map(|(landing, _)| landing)
+    }
+
+    /// Where the body lands after an attempt from another guess or by another iteration, with the slope at the guess or not, that may
+    /// have found another root; and where it had.
+    pub(crate) fn land_instead(
+        &self,
+        equation: &dyn Equation<T, D>,
+        attempt: &Attempt<T, D>,
+        with_slope: bool,
+    ) -> Result<(Landing<T, D>, T::Mask), Failure> {
+        let Attempt { landing, trusted, mut certain, .. } = *attempt;
+        // Without the slope at the guess too little is known of g there: another sheet would be trusted as often as not.
+        if with_slope {
+            certain = certain.or(trusted.and(self.confirms(
+                equation,
+                landing.multiplier,
+                landing.slopes[0],
+                landing.floor,
+            )));
+        }
+        if certain.all() {
+            return Ok((landing, certain.not()));
+        }
+        let mut own = self.attempt::<Newton>(equation, &Aim::unknown());
+        own.certain = own.certain.or(certain);
+        let (found, _) = self.look_again(equation, &own)?;
+        let certain = certain.or(trusted.and(self.is_same(&found, landing.multiplier)));
+        Ok((landing.or(certain, found), certain.not()))
+    }
+
+    /// Whether a body that was thought to land with this Λ, after this slope at the guess, lands there.
+    #[cold]
+    #[inline(never)]
+    pub(crate) fn is_right(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T) -> T::Mask {
+        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let confirmed = self.confirms(equation, multiplier, slope, floor);
+        if confirmed.all() {
+            confirmed
+        } else {
+            confirmed.or(self.is_same(&self.follow(equation), multiplier))
+        }
+    }
+
+    /// Whether another solve found the same root, but for rounding.
+    fn is_same(&self, landing: &Landing<T, D>, multiplier: T) -> T::Mask {
+        let apart = (landing.multiplier - multiplier).abs();
+        landing.converged.and(apart.le(self.rounding(landing.floor)))
+    }
+
+    /// The rounding of Λ, with that of g: as of a surface of the size of its radius of curvature.
+    fn rounding(&self, floor: T) -> T {
+        let (square, speed_square) = (dot(&self.normal.gradient, &self.normal.gradient), dot(self.p, self.p));
+        let (length, path) = (square.sqrt(), dot(&self.free, &self.free).sqrt());
+        let radius = length * speed_square / self.bend.abs(); // of the path; none where it is straight
+        let most = T::from_f64(LARGE) * path;
+        let radius = T::select(radius.le(most), radius, most);
+        T::from_f64(ROUNDINGS) * floor.max(T::from_f64(T::EPSILON) * radius) / length
+    }
+
+    /// What the guess is off by after the share `s` of the step, if Λ is guessed to be this there.
+    fn off_inside(&self, equation: &dyn Equation<T, D>, s: T, guess: T, slope: T) -> T {
+        let free = add_scaled(&scaled(s, &self.path), s * s, &self.push);
+        let inside = Self { free, ..*self };
+        -equation.value(&inside.point(guess)) / slope
+    }
+
+    /// Whether guesses inside the step, of this Λ at its end and s² times the first guess on the way, are off by what they should be.
+    fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, floor: T) -> T::Mask {
+        let (end, rounding) = (multiplier - self.guess, self.rounding(floor));
+        let look = |s: f64| {
+            let share = T::from_f64(s);
+            let inside = self.off_inside(equation, share, share * share * self.guess, slope);
+            grows_to(inside, end, s, [3, 4], rounding)
+        };
+        let [first, second] = INSIDE;
+        look(first).and(look(second))
     }
 
     /// The landing that is reached from h = 0 without leaving the root, of the position equation with `path` s and
     /// `push` s² for s = 0 … 1. Not converged where there is none.
-    #[cold]
-    #[inline(never)]
     fn follow(&self, equation: &dyn Equation<T, D>) -> Landing<T, D> {
         let (path, push) = (&self.path, &self.push);
         let path_and_push = dot(path, path) + dot(push, push);
@@ -109,7 +206,16 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let on_the_way = Self { free, guess: course.ahead(self.guess, part), ..*self };
             let landing = on_the_way.solve(equation, |_| ());
             let path_square = length * length * path_and_push;
-            let trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
+            let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
+            let (end, [slope, _]) = (landing.multiplier - on_the_way.guess, landing.slopes);
+            let rounding = self.rounding(landing.floor);
+            for share in INSIDE {
+                let length = T::from_f64(share) * part.length;
+                let inner = Part { end: part.end - part.length + length, length, ..*part };
+                let guess = course.ahead(self.guess, &inner);
+                let inside = self.off_inside(equation, inner.end, guess, slope);
+                trusted = trusted.and(grows_to(inside, end, share, [1, 4], rounding));
+            }
             course.note(trusted, self.guess, part, landing.multiplier);
             arrived = Some(match arrived.take() {
                 Some(before) => landing.or(trusted, before),

@@ -66,6 +66,7 @@ pub(crate) struct Departure<'a, T, const D: usize> {
 }
 
 /// Where the body lands on the constraint.
+#[derive(Clone, Copy)]
 pub(crate) struct Landing<T: Real, const D: usize> {
     /// q′ − q.
     pub(crate) increment: [T; D],
@@ -166,7 +167,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// Solves for Λ with the slope at the guess or that of the start, as it is or corrected by each two values. Not
     /// converged where corrections do not shrink by half.
     #[inline(always)]
-    pub(crate) fn chords<X: Iteration>(&self, equation: &impl Equation<T, D>) -> Landing<T, D> {
+    pub(crate) fn chords<X: Iteration>(&self, equation: &(impl Equation<T, D> + ?Sized)) -> Landing<T, D> {
         let n = &self.normal.gradient;
         let square = dot(n, n);
         let length = square.sqrt();

@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
-use crate::motion::iteration::Iteration;
+use crate::motion::iteration::{Iteration, Kind};
 use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
@@ -13,23 +13,24 @@ use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
 use crate::systems::surface::diagnosis::FailureAt;
+use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::Kept;
+use crate::systems::surface::landing::Attempt;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use crate::systems::surface::position::{Departure, Landing};
 
 /// A body that departs: its path, force and, where a guess of λ is given, h·κ·|v| from that instead of second derivatives.
 #[inline(always)]
-fn departure<'a, T, K, F, N, const D: usize>(
+fn departure<'a, T, F, N, const D: usize>(
     kick: f64,
     h: f64,
     lambda: Option<T>,
-    constraint: &K,
+    equation: &(impl Equation<T, D> + ?Sized),
     bodies: &'a Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
 ) -> Departure<'a, T, D>
 where
     T: Real,
-    K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
 {
@@ -42,7 +43,7 @@ where
     let (lambda, bend) = if let Some(lambda) = lambda {
         (lambda, lambda * dot(&normal.gradient, &normal.gradient) + along)
     } else {
-        let [bend] = constraint.jet(q, p).2;
+        let bend = equation.bend(q, p);
         (multiplier_from_curvature(bend, along, normal), bend)
     };
     let path = sum(&scaled(step, p), &scaled(step, p_low));
@@ -62,31 +63,10 @@ where
     }
 }
 
-/// First half: kick, drift, and the position multiplier, by Newton's method from g̈ = 0.
+/// First half: kick, drift, and the position multiplier, by any iteration and from any guess of λ, or from g̈ = 0.
+#[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
 #[inline(always)]
-pub(crate) fn drift<T, K, F, N, W, const D: usize>(
-    kick: f64,
-    h: f64,
-    constraint: &K,
-    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
-    body: usize,
-    witness: &mut W,
-) -> Result<(), Failure>
-where
-    T: Real,
-    K: ConstraintKernel<T, D, 1>,
-    F: Forces<T, D>,
-    N: Count,
-    W: Witness<T>,
-{
-    let landing = departure(kick, h, None, constraint, bodies, body).land(constraint)?;
-    arrive(kick, h, bodies, body, &landing, witness);
-    Ok(())
-}
-
-/// The same by any iteration and from any guess of λ. What that does not settle beyond doubt is left to [`drift`]'s way.
-#[inline(always)]
-pub(crate) fn drift_by<X, T, K, F, N, W, const D: usize>(
+pub(crate) fn drift<X, T, K, F, N, W, const D: usize>(
     kick: f64,
     h: f64,
     lambda: Option<T>,
@@ -103,17 +83,55 @@ where
     N: Count,
     W: Witness<T>,
 {
-    let (mut landing, done) =
-        departure(kick, h, lambda, constraint, bodies, body).try_to_land::<X>(constraint);
-    if !done.all() {
-        let by_default = departure(kick, h, None, constraint, bodies, body);
-        landing = by_default.land_rarely(constraint, Some((landing, done)))?;
+    let departure = departure(kick, h, lambda, constraint, bodies, body);
+    let attempt = departure.attempt::<X>(constraint, &bodies.kept.aim.as_ref()[body]);
+    if !attempt.certain.all() {
+        let way = (X::KIND, lambda.is_none());
+        let copy = attempt; // what is given away by reference would else be kept in memory by all steps
+        return drift_rarely(kick, h, constraint, bodies, body, &copy, way, witness);
     }
-    arrive(kick, h, bodies, body, &landing, witness);
+    let off = departure.off(attempt.guess, &attempt.landing);
+    arrive(kick, h, bodies, body, &attempt.landing, off, witness);
     Ok(())
 }
 
-/// Takes a body to where it lands.
+/// The same where an attempt, by this iteration and from g̈ = 0 or not, may have found another root.
+#[allow(clippy::too_many_arguments, reason = "as above")]
+#[cold]
+#[inline(never)]
+fn drift_rarely<T, F, N, W, const D: usize>(
+    kick: f64,
+    h: f64,
+    equation: &dyn Equation<T, D>,
+    bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
+    body: usize,
+    attempt: &Attempt<T, D>,
+    (kind, from_state): (Kind, bool),
+    witness: &mut W,
+) -> Result<(), Failure>
+where
+    T: Real,
+    F: Forces<T, D>,
+    N: Count,
+    W: Witness<T>,
+{
+    let by_default = from_state && kind == Kind::Newton;
+    let lambda = from_state.then(|| attempt.guess / T::from_f64(0.5 * h * h)); // as known as second derivatives
+    let mut departure = departure(kick, h, lambda, equation, bodies, body);
+    if from_state {
+        departure.bend = attempt.bend;
+    }
+    let (landing, other) = if by_default {
+        departure.look_again(equation, attempt)?
+    } else {
+        departure.land_instead(equation, attempt, matches!(kind, Kind::Newton | Kind::Symmetric))?
+    };
+    let off = T::select(other, T::from_f64(f64::NAN), departure.off(attempt.guess, &landing));
+    arrive(kick, h, bodies, body, &landing, off, witness);
+    Ok(())
+}
+
+/// Takes a body to where it lands, after a guess that was off by `off` over h³.
 #[inline(always)]
 pub(crate) fn arrive<T, F, N, W, const D: usize>(
     kick: f64,
@@ -121,6 +139,7 @@ pub(crate) fn arrive<T, F, N, W, const D: usize>(
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
     landing: &Landing<T, D>,
+    off: T,
     witness: &mut W,
 ) where
     T: Real,
@@ -137,6 +156,7 @@ pub(crate) fn arrive<T, F, N, W, const D: usize>(
     (*p, *p_low) = two_sum(p, &change);
     (*q, *q_low) = two_sum(q, &sum(q_low, &landing.increment));
     *normal = Normal::new(landing.gradient);
+    bodies.kept.aim.as_mut()[body].note(off);
 }
 
 /// Second half: kick with the new force, and the momentum multiplier. False where p is not finite.

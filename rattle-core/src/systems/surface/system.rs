@@ -17,6 +17,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, scaled};
+use crate::solve::aim::Aim;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
@@ -24,7 +25,6 @@ use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::drift;
-use crate::systems::surface::step::drift_by;
 use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
@@ -68,13 +68,15 @@ where
     fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<N, T, F, D> {
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
-        let kept = Kept { normal, force, of_effects, stages: None, series: None };
+        let aim = self.count.each(Aim::unknown());
+        let kept = Kept { normal, force, aim, of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
     }
 
     fn refresh(&self, bodies: &mut BodiesOf<N, T, F, D>) {
+        bodies.kept.aim.as_mut().fill(Aim::unknown());
         if !self.fuse_normals(bodies) {
             for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
                 let [gradient] = self.constraint.jacobian(q);
@@ -101,14 +103,9 @@ where
             self.pass(h, bodies);
             return Ok(());
         }
-        let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for body in 0..bodies.q.as_ref().len() {
-            if by_default {
-                drift(kick, h, &self.constraint, bodies, body, witness)?;
-            } else {
-                let lambda = guess.get(body).copied();
-                drift_by::<X, _, _, _, _, _, D>(kick, h, lambda, &self.constraint, bodies, body, witness)?;
-            }
+            let lambda = guess.get(body).copied();
+            drift::<X, _, _, _, _, _, D>(kick, h, lambda, &self.constraint, bodies, body, witness)?;
         }
         self.fuse_normals(bodies);
         self.pass(h, bodies);

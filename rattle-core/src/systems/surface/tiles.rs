@@ -20,16 +20,19 @@ use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
+use crate::motion::iteration::Newton;
 use crate::motion::witness::Witness;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
+use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::solve::root::{FAR_GUESS, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
+use crate::systems::surface::position::Departure;
 use crate::systems::surface::step::{drift, is_finite};
 use crate::systems::surface::tile::{Number, Tile, fused, gathered, plain, scatter};
 use std::any::TypeId;
@@ -99,7 +102,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             while left != 0 {
                 let body = tile.start + left.trailing_zeros() as usize;
-                drift(kick, h, &self.constraint, bodies, body, witness)?;
+                drift::<Newton, _, _, _, _, _, D>(kick, h, None, &self.constraint, bodies, body, witness)?;
                 bodies.kept.normal.as_mut()[body] = fused_normal(&self.in_lanes, &bodies.q.as_ref()[body]);
                 left &= left - 1;
             }
@@ -289,6 +292,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             floor_square[l] = floor * floor;
         }
 
+        let guesses = multiplier;
         let (mut first, mut slope, mut g) = ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
         for l in 0..L {
             let point = point(&q, &free, &normal, &multiplier, l);
@@ -334,8 +338,41 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             put(&mut next, l, gradient);
             arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
         }
+        let ([mut last, mut before], over_cube) = (bodies.aims::<L>(), Fused(1.0 / (h * h * h)));
+        let (mut off, mut usual) = ([Fused(0.0); L], [Fused(0.0); L]);
+        for l in 0..L {
+            off[l] = (multiplier[l] - guesses[l]) * over_cube;
+            let by_rounding =
+                (first[l] * first[l] * square[l]).le(Fused(ROUNDINGS * ROUNDINGS) * floor_square[l]);
+            usual[l] = Real::select(
+                Aim::of(last[l], before[l]).is_usual(off[l]) | by_rounding,
+                Fused(1.0),
+                Fused(0.0),
+            );
+        }
         let mut left = 0;
         for l in 0..number {
+            if arrives[l] == Fused(1.0) && usual[l] == Fused(0.0) {
+                let (p, push) = (at(&p, l), scaled(pushed, &at(&force, l)));
+                let normal = Normal { gradient: at(&normal, l), inverse_square: inverse_square[l] };
+                let departure = Departure {
+                    h,
+                    body: l,
+                    q: &at(&q, l),
+                    q_low: &[Fused(0.0); D],
+                    p: &p,
+                    normal: &normal,
+                    bend: bend[l],
+                    path: add_scaled(&at(&free, l), Fused(-1.0), &push),
+                    push,
+                    push_square: dot(&push, &push),
+                    free: at(&free, l),
+                    guess: guesses[l],
+                };
+                if !departure.is_right(&constraint, multiplier[l], slope[l]) {
+                    arrives[l] = Fused(0.0);
+                }
+            }
             left |= u64::from(arrives[l] == Fused(0.0)) << l;
         }
 
@@ -364,11 +401,14 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             let (gradient, arrives) = (at(&next, l), arrives[l] == Fused(1.0));
             let inverse = Normal::new(gradient).inverse_square;
             square[l] = Real::select(arrives, inverse, inverse_square[l]);
+            before[l] = Real::select(arrives, last[l], before[l]);
+            last[l] = Real::select(arrives, off[l], last[l]);
             put(&mut new, l, either(arrives, gradient, at(&normal, l)));
         }
         for l in 0..number {
             let (gradient, inverse_square) = (at(&new, l).map(plain), plain(square[l]));
             bodies.normal[l] = Normal { gradient, inverse_square };
+            bodies.aim[l] = Aim::of(plain(last[l]), plain(before[l]));
             multipliers[l] = plain(multiplier[l] / half_square);
         }
         left

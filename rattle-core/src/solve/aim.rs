@@ -1,0 +1,78 @@
+//! How far first guesses were off in the steps before: what tells that a sheet has been passed over.
+//!
+//! Where g oscillates, sheets of one orientation lie side by side, and a guess that is off by as much as they are apart lands on
+//! the next one. There g, ∇g and second derivatives are those of the right sheet, the first correction is nearly none, and nothing that is
+//! looked at in the two ends of the step tells that it is the wrong one. But the guess would have been off by more: what a guess
+//! is off by changes smoothly from step to step, as (λ₁ − λ₀) h²/6 does. A step whose guess is off as those before it let expect
+//! is taken at its word. Any other one, the first one too, is looked at again *inside*: on the way from
+//! 0 to the end the guess is off by e(s), between s³ and s⁴ of what it is off by at the end, or the root is followed.
+//!
+//! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever is remembered
+//! here; and nothing has to be remembered in a state.
+
+use crate::number::real::{Mask, Real};
+
+/// A guess is off as usual if what it is off by differs from the straight line through the last two by at most this part of the
+/// larger of them. Of sheets at a distance d, those two were off by less than d/2, or the root would have been another. So a step is
+/// taken at its word if it is off that line by less than d/4: and one on the next sheet is off by d.
+const CHANGE: f64 = 0.5;
+
+/// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
+pub(crate) const ROUNDINGS: f64 = 64.0;
+
+/// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
+pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
+
+/// What is found inside may be so many times as much, or as little, as it should be.
+const TIMES: f64 = 3.0;
+
+/// How far first guesses of one body were off in the last two steps, over h³; NaN where the root had to be followed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Aim<T> {
+    last: T,
+    before: T,
+}
+
+impl<T: Real> Aim<T> {
+    /// Nothing is known: the next steps are looked at.
+    pub(crate) fn unknown() -> Self {
+        let nan = T::from_f64(f64::NAN);
+        Self { last: nan, before: nan }
+    }
+
+    /// Of guesses off by so much in the last step and in the one before.
+    #[inline(always)]
+    pub(crate) fn of(last: T, before: T) -> Self {
+        Self { last, before }
+    }
+
+    /// What guesses were off by in the last step and in the one before.
+    #[inline(always)]
+    pub(crate) fn steps(&self) -> [T; 2] {
+        [self.last, self.before]
+    }
+
+    /// Whether the guess of this step, by `off` over h³, was off as usual.
+    #[inline(always)]
+    pub(crate) fn is_usual(&self, off: T) -> T::Mask {
+        let Self { last, before } = *self;
+        let change = (off - last) - (last - before);
+        change.abs().min(off.abs()).le(T::from_f64(CHANGE) * last.abs().max(before.abs()))
+    }
+
+    /// Notes what a guess was off by.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, off: T) {
+        *self = Self { last: off, before: self.last };
+    }
+}
+
+/// Whether what a guess is off by after the share `s` of a way is what it should be, if it is off by `end` at the end and that grows
+/// with a power of s between these; give or take `rounding`.
+#[inline(always)]
+pub(crate) fn grows_to<T: Real>(inside: T, end: T, s: f64, [least, most]: [u32; 2], rounding: T) -> T::Mask {
+    let (inside, size) = (T::select(end.lt(T::from_f64(0.0)), -inside, inside), end.abs());
+    let power = |n: u32| (0..n).fold(1.0, |product, _| product * s);
+    let [low, high] = [power(most) / TIMES, power(least) * TIMES].map(T::from_f64);
+    (low * size - rounding).le(inside).and(inside.le(high * size + rounding))
+}
