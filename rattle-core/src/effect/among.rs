@@ -42,8 +42,11 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     }
 
     fn stray(&self, bodies: usize) -> Option<(usize, usize)> {
-        let mut strays = self.members.iter().enumerate();
-        strays.find_map(|(i, member)| member.iter().find(|&&body| body >= bodies).map(|&body| (i, body)))
+        self.members.iter().enumerate().find_map(|(i, member)| {
+            let mut ends = member.iter().enumerate();
+            let stray = ends.find(|&(end, body)| *body >= bodies || member[..end].contains(body));
+            stray.map(|(_, &body)| (i, body))
+        })
     }
 }
 

@@ -84,8 +84,10 @@ pub enum Error {
     #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
-    /// Bins of a histogram that hold nothing.
-    #[error("a histogram has one bin or more, between two finite numbers; found {bins} from {from} to {to}")]
+    /// Bins of a histogram that hold nothing, or more bins than there is memory for.
+    #[error(
+        "a histogram has one bin or more, as memory allows, between two finite numbers; found {bins} from {from} to {to}"
+    )]
     Bins {
         /// Where the first begins.
         from: f64,

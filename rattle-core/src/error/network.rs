@@ -19,8 +19,8 @@ pub enum NetworkMistake {
         /// Bodies of the scene.
         bodies: usize,
     },
-    /// A link names one body twice.
-    #[error("{what} {member} names body {body} twice; a link is between different bodies")]
+    /// A link or an effect names one body twice.
+    #[error("{what} {member} names body {body} twice; its members are different bodies")]
     Repeated {
         /// The type of the constraint.
         what: &'static str,
@@ -28,6 +28,16 @@ pub enum NetworkMistake {
         member: usize,
         /// The body.
         body: usize,
+    },
+    /// A body is pinned twice, at different places.
+    #[error("body {body} is pinned at {first:?} and at {second:?}")]
+    PinnedTwice {
+        /// The body.
+        body: usize,
+        /// One place.
+        first: Vec<f64>,
+        /// The other.
+        second: Vec<f64>,
     },
     /// As many masses as bodies are needed.
     #[error("{} given for {}", many(*masses, "mass was", "masses were"), many(*bodies, "body", "bodies"))]

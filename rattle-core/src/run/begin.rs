@@ -54,7 +54,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         }
         if let Some((what, member, body)) = self.effects.stray(start.len()) {
             let bodies = start.len();
-            return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
+            return Err(Error::Network(if body < bodies {
+                NetworkMistake::Repeated { what, member, body }
+            } else {
+                NetworkMistake::NoSuchBody { what, member, body, bodies }
+            }));
         }
         let system = self.constraint.system(&self.effects, self.count, start, h, tangent)?;
         self.check_forces(&start.bodies, start.time)?;

@@ -31,7 +31,7 @@ impl<Q> Histogram<Q> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Bins`] without bins, or if the numbers are not finite, or the first not below the second.
+    /// [`Error::Bins`] without bins, with more than there is memory for, or if the numbers are not finite, or the first not below the second.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where
@@ -41,6 +41,7 @@ impl<Q> Histogram<Q> {
         if !(bins > 0 && from < to && from.is_finite() && to.is_finite() && density.is_normal()) {
             return Err(Error::Bins { from, to, bins });
         }
+        Vec::<u64>::new().try_reserve_exact(bins).map_err(|_| Error::Bins { from, to, bins })?;
         Ok(Self { quantity, from, to, density, counts: vec![0; bins], outside: 0 })
     }
 

@@ -77,7 +77,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         force.fill([0.0; D]);
         self.effects.contribute_series(&series[..n], force, order);
 
-        let last = series.len() / n - 1;
+        let last = (series.len() / n.max(1)).saturating_sub(1); // 0 without bodies
         for k in 1..last {
             let (number, now) = (k as f64, k * n..(k + 1) * n);
             let order = &mut products.next(k);

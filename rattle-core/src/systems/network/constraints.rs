@@ -80,9 +80,15 @@ impl<const D: usize> Network<D> {
                 }
             }
         }
-        for &(body, _) in &self.pins {
+        for (pin, &(body, place)) in self.pins.iter().enumerate() {
             if body >= bodies {
-                return mistake(NetworkMistake::NoSuchBody { what: "pin", member: 0, body, bodies });
+                return mistake(NetworkMistake::NoSuchBody { what: "pin", member: pin, body, bodies });
+            }
+            if let Some((_, other)) =
+                self.pins[..pin].iter().find(|&&(before, other)| before == body && other != place)
+            {
+                let (first, second) = (other.to_vec(), place.to_vec());
+                return mistake(NetworkMistake::PinnedTwice { body, first, second });
             }
             roots[body] = Root::Pinned;
         }

@@ -7,7 +7,7 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Surfaces};
 use crate::motion::state::State;
 use crate::number::lanes::Fused;
-use crate::number::vector::dot;
+use crate::number::vector::largest;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::start;
 
@@ -25,7 +25,7 @@ impl<C: Constraint<D, 1>, const D: usize> Hold<D> for C {
     ) -> Result<Self::System<E, N>, Error> {
         let constraint = self.kernel::<f64>();
         for (body, state) in start.bodies.iter().enumerate() {
-            let path = h.abs() * dot(&state.p, &state.p).sqrt();
+            let path = h.abs() * largest(&state.p); // but for a factor of √D
             start::check(&constraint, state, path, tangent).map_err(|cause| Error::Start { body, cause })?;
         }
         Ok(OnSurface::new(constraint, self.kernel(), effects.forces(), count))

@@ -41,14 +41,17 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     }
     let distance = value.abs() / length;
     // Where q is near zero the terms of g, and their rounding, are of the size of the surface.
-    let size = largest(&body.q).max(path).min(singular);
+    let size = largest(&body.q).min(singular);
     let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
-    let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
+    let of_path = f64::EPSILON * path.min(singular); // what a step leaves
+    let tolerance = (START_TOLERANCE * size).max(16.0 * noise.max(of_path));
     if distance > tolerance {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
-    let along_normal = dot(&gradient, &body.p).abs() / length;
-    let speed = dot(&body.p, &body.p).sqrt();
+    let scale = largest(&body.p).max(f64::MIN_POSITIVE); // squares of momenta may leave the floats
+    let direction = scaled(1.0 / scale, &body.p);
+    let along_normal = dot(&gradient, &direction).abs() / length;
+    let speed = dot(&direction, &direction).sqrt();
     // A way that is shorter than positions are rounded has no direction: that of who rests after rounding.
     if tangent && path > rounding && along_normal > START_TOLERANCE * speed {
         return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });

@@ -1,0 +1,95 @@
+//! What nobody means gets an error that says so: counts that do not fit, numbers that cannot be, names that stand twice.
+
+use rattle::Error;
+use rattle::error::{NetworkMistake, StartFailure};
+use rattle::links::Rod;
+use rattle::prelude::*;
+use rattle::surfaces::{Plane, Sphere};
+use rattle::watch::{Histogram, Sight};
+
+potential! {
+    /// Of two bodies on a line.
+    struct Spring { k }
+    |a, b| k * (a - b)^2 / 2
+}
+
+fn refused<T>(result: Result<T, Error>) -> Error {
+    result.map(|_| ()).unwrap_err()
+}
+
+fn mistake(error: Error) -> NetworkMistake {
+    match error {
+        Error::Network(mistake) => mistake,
+        other => panic!("{other}"),
+    }
+}
+
+#[test]
+fn nobody_is_moved_by_every_method() {
+    let nobody = State::of(Vec::<[f64; 2]>::new());
+    let scene = Scene::points::<2>(0);
+    scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody.clone(), Lobatto::<3>::new(0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody, Dop853::new(0.1)).unwrap().run(3).unwrap();
+}
+
+#[test]
+fn a_state_of_other_bodies_is_told_by_the_numbers_of_both() {
+    let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]);
+    let error = refused(scene.project(&State::at([0.0, 0.0, 0.0])));
+    assert!(matches!(error, Error::BodyCount { scene: 3, state: 1 }), "{error}");
+}
+
+#[test]
+fn a_body_is_pinned_at_one_place() {
+    let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]);
+    let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]);
+    scene.clone().pin(0, [0.0; 3]).simulate(start.clone(), Rattle::new(0.1)).unwrap();
+    let error = mistake(refused(scene.pin(0, [2.0, 0.0, 0.0]).simulate(start, Rattle::new(0.1))));
+    let NetworkMistake::PinnedTwice { body: 0, first, second } = &error else { panic!("{error}") };
+    assert_eq!((&first[..], &second[..]), (&[0.0; 3][..], &[2.0, 0.0, 0.0][..]));
+}
+
+#[test]
+fn members_of_an_effect_are_different_bodies() {
+    let spring = Spring { k: 1.0 };
+    let start = State::of([[0.0], [1.0]]);
+    let scene = |members: [usize; 2]| Scene::points::<1>(2).with(spring.over([[0, 1], members]));
+    scene([1, 0]).simulate(start.clone(), Rattle::new(0.1)).unwrap();
+    let error = mistake(refused(scene([1, 1]).simulate(start.clone(), Rattle::new(0.1))));
+    assert!(matches!(error, NetworkMistake::Repeated { member: 1, body: 1, .. }), "{error}");
+    let error = mistake(refused(scene([0, 2]).simulate(start, Rattle::new(0.1))));
+    assert!(matches!(error, NetworkMistake::NoSuchBody { member: 1, body: 2, bodies: 2, .. }), "{error}");
+}
+
+/// A long path is no reason to begin far from a plane.
+#[test]
+fn a_start_off_a_plane_is_refused_however_long_the_path() {
+    let plane = Scene::on(Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 });
+    let start = |height| State::at([0.0, 0.0, height]).moving([1e9, 0.0, 0.0]);
+    plane.simulate(start(0.0), Rattle::new(1.0)).unwrap();
+    plane.simulate(start(1e-7), Rattle::new(1.0)).unwrap(); // rounding of places that far away
+    let error = refused(plane.simulate(start(0.01), Rattle::new(1.0)));
+    assert!(matches!(error, Error::Start { cause: StartFailure::OffSurface { .. }, .. }), "{error}");
+}
+
+#[test]
+fn momenta_whose_squares_are_no_numbers_have_a_direction() {
+    let sphere = Scene::on(Sphere { r: 1.0 });
+    for size in [1e-200, 1.0, 1e160, 1e300] {
+        let start = |p: [f64; 3]| State::at([1.0, 0.0, 0.0]).moving(p);
+        let error = refused(sphere.simulate(start([size, size, 0.0]), Rattle::new(1e3 / size)));
+        let Error::Start { cause: StartFailure::NotTangent { sine, .. }, .. } = error else {
+            panic!("{size:e}: {error}")
+        };
+        assert!((sine - 0.5_f64.sqrt()).abs() < 1e-12, "{size:e}: {sine}");
+    }
+}
+
+#[test]
+fn a_histogram_has_no_more_bins_than_there_is_memory_for() {
+    let energy = |now: &Sight<'_, 1>| now.energy();
+    let error = refused(Histogram::of(energy, 0.0, 1.0, usize::MAX / 2));
+    assert!(matches!(error, Error::Bins { .. }), "{error}");
+}
