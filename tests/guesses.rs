@@ -79,7 +79,7 @@ fn extrapolated_multipliers_take_few_evaluations_and_no_second_derivative() {
     }
     let [values, gradients, curvatures] = total.map(|count| count / steps);
     println!("{values:.3} evaluations of g, {gradients:.3} of ∇g, {curvatures:.3} of vᵀ∇²g v per step");
-    assert!((2.0..=2.35).contains(&values) && (2.0..=2.1).contains(&gradients) && curvatures <= 0.1);
+    assert!((2.0..=2.4).contains(&values) && (2.0..=2.1).contains(&gradients) && curvatures <= 0.12);
 }
 
 /// Where multipliers change from step to step by more than a guess can follow, steps are those without one.

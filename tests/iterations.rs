@@ -137,7 +137,7 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
     [after.values - before.values, after.gradients - before.gradients].map(|count| count as f64 / 150.0)
 }
 
-/// What each costs. On surfaces a part of it is for looks inside a step, which tell that no other sheet was landed on: 0.1 of g, 0.2
+/// What each costs. On surfaces a part of it is for looks inside a step, which tell that no other sheet was landed on: 0.1 of g, 0.3
 /// where three λ are extrapolated, whose errors change more from step to step. In chains a chord takes the slower of its last two contractions for its rate, which takes up to 0.8 evaluations
 /// more than the last one alone would; see `solve/stop.rs` of the core, and `tests/stopping.rs` for what the last one alone leaves.
 #[test]
@@ -158,18 +158,18 @@ fn evaluations() {
     }
     each!(measure);
     let expected = [
-        ([2.39, 2.13, 1.00], [2.00, 1.00]),
-        ([3.22, 2.05, 1.00], [3.80, 1.02]),
-        ([7.36, 1.12, 1.00], [4.23, 0.00]),
-        ([3.44, 1.09, 1.00], [3.29, 0.01]),
-        ([2.61, 2.21, 0.03], [2.00, 1.00]),
-        ([3.47, 2.04, 0.03], [3.95, 1.01]),
-        ([7.48, 1.11, 0.04], [4.25, 1.00]),
-        ([3.52, 1.09, 0.03], [3.39, 1.00]),
-        ([2.46, 2.10, 0.11], [2.00, 1.00]),
-        ([2.92, 2.06, 0.11], [2.95, 1.00]),
-        ([7.32, 1.28, 0.12], [3.26, 1.01]),
-        ([3.72, 1.26, 0.11], [2.94, 1.00]),
+        ([2.42, 2.13, 1.00], [2.00, 1.00]),
+        ([3.25, 2.06, 1.00], [3.80, 1.02]),
+        ([7.40, 1.14, 1.00], [4.23, 0.00]),
+        ([3.50, 1.11, 1.00], [3.29, 0.01]),
+        ([2.64, 2.22, 0.04], [2.00, 1.00]),
+        ([3.50, 2.04, 0.04], [3.95, 1.01]),
+        ([7.53, 1.12, 0.05], [4.25, 1.00]),
+        ([3.56, 1.10, 0.04], [3.39, 1.00]),
+        ([2.55, 2.11, 0.14], [2.00, 1.00]),
+        ([3.01, 2.07, 0.14], [2.95, 1.00]),
+        ([7.52, 1.38, 0.15], [3.26, 1.01]),
+        ([3.92, 1.36, 0.14], [2.94, 1.00]),
     ];
     for ((surface, chain), (on_surface, of_chain)) in rows.iter().zip(&expected) {
         let near = |found: &[f64], expected: &[f64]| apart(found, expected) <= 0.06; // roundings decide a few solves
@@ -202,7 +202,7 @@ fn evaluations_do_not_depend_on_the_linear_algebra() {
 }
 
 /// Steps of a composition differ in length, and sign; the last multiplier is a guess for all of them. What that is off by differs from
-/// step to step too, so that four of ten are looked at again.
+/// step to step too, so that six of ten are looked at again.
 #[test]
 fn compositions_remember_too() {
     let surface = Counted::new(SURFACE);
@@ -221,7 +221,7 @@ fn compositions_remember_too() {
             println!("{:24} off by {off:.1e}, {bends} second derivatives per step of RATTLE", $name);
             assert!(off <= 1e-14, "{}: {off:e}", $name);
             assert!($name.starts_with("g̈") == (bends == 1.0), "{}: {bends}", $name);
-            assert!(!$name.starts_with("last") || bends < 0.45, "{}: {bends}", $name);
+            assert!(!$name.starts_with("last") || bends < 0.65, "{}: {bends}", $name);
         };
     }
     each!(check);

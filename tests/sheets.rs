@@ -4,8 +4,10 @@
 //! still on t = 0 is t, which no simulation sees.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::composition::*;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::surfaces::{Thylakoid, Torus};
 use rattle::{Error, nalgebra::Vector3};
 use rayon::prelude::*;
 
@@ -63,16 +65,76 @@ fn among_shells<S: Method>(seed: u64, runs: u32, method: impl Fn(f64) -> S) -> O
     outcome
 }
 
+/// None is wrong, and so many are not refused: where shells are closer than a path in which a root can be followed, it cannot.
+fn stays<S: Method>(seed: u64, runs: u32, right: u32, method: impl Fn(f64) -> S) {
+    let outcome = among_shells(seed, runs, method);
+    assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+}
+
 #[test]
 fn rattle_stays_on_its_sheet() {
-    assert_eq!(among_shells(1, 2000, Rattle::new).wrong, 0);
+    stays(1, 2000, 1250, Rattle::new);
 }
 
 #[test]
 fn other_iterations_and_guesses_stay_on_theirs() {
-    assert_eq!(among_shells(2, 500, |h| Rattle::new(h).solved_by(Broyden)).wrong, 0);
-    assert_eq!(among_shells(3, 500, |h| Rattle::new(h).guess(Extrapolated)).wrong, 0);
-    assert_eq!(among_shells(4, 500, |h| Rattle::new(h).guess(LastMultiplier).solved_by(Symmetric)).wrong, 0);
+    stays(2, 500, 310, |h| Rattle::new(h).solved_by(Broyden));
+    stays(3, 500, 290, |h| Rattle::new(h).guess(Extrapolated));
+    stays(4, 500, 310, |h| Rattle::new(h).guess(LastMultiplier).solved_by(Symmetric));
+}
+
+/// Steps of a composition differ in length: what a guess is off by grows and shrinks with h³, the distance of sheets does not.
+#[test]
+fn compositions_stay_on_theirs() {
+    stays(6, 1000, 500, |h| Composition::new(SUZUKI_1990_ORDER_4, h));
+    stays(7, 1000, 500, |h| Composition::new(YOSHIDA_1990_ORDER_4, h));
+    stays(8, 500, 250, |h| Composition::new(KAHAN_LI_1997_ORDER_8, h));
+}
+
+/// The rounding of g is hundreds of that of places where a tube is thin: no root is taken for lost because of it, and a
+/// restart, of which nothing is remembered, goes on bit for bit.
+#[test]
+fn the_rounding_of_g_is_no_sheet() {
+    for minor in [0.1, 0.01, 0.001] {
+        for h in [1e-3 * minor, 1e-5, 1e-7] {
+            let scene = Scene::on(Torus { major: 1.0, minor }).with(Gravity { g: 1.0 });
+            let start = State::at([1.0 + minor, 0.0, 0.0]).moving([0.0, 0.3, 0.4]);
+            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            simulation.run(3000).unwrap();
+            let now = simulation.state();
+            simulation.run(3000).unwrap();
+            if minor < 0.01 {
+                continue; // a start there may be refused, as off the surface by the rounding of g
+            }
+            let mut again = scene.simulate(now, Rattle::new(h)).unwrap();
+            again.run(3000).unwrap();
+            assert_eq!(again.position(), simulation.position(), "minor {minor}, h = {h:e}");
+            assert_eq!(again.momentum(), simulation.momentum(), "minor {minor}, h = {h:e}");
+        }
+    }
+    let shifted = Scene::on(Shifted { r: 1e6 });
+    let slow = State::at([0.0; 3]).moving([1e-9, 0.0, 0.0]);
+    shifted.simulate(slow, Rattle::new(0.01)).unwrap().run(1000).unwrap();
+}
+
+constraint! {
+    /// A sphere through the origin.
+    struct Shifted { r }
+    |x, y, z| x^2 + y^2 + (z - r)^2 - r^2
+}
+
+/// Where curvature jumps, what a guess is off by grows late in a step; no step is refused for that.
+#[test]
+fn seams_are_no_sheets() {
+    let mut random = StdRng::seed_from_u64(9);
+    let scene = Scene::on(Thylakoid { width: 3.0, length: 10.0, flare: 3.0 });
+    let somewhere = scene.project(&State::at([3.0, 0.1, 14.0]).moving([0.0, 0.0, 1.0])).unwrap();
+    for _ in 0..300 {
+        let across = Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let start = State::at(somewhere.positions().next().unwrap()).moving(across);
+        let h = random.random_range(0.05..0.4);
+        scene.simulate(scene.project(&start).unwrap(), Rattle::new(h)).unwrap().run(400).unwrap();
+    }
 }
 
 #[test]

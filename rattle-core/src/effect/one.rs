@@ -32,7 +32,7 @@ pub trait Effect<const D: usize, Kind> {
     where
         Self: 'a;
 
-    /// The first member that names a body beyond the last one, and that body.
+    /// The first member that names a body beyond the last one, or a body twice, and that body.
     fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
         None
     }

@@ -54,8 +54,7 @@ impl Rattle {
 
 impl<G: Guess, X: Iteration> Rattle<G, X> {
     /// The same method, its iteration begun with this [guess](crate::motion::guess) of the multipliers: the same motion to rounding,
-    /// for other evaluations, unless sheets of the surface lie closer to each other than a guess is off. A state taken
-    /// from a simulation carries what is remembered.
+    /// for other evaluations. A state taken from a simulation carries what is remembered.
     ///
     /// ```
     /// # use rattle::{guess::{Extrapolated, LastMultiplier}, Rattle};

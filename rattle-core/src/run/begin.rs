@@ -38,6 +38,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let system = self.system_at(start, method.step_size(), tangent)?;
         method.check(system.equations())?;
         view(method, &system)?;
+        self.check_forces(&start.bodies, start.time)?;
         Ok(system)
     }
 
@@ -60,9 +61,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
                 NetworkMistake::NoSuchBody { what, member, body, bodies }
             }));
         }
-        let system = self.constraint.system(&self.effects, self.count, start, h, tangent)?;
-        self.check_forces(&start.bodies, start.time)?;
-        Ok(system)
+        self.constraint.system(&self.effects, self.count, start, h, tangent)
     }
 
     /// The simulation from a start of a system that is ready to move from there.

@@ -12,9 +12,9 @@
 
 use crate::number::real::{Mask, Real};
 
-/// A guess is off as usual if what it is off by differs from the straight line through the last two by at most this part of the
-/// larger of them. Of sheets at a distance d, those two were off by less than d/2, or the root would have been another. So a step is
-/// taken at its word if it is off that line by less than d/4: and one on the next sheet is off by d.
+/// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of the larger of them.
+/// Of sheets at a distance d, those two were off by less than d/2, or the root would have been another. So a step is
+/// taken at its word if it is off what is expected by less than d/4: and one on the next sheet is off by d.
 const CHANGE: f64 = 0.5;
 
 /// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
@@ -26,7 +26,34 @@ pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::
 /// What is found inside may be so many times as much, or as little, as it should be.
 const TIMES: f64 = 3.0;
 
-/// How far first guesses of one body were off in the last two steps, over h³; NaN where the root had to be followed.
+/// What is expected of a step, from the last two: their offs go with h³, along a straight line.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Pace {
+    /// The lengths of the last two steps.
+    steps: [f64; 2],
+}
+
+impl Pace {
+    /// Before the first step.
+    pub(crate) fn unknown() -> Self {
+        Self { steps: [f64::NAN; 2] }
+    }
+
+    /// Of a step of length h: by how much the last off, and the one before, count.
+    #[inline(always)]
+    pub(crate) fn weights(&self, h: f64) -> [f64; 2] {
+        let [last, before] = self.steps.map(|step| h / step);
+        [2.0 * (last * last * last), -(before * before * before)]
+    }
+
+    /// Notes the length of a step.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, h: f64) {
+        self.steps = [h, self.steps[0]];
+    }
+}
+
+/// How far first guesses of one body were off in the last two steps; NaN where the root had to be followed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Aim<T> {
     last: T,
@@ -52,12 +79,12 @@ impl<T: Real> Aim<T> {
         [self.last, self.before]
     }
 
-    /// Whether the guess of this step, by `off` over h³, was off as usual.
+    /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).
     #[inline(always)]
-    pub(crate) fn is_usual(&self, off: T) -> T::Mask {
-        let Self { last, before } = *self;
-        let change = (off - last) - (last - before);
-        change.abs().min(off.abs()).le(T::from_f64(CHANGE) * last.abs().max(before.abs()))
+    pub(crate) fn is_usual(&self, off: T, weights: [f64; 2]) -> T::Mask {
+        let (Self { last, before }, [a, b]) = (*self, weights.map(T::from_f64));
+        let change = off - (a * last + b * before);
+        change.abs().le(T::from_f64(CHANGE) * last.abs().max(before.abs()))
     }
 
     /// Notes what a guess was off by.

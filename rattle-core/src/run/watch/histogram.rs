@@ -41,8 +41,10 @@ impl<Q> Histogram<Q> {
         if !(bins > 0 && from < to && from.is_finite() && to.is_finite() && density.is_normal()) {
             return Err(Error::Bins { from, to, bins });
         }
-        Vec::<u64>::new().try_reserve_exact(bins).map_err(|_| Error::Bins { from, to, bins })?;
-        Ok(Self { quantity, from, to, density, counts: vec![0; bins], outside: 0 })
+        let mut counts = Vec::new();
+        counts.try_reserve_exact(bins).map_err(|_| Error::Bins { from, to, bins })?;
+        counts.resize(bins, 0);
+        Ok(Self { quantity, from, to, density, counts, outside: 0 })
     }
 
     /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x − from.

@@ -84,8 +84,9 @@ impl<const D: usize> Network<D> {
             if body >= bodies {
                 return mistake(NetworkMistake::NoSuchBody { what: "pin", member: pin, body, bodies });
             }
-            if let Some((_, other)) =
-                self.pins[..pin].iter().find(|&&(before, other)| before == body && other != place)
+            if matches!(roots[body], Root::Pinned)
+                && let Some((_, other)) =
+                    self.pins[..pin].iter().find(|&&(before, other)| before == body && other != place)
             {
                 let (first, second) = (other.to_vec(), place.to_vec());
                 return mistake(NetworkMistake::PinnedTwice { body, first, second });

@@ -5,7 +5,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::solve::aim::Aim;
+use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
@@ -78,6 +78,8 @@ pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     pub force: N::Of<F::Force>,
     /// How far first guesses were off.
     pub(crate) aim: N::Of<Aim<T>>,
+    /// In steps of what length.
+    pub(crate) pace: Pace,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.

@@ -15,6 +15,12 @@ use crate::systems::surface::position::{Departure, Landing};
 /// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
 const LARGE: f64 = 1e6;
 
+/// What is taken for rounding of g where it was found to be so many times less.
+const NOISY: f64 = 16.0;
+
+/// A guess that is off by more than so many times the rounding of positions is off by more than that of g.
+const LITTLE: f64 = 1e4;
+
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
 pub(crate) struct Attempt<T: Real, const D: usize> {
@@ -43,17 +49,11 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         (step * step * self.bend * self.bend * self.normal.inverse_square).le(dot(self.p, self.p))
     }
 
-    /// What a first guess was off by, over h³.
-    #[inline(always)]
-    pub(crate) fn off(&self, guess: T, landing: &Landing<T, D>) -> T {
-        (landing.multiplier - guess) * T::from_f64(1.0 / (self.h * self.h * self.h))
-    }
-
     /// Whether the first guess was off as guesses usually are, or by rounding.
     #[inline(always)]
-    fn is_as_usual(&self, landing: &Landing<T, D>, aim: &Aim<T>) -> T::Mask {
+    fn is_as_usual(&self, landing: &Landing<T, D>, aim: &Aim<T>, weights: [f64; 2]) -> T::Mask {
         let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
-        aim.is_usual(self.off(self.guess, landing)).or(rounding)
+        aim.is_usual(landing.multiplier - self.guess, weights).or(rounding)
     }
 
     /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the right one.
@@ -62,6 +62,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         &self,
         equation: &(impl Equation<T, D> + ?Sized),
         aim: &Aim<T>,
+        weights: [f64; 2],
     ) -> Attempt<T, D> {
         let landing = match X::KIND {
             Kind::Newton => self.solve(equation, |_| ()),
@@ -74,7 +75,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         };
         let trusted = self.turns_little(2.0).and(trusted);
-        let certain = trusted.and(self.is_as_usual(&landing, aim));
+        let certain = trusted.and(self.is_as_usual(&landing, aim, weights));
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
@@ -90,17 +91,19 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         if !within_reach.all() {
             return Err(FailureAt::of(self.body, within_reach).too_long(self));
         }
-        let certain = certain.or(trusted.and(self.confirms(
-            equation,
-            landing.multiplier,
-            landing.slopes[0],
-            landing.floor,
-        )));
+        let look =
+            |rounding| trusted.and(self.confirms(equation, landing.multiplier, landing.slopes[0], rounding));
+        let mut rounding = self.rounding();
+        let mut certain = certain.or(look(rounding));
+        if !certain.all() {
+            rounding = self.with_noise(rounding, equation, landing.multiplier);
+            certain = certain.or(look(rounding));
+        }
         if certain.all() {
             return Ok((landing, certain.not()));
         }
-        let followed = self.follow(equation);
-        let certain = certain.or(trusted.and(self.is_same(&followed, landing.multiplier)));
+        let followed = self.follow(equation, rounding);
+        let certain = certain.or(trusted.and(is_same(&followed, landing.multiplier, rounding)));
         let landing = landing.or(certain, followed);
         if landing.converged.all() {
             Ok((landing, certain.not()))
@@ -113,7 +116,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     #[cold]
     #[inline(never)]
     pub(crate) fn land(&self, equation: &dyn Equation<T, D>) -> Result<Landing<T, D>, Failure> {
-        let attempt = self.attempt::<Newton>(equation, &Aim::unknown());
+        let attempt = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
         self.look_again(equation, &attempt).map(|(landing, _)| landing)
     }
 
@@ -128,20 +131,18 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let Attempt { landing, trusted, mut certain, .. } = *attempt;
         // Without the slope at the guess too little is known of g there: another sheet would be trusted as often as not.
         if with_slope {
-            certain = certain.or(trusted.and(self.confirms(
-                equation,
-                landing.multiplier,
-                landing.slopes[0],
-                landing.floor,
-            )));
+            let [slope, _] = landing.slopes;
+            let confirmed = self.confirms(equation, landing.multiplier, slope, self.rounding());
+            certain = certain.or(trusted.and(confirmed));
         }
         if certain.all() {
             return Ok((landing, certain.not()));
         }
-        let mut own = self.attempt::<Newton>(equation, &Aim::unknown());
+        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
         own.certain = own.certain.or(certain);
         let (found, _) = self.look_again(equation, &own)?;
-        let certain = certain.or(trusted.and(self.is_same(&found, landing.multiplier)));
+        let rounding = self.with_noise(self.rounding(), equation, landing.multiplier);
+        let certain = certain.or(trusted.and(is_same(&found, landing.multiplier, rounding)));
         Ok((landing.or(certain, found), certain.not()))
     }
 
@@ -149,29 +150,42 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     #[cold]
     #[inline(never)]
     pub(crate) fn is_right(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T) -> T::Mask {
-        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
-        let confirmed = self.confirms(equation, multiplier, slope, floor);
+        let rounding = self.rounding();
+        let confirmed = self.confirms(equation, multiplier, slope, rounding);
         if confirmed.all() {
-            confirmed
-        } else {
-            confirmed.or(self.is_same(&self.follow(equation), multiplier))
+            return confirmed;
         }
+        let rounding = self.with_noise(rounding, equation, multiplier);
+        confirmed.or(is_same(&self.follow(equation, rounding), multiplier, rounding))
     }
 
-    /// Whether another solve found the same root, but for rounding.
-    fn is_same(&self, landing: &Landing<T, D>, multiplier: T) -> T::Mask {
-        let apart = (landing.multiplier - multiplier).abs();
-        landing.converged.and(apart.le(self.rounding(landing.floor)))
-    }
-
-    /// The rounding of Λ, with that of g: as of a surface of the size of its radius of curvature.
-    fn rounding(&self, floor: T) -> T {
+    /// The rounding of Λ by that of positions, or of a surface of the size of its radius of curvature.
+    fn rounding(&self) -> T {
         let (square, speed_square) = (dot(&self.normal.gradient, &self.normal.gradient), dot(self.p, self.p));
         let (length, path) = (square.sqrt(), dot(&self.free, &self.free).sqrt());
         let radius = length * speed_square / self.bend.abs(); // of the path; none where it is straight
         let most = T::from_f64(LARGE) * path;
         let radius = T::select(radius.le(most), radius, most);
-        T::from_f64(ROUNDINGS) * floor.max(T::from_f64(T::EPSILON) * radius) / length
+        let size = largest(self.q).max(largest(&self.free)).max(radius);
+        T::from_f64(ROUNDINGS * T::EPSILON) * size / length
+    }
+
+    /// This rounding and some times that of g itself, if it matters: if the guess for this Λ was off by little. The rounding of g is by
+    /// how much it is no straight line across the surface at the start.
+    fn with_noise(&self, rounding: T, equation: &dyn Equation<T, D>, multiplier: T) -> T {
+        if (T::from_f64(LITTLE) * rounding).le((multiplier - self.guess).abs()).all() {
+            return rounding;
+        }
+        let (n, over) = (&self.normal.gradient, self.normal.inverse_square);
+        let unit = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free)) * over.sqrt();
+        let off = |share: f64| {
+            let shift = T::from_f64(share) * unit;
+            equation.value(&add_scaled(self.q, shift, n)) * over - shift
+        };
+        let middle = off(0.0);
+        let most = |most: T, share: f64| most.max((off(share) - middle).abs());
+        let shares = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
+        rounding + T::from_f64(NOISY) * shares.into_iter().fold(T::from_f64(0.0), most)
     }
 
     /// What the guess is off by after the share `s` of the step, if Λ is guessed to be this there.
@@ -182,8 +196,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     }
 
     /// Whether guesses inside the step, of this Λ at its end and s² times the first guess on the way, are off by what they should be.
-    fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, floor: T) -> T::Mask {
-        let (end, rounding) = (multiplier - self.guess, self.rounding(floor));
+    fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, rounding: T) -> T::Mask {
+        let end = multiplier - self.guess;
         let look = |s: f64| {
             let share = T::from_f64(s);
             let inside = self.off_inside(equation, share, share * share * self.guess, slope);
@@ -195,7 +209,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
     /// The landing that is reached from h = 0 without leaving the root, of the position equation with `path` s and
     /// `push` s² for s = 0 … 1. Not converged where there is none.
-    fn follow(&self, equation: &dyn Equation<T, D>) -> Landing<T, D> {
+    fn follow(&self, equation: &dyn Equation<T, D>, rounding: T) -> Landing<T, D> {
         let (path, push) = (&self.path, &self.push);
         let path_and_push = dot(path, path) + dot(push, push);
         let mut course = Course::start();
@@ -208,13 +222,13 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let path_square = length * length * path_and_push;
             let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
             let (end, [slope, _]) = (landing.multiplier - on_the_way.guess, landing.slopes);
-            let rounding = self.rounding(landing.floor);
-            for share in INSIDE {
+            // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving would never end.
+            for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
                 let length = T::from_f64(share) * part.length;
                 let inner = Part { end: part.end - part.length + length, length, ..*part };
                 let guess = course.ahead(self.guess, &inner);
                 let inside = self.off_inside(equation, inner.end, guess, slope);
-                trusted = trusted.and(grows_to(inside, end, share, [1, 4], rounding));
+                trusted = trusted.and(grows_to(inside, end, share, powers, rounding));
             }
             course.note(trusted, self.guess, part, landing.multiplier);
             arrived = Some(match arrived.take() {
@@ -248,4 +262,9 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let upright = T::from_f64(0.0).lt(landing.slopes[1]);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }
+}
+
+/// Whether another solve found the same root, but for rounding.
+fn is_same<T: Real, const D: usize>(landing: &Landing<T, D>, multiplier: T, rounding: T) -> T::Mask {
+    landing.converged.and((landing.multiplier - multiplier).abs().le(rounding))
 }

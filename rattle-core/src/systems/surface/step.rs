@@ -63,13 +63,15 @@ where
     }
 }
 
-/// First half: kick, drift, and the position multiplier, by any iteration and from any guess of λ, or from g̈ = 0.
+/// First half: kick, drift, and the position multiplier, by any iteration and from any guess of λ, or from g̈ = 0. `weights` are those
+/// of what guesses [were off by](crate::solve::aim::Pace).
 #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
 #[inline(always)]
 pub(crate) fn drift<X, T, K, F, N, W, const D: usize>(
     kick: f64,
     h: f64,
     lambda: Option<T>,
+    weights: [f64; 2],
     constraint: &K,
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
@@ -84,13 +86,13 @@ where
     W: Witness<T>,
 {
     let departure = departure(kick, h, lambda, constraint, bodies, body);
-    let attempt = departure.attempt::<X>(constraint, &bodies.kept.aim.as_ref()[body]);
+    let attempt = departure.attempt::<X>(constraint, &bodies.kept.aim.as_ref()[body], weights);
     if !attempt.certain.all() {
         let way = (X::KIND, lambda.is_none());
         let copy = attempt; // what is given away by reference would else be kept in memory by all steps
         return drift_rarely(kick, h, constraint, bodies, body, &copy, way, witness);
     }
-    let off = departure.off(attempt.guess, &attempt.landing);
+    let off = attempt.landing.multiplier - attempt.guess;
     arrive(kick, h, bodies, body, &attempt.landing, off, witness);
     Ok(())
 }
@@ -119,19 +121,19 @@ where
     let lambda = from_state.then(|| attempt.guess / T::from_f64(0.5 * h * h)); // as known as second derivatives
     let mut departure = departure(kick, h, lambda, equation, bodies, body);
     if from_state {
-        departure.bend = attempt.bend;
+        (departure.guess, departure.bend) = (attempt.guess, attempt.bend);
     }
     let (landing, other) = if by_default {
         departure.look_again(equation, attempt)?
     } else {
         departure.land_instead(equation, attempt, matches!(kind, Kind::Newton | Kind::Symmetric))?
     };
-    let off = T::select(other, T::from_f64(f64::NAN), departure.off(attempt.guess, &landing));
+    let off = T::select(other, T::from_f64(f64::NAN), landing.multiplier - attempt.guess);
     arrive(kick, h, bodies, body, &landing, off, witness);
     Ok(())
 }
 
-/// Takes a body to where it lands, after a guess that was off by `off` over h³.
+/// Takes a body to where it lands, after a guess that was off by `off`.
 #[inline(always)]
 pub(crate) fn arrive<T, F, N, W, const D: usize>(
     kick: f64,

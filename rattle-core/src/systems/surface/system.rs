@@ -17,7 +17,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, scaled};
-use crate::solve::aim::Aim;
+use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
@@ -69,7 +69,7 @@ where
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
-        let kept = Kept { normal, force, aim, of_effects, stages: None, series: None };
+        let kept = Kept { normal, force, aim, pace: Pace::unknown(), of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -103,9 +103,11 @@ where
             self.pass(h, bodies);
             return Ok(());
         }
+        let weights = bodies.kept.pace.weights(h);
+        bodies.kept.pace.note(h);
         for body in 0..bodies.q.as_ref().len() {
             let lambda = guess.get(body).copied();
-            drift::<X, _, _, _, _, _, D>(kick, h, lambda, &self.constraint, bodies, body, witness)?;
+            drift::<X, _, _, _, _, _, D>(kick, h, lambda, weights, &self.constraint, bodies, body, witness)?;
         }
         self.fuse_normals(bodies);
         self.pass(h, bodies);

@@ -85,6 +85,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
     {
+        let weights = bodies.kept.pace.weights(h);
+        bodies.kept.pace.note(h);
         for tile in tiles(self.count.number()) {
             let mut multipliers = [T::from_f64(0.0); LANES];
             let mut left = set.run(Drift {
@@ -92,6 +94,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 kick,
                 h,
                 guess: guess.get(tile.clone()).unwrap_or(&[]),
+                weights,
                 bodies: Tile::of(bodies, tile.clone()),
                 multipliers: &mut multipliers,
             });
@@ -102,7 +105,16 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             while left != 0 {
                 let body = tile.start + left.trailing_zeros() as usize;
-                drift::<Newton, _, _, _, _, _, D>(kick, h, None, &self.constraint, bodies, body, witness)?;
+                drift::<Newton, _, _, _, _, _, D>(
+                    kick,
+                    h,
+                    None,
+                    weights,
+                    &self.constraint,
+                    bodies,
+                    body,
+                    witness,
+                )?;
                 bodies.kept.normal.as_mut()[body] = fused_normal(&self.in_lanes, &bodies.q.as_ref()[body]);
                 left &= left - 1;
             }
@@ -224,6 +236,8 @@ struct Drift<'a, T, K, F, const D: usize> {
     h: f64,
     /// λ, or nothing: then from g̈ = 0.
     guess: &'a [T],
+    /// Of what guesses were off by.
+    weights: [f64; 2],
     bodies: Tile<'a, T, F, D>,
     /// λ as an impulse over h/2.
     multipliers: &'a mut [T; LANES],
@@ -248,7 +262,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> u64 {
-        let Self { constraint, kick, h, guess, bodies, multipliers } = self;
+        let Self { constraint, kick, h, guess, weights, bodies, multipliers } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
         let number = bodies.q.len().min(L);
         // `share` of the force in the motion: 1 for RATTLE.
@@ -338,14 +352,14 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             put(&mut next, l, gradient);
             arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
         }
-        let ([mut last, mut before], over_cube) = (bodies.aims::<L>(), Fused(1.0 / (h * h * h)));
+        let [mut last, mut before] = bodies.aims::<L>();
         let (mut off, mut usual) = ([Fused(0.0); L], [Fused(0.0); L]);
         for l in 0..L {
-            off[l] = (multiplier[l] - guesses[l]) * over_cube;
+            off[l] = multiplier[l] - guesses[l];
             let by_rounding =
                 (first[l] * first[l] * square[l]).le(Fused(ROUNDINGS * ROUNDINGS) * floor_square[l]);
             usual[l] = Real::select(
-                Aim::of(last[l], before[l]).is_usual(off[l]) | by_rounding,
+                Aim::of(last[l], before[l]).is_usual(off[l], weights) | by_rounding,
                 Fused(1.0),
                 Fused(0.0),
             );
@@ -355,6 +369,9 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             if arrives[l] == Fused(1.0) && usual[l] == Fused(0.0) {
                 let (p, push) = (at(&p, l), scaled(pushed, &at(&force, l)));
                 let normal = Normal { gradient: at(&normal, l), inverse_square: inverse_square[l] };
+                // From g̈ = 0, also where another guess was given.
+                let [bend] = constraint.jet(&at(&q, l), &p).2;
+                let along = share.multiply_add(dot(&at(&force, l), &normal.gradient), bend);
                 let departure = Departure {
                     h,
                     body: l,
@@ -362,12 +379,12 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
                     q_low: &[Fused(0.0); D],
                     p: &p,
                     normal: &normal,
-                    bend: bend[l],
+                    bend,
                     path: add_scaled(&at(&free, l), Fused(-1.0), &push),
                     push,
                     push_square: dot(&push, &push),
                     free: at(&free, l),
-                    guess: guesses[l],
+                    guess: -half_square * along * inverse_square[l],
                 };
                 if !departure.is_right(&constraint, multiplier[l], slope[l]) {
                     arrives[l] = Fused(0.0);
