@@ -144,28 +144,3 @@ fn a_million_scenes_stay_on_their_sheets() {
         (0..1000_u64).into_par_iter().map(|seed| among_shells(1000 + seed, 1000, Rattle::new).wrong).sum();
     assert_eq!(wrong, 0);
 }
-
-/// Particles that go several at a time.
-#[test]
-fn particles_stay_on_their_sheet() {
-    let mut random = StdRng::seed_from_u64(5);
-    let (mut right, mut refused, mut wrong) = (0, 0, 0);
-    for _ in 0..200 {
-        let k = 10_f64.powf(random.random_range(2.5..6.0));
-        let h = 10_f64.powf(random.random_range(-1.7..-0.4));
-        let scene = Scene::on(Shells { k }).bodies(20).with(Gravity { g: 1.0 });
-        let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let places: Vec<Vector3<f64>> = (0..20).map(|_| vector().normalize()).collect();
-        let momenta: Vec<Vector3<f64>> = places.iter().map(|q| vector().cross(q)).collect();
-        let mut simulation = scene.simulate(State::of(places).with_momenta(momenta), Rattle::new(h)).unwrap();
-        let ended = simulation.run(60);
-        wrong += simulation.positions().filter(|q| (q.norm() - 1.0).abs() > 1e-9).count();
-        match ended {
-            Ok(()) => right += 1,
-            Err(Error::Step { .. }) => refused += 1,
-            Err(other) => panic!("{other}"),
-        }
-    }
-    println!("{right} right, {refused} refused, {wrong} particles on another sheet");
-    assert_eq!(wrong, 0);
-}

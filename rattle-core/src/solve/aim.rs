@@ -67,18 +67,6 @@ impl<T: Real> Aim<T> {
         Self { last: nan, before: nan }
     }
 
-    /// Of guesses off by so much in the last step and in the one before.
-    #[inline(always)]
-    pub(crate) fn of(last: T, before: T) -> Self {
-        Self { last, before }
-    }
-
-    /// What guesses were off by in the last step and in the one before.
-    #[inline(always)]
-    pub(crate) fn steps(&self) -> [T; 2] {
-        [self.last, self.before]
-    }
-
     /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).
     #[inline(always)]
     pub(crate) fn is_usual(&self, off: T, weights: [f64; 2]) -> T::Mask {

@@ -6,10 +6,6 @@ use crate::number::clock::later;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Sight;
 use nalgebra::SVector;
-use std::any::Any;
-
-/// What an engine keeps, as whoever puts it aside for the engine knows it.
-pub(crate) type Kept = Box<dyn Any + Send + Sync>;
 
 /// A lane that cannot be moved, and why.
 pub(crate) struct Stuck {
@@ -50,28 +46,23 @@ pub(crate) trait Tour<const D: usize> {
 /// Trajectories of one body each in lanes, which know nothing of each other.
 pub(crate) trait Engine<const D: usize>: Send + Sync {
     /// How many lanes there are.
-    fn width(&self) -> usize;
+    const WIDTH: usize;
+    /// What moves.
+    type Lanes;
+    /// What the lanes obey.
+    type Laws: Clone;
 
-    /// Room for where lanes are.
-    fn room(&self) -> Kept;
-    /// Writes where the lanes are after a tour, on which the engine itself stays where it is.
-    ///
-    /// # Errors
-    /// Says which lane cannot be moved, and why.
-    fn go(&self, tour: &mut dyn Tour<D>, after: &mut Kept) -> Result<(), Stuck>;
+    /// Where the lanes are after a tour, on which the engine itself stays where it is.
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
     /// Goes on from there.
-    fn keep(&mut self, after: &Kept);
-    /// Writes all lanes.
-    fn look(&self, written: Written<'_, D>);
+    fn keep(&mut self, lanes: Self::Lanes);
 
     /// Puts a body, which is along the constraint, into a lane.
     fn set(&mut self, lane: usize, body: &Body<f64, D>);
     /// Has lane `to` be, and obey, what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
     /// What the lanes obey.
-    fn laws(&self) -> Kept;
-    /// Has them obey this.
-    fn obey(&mut self, laws: &Kept);
+    fn laws(&mut self) -> &mut Self::Laws;
 
     /// The body of a lane.
     fn body(&self, lane: usize) -> Body<f64, D>;

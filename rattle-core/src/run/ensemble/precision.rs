@@ -103,10 +103,10 @@ where
     let laws = Same(constraint.kernel::<S>(), effects.forces::<S>());
     if starts.len() == 1 {
         let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *set);
-        Box::new(SideBySide::new(Box::new(engine), starts, *h))
+        Box::new(SideBySide::new(engine, starts, *h))
     } else {
         let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
-        Box::new(SideBySide::new(Box::new(engine), starts, *h))
+        Box::new(SideBySide::new(engine, starts, *h))
     }
 }
 
@@ -123,5 +123,5 @@ where
     let of = |lane: usize| scenes[if lane < scenes.len() { lane } else { 0 }]; // the rest copies the first
     let laws = Each::<C, E, S, LANES, D>::new(of);
     let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
-    Box::new(SideBySide::new(Box::new(engine), starts, *h))
+    Box::new(SideBySide::new(engine, starts, *h))
 }

@@ -7,7 +7,7 @@ use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
-use crate::run::ensemble::engine::{Engine, Kept, Stuck, Tour, Written};
+use crate::run::ensemble::engine::{Engine, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
@@ -20,8 +20,8 @@ use std::array::from_fn;
 const STRETCH: u64 = 1024;
 
 /// Trajectories in the lanes of an engine.
-pub(crate) struct SideBySide<const D: usize> {
-    engine: Box<dyn Engine<D>>,
+pub(crate) struct SideBySide<E, const D: usize> {
+    engine: E,
     h: f64,
     steps: u64,
     /// Times of the starts, and what rounding took from them.
@@ -42,15 +42,14 @@ struct Ended<const D: usize> {
     failure: Error,
 }
 
-impl<const D: usize> SideBySide<D> {
+impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// The trajectories that start so, one per lane, at most as many as there are lanes; with steps of this length.
-    pub(crate) fn new(mut engine: Box<dyn Engine<D>>, starts: &[State<D>], h: f64) -> Self {
-        let width = engine.width();
-        let number = starts.len().min(width);
+    pub(crate) fn new(mut engine: E, starts: &[State<D>], h: f64) -> Self {
+        let number = starts.len().min(E::WIDTH);
         for (lane, start) in starts.iter().enumerate().take(number) {
             engine.set(lane, &start.bodies[0]);
         }
-        for lane in number..width {
+        for lane in number..E::WIDTH {
             engine.copy(0, lane);
         }
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
@@ -66,17 +65,11 @@ impl<const D: usize> SideBySide<D> {
         }
     }
 
-    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown. `after` is room.
-    fn attempt(
-        &mut self,
-        steps: u64,
-        onlooker: Option<&mut Onlooker<'_, D>>,
-        after: &mut Kept,
-    ) -> Result<(), Stuck> {
+    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown.
+    fn attempt(&mut self, steps: u64, onlooker: Option<&mut Onlooker<'_, D>>) -> Result<(), Stuck> {
         let (now, end) = (self.steps, self.steps + steps);
-        let mut stretch = Stretch { group: self, onlooker, now, end, written: false };
-        self.engine.go(&mut stretch, after)?;
-        self.engine.keep(after);
+        let lanes = self.engine.go(&mut Stretch { group: self, onlooker, now, end, written: false })?;
+        self.engine.keep(lanes);
         self.steps = end;
         Ok(())
     }
@@ -90,15 +83,15 @@ impl<const D: usize> SideBySide<D> {
     }
 
     /// Takes one step with all lanes that can be moved, be it in parts.
-    fn step(&mut self, onlooker: Option<&mut Onlooker<'_, D>>, after: &mut Kept) {
+    fn step(&mut self, onlooker: Option<&mut Onlooker<'_, D>>) {
         let (end, mut together) = (self.steps + 1, self.moving);
         let (mut divided, mut laws) = (Vec::new(), None);
         while together.contains(&true) {
-            let Err(Stuck { lane, failure }) = self.attempt(1, None, after) else { break };
+            let Err(Stuck { lane, failure }) = self.attempt(1, None) else { break };
             let stuck = self.copy_of[lane];
             match self.in_parts(stuck, failure) {
                 Ok(body) => {
-                    laws.get_or_insert_with(|| self.engine.laws());
+                    laws.get_or_insert_with(|| self.engine.laws().clone());
                     divided.push((stuck, body));
                 }
                 Err(failure) => self.end(stuck, failure),
@@ -107,7 +100,7 @@ impl<const D: usize> SideBySide<D> {
             self.stand_in(&together);
         }
         if let Some(laws) = laws {
-            self.engine.obey(&laws);
+            *self.engine.laws() = laws;
             for (lane, body) in divided {
                 self.engine.set(lane, &body);
             }
@@ -126,7 +119,7 @@ impl<const D: usize> SideBySide<D> {
     fn stand_in(&mut self, among: &[bool; LANES]) {
         let Some(other) = among.iter().position(|&is| is) else { return };
         self.copy_of = from_fn(|lane| if among[lane] { lane } else { other });
-        for lane in (0..self.engine.width()).filter(|&lane| !among[lane]) {
+        for lane in (0..E::WIDTH).filter(|&lane| !among[lane]) {
             self.engine.copy(other, lane);
         }
     }
@@ -167,8 +160,8 @@ impl<const D: usize> SideBySide<D> {
 }
 
 /// Some steps, with stops where an onlooker wants to see.
-struct Stretch<'a, 'b, const D: usize> {
-    group: &'a SideBySide<D>,
+struct Stretch<'a, 'b, E, const D: usize> {
+    group: &'a SideBySide<E, D>,
     onlooker: Option<&'a mut Onlooker<'b, D>>,
     now: u64,
     end: u64,
@@ -176,7 +169,7 @@ struct Stretch<'a, 'b, const D: usize> {
     written: bool,
 }
 
-impl<const D: usize> Tour<D> for Stretch<'_, '_, D> {
+impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
     fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)> {
         let Self { group, onlooker, now, end, written } = self;
         if let Some(onlooker) = onlooker
@@ -197,13 +190,22 @@ impl<const D: usize> Tour<D> for Stretch<'_, '_, D> {
     }
 }
 
-impl<const D: usize> Group<D> for SideBySide<D> {
+/// No step at all.
+struct Look<'a, const D: usize>(Option<Written<'a, D>>);
+
+impl<const D: usize> Tour<D> for Look<'_, D> {
+    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)> {
+        self.0.take().map(|written| (0, Some(written)))
+    }
+}
+
+impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
     fn run(&mut self, steps: u64, _: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
-        let (end, mut after) = (self.steps.saturating_add(steps), self.engine.room());
+        let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            if self.attempt(stretch, onlooker.as_deref_mut(), &mut after).is_err() {
-                (0..stretch).for_each(|_| self.step(onlooker.as_deref_mut(), &mut after)); // to see which, and where
+            if self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
+                (0..stretch).for_each(|_| self.step(onlooker.as_deref_mut())); // to see which, and where
             }
         }
         self.steps = end;
@@ -226,7 +228,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     }
 }
 
-impl<const D: usize> Watched<D> for SideBySide<D> {
+impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
     fn len(&self) -> usize {
         self.start_time.len()
     }
@@ -238,7 +240,8 @@ impl<const D: usize> Watched<D> for SideBySide<D> {
     fn look(&self, Page { times, positions, momenta }: Page<'_, D>, _: InstructionSet) {
         let page = Page { times: &mut *times, positions: &mut *positions, momenta: &mut *momenta };
         let (starts, passed) = (&self.start_time[..], passed(self.steps, self.h));
-        self.engine.look(Written { page, starts, passed });
+        let stayed = self.engine.go(&mut Look(Some(Written { page, starts, passed })));
+        debug_assert!(stayed.is_ok(), "no step is taken that could fail");
         self.write_ended(Page { times, positions, momenta });
     }
 
@@ -247,7 +250,7 @@ impl<const D: usize> Watched<D> for SideBySide<D> {
     }
 }
 
-impl<const D: usize> Source<D> for SideBySide<D> {
+impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
     fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
         [0.5 * sight.momentum().norm_squared(), self.engine.potential(lane, sight)]
     }

@@ -12,7 +12,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vectors::at;
 use crate::run::ensemble::block::{Block, Part, Scratch};
-use crate::run::ensemble::engine::{Engine, Kept, Stuck, Tour, Written};
+use crate::run::ensemble::engine::{Engine, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::run::watch::sight::Sight;
@@ -40,21 +40,6 @@ where
     pub(crate) fn new(laws: X, stages: &[Stage], set: Fusing) -> Self {
         Self { block: Block::new(), laws, stages: stages.to_vec(), parts: Part::of::<EQUAL>(stages), set }
     }
-
-    /// Where the lanes are after a tour.
-    fn after(&self, tour: &mut dyn Tour<D>) -> Result<Block<S, L, D, SUMS, EQUAL>, Stuck> {
-        let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
-        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
-    }
-}
-
-/// No step at all.
-struct Look<'a, const D: usize>(Option<Written<'a, D>>);
-
-impl<const D: usize> Tour<D> for Look<'_, D> {
-    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)> {
-        self.0.take().map(|written| (0, Some(written)))
-    }
 }
 
 /// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the same
@@ -69,33 +54,19 @@ impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>
     for SplittingLanes<S, X, L, D, SUMS, EQUAL>
 where
     S: Lane,
-    X: Laws<S, D> + 'static,
+    X: Laws<S, D>,
 {
-    fn width(&self) -> usize {
-        L
+    const WIDTH: usize = L;
+    type Lanes = Block<S, L, D, SUMS, EQUAL>;
+    type Laws = X;
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+        let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
+        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
     }
 
-    fn room(&self) -> Kept {
-        Box::new(self.block.clone())
-    }
-
-    fn go(&self, tour: &mut dyn Tour<D>, after: &mut Kept) -> Result<(), Stuck> {
-        let lanes = self.after(tour)?;
-        if let Some(after) = after.downcast_mut() {
-            *after = lanes;
-        }
-        Ok(())
-    }
-
-    fn keep(&mut self, after: &Kept) {
-        if let Some(after) = after.downcast_ref() {
-            self.block.clone_from(after);
-        }
-    }
-
-    fn look(&self, written: Written<'_, D>) {
-        let stayed = self.after(&mut Look(Some(written)));
-        debug_assert!(stayed.is_ok(), "no step is taken that could fail");
+    fn keep(&mut self, lanes: Self::Lanes) {
+        self.block = lanes;
     }
 
     fn set(&mut self, lane: usize, body: &Body<f64, D>) {
@@ -108,14 +79,8 @@ where
         self.laws.copy(from, to);
     }
 
-    fn laws(&self) -> Kept {
-        Box::new(self.laws.clone())
-    }
-
-    fn obey(&mut self, laws: &Kept) {
-        if let Some(laws) = laws.downcast_ref() {
-            self.laws.clone_from(laws);
-        }
+    fn laws(&mut self) -> &mut X {
+        &mut self.laws
     }
 
     fn body(&self, lane: usize) -> Body<f64, D> {
@@ -126,7 +91,15 @@ where
 
     fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        in_parts::<S, _, _, D>(constraint.borrow(), effects.borrow(), &self.stages, number, &self.body(lane))
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let share = |x: f64| x / f64::from(number);
+        let stage = |&Stage { before, h, after }: &Stage| Stage {
+            before: share(before),
+            h: share(h),
+            after: share(after),
+        };
+        let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
+        in_parts::<S, _, D>(&system, &stages, number, &self.body(lane))
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
@@ -137,43 +110,29 @@ where
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        constraints::<S, _, _, D>(constraint.borrow(), effects.borrow(), sight)
+        let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
+        let (q, p) = (own(sight.position()), own(sight.momentum()));
+        let ([gradient], [bend]) = (constraint.borrow().jacobian(&q), constraint.borrow().jet(&q, &p).2);
+        let (normal, mut force) = (Normal::new(gradient), [Force::zero()]);
+        let (at, effects) = (Moment { time: sight.time, positions: &[q] }, effects.borrow());
+        effects.evaluate(at, &mut effects.room(1), &mut force);
+        let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
+        (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
     }
 }
 
-/// The multiplier and the constraint force of a body that this sight shows.
-#[inline(never)]
-fn constraints<S: Lane, K: ConstraintKernel<S, D, 1>, F: Forces<S, D>, const D: usize>(
-    constraint: &K,
-    effects: &F,
-    sight: &Sight<'_, D>,
-) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-    let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
-    let (q, p) = (own(sight.position()), own(sight.momentum()));
-    let ([gradient], [bend]) = (constraint.jacobian(&q), constraint.jet(&q, &p).2);
-    let (normal, mut force) = (Normal::new(gradient), [Force::zero()]);
-    let at = Moment { time: sight.time, positions: &[q] };
-    effects.evaluate(at, &mut effects.room(1), &mut force);
-    let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
-    (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
-}
-
-/// Where a body is after these stages, each in so many equal parts.
+/// Where a body is after these stages, taken so many times in turn.
 #[cold]
 #[inline(never)]
-fn in_parts<S: Lane, K: ConstraintKernel<S, D, 1>, F: Forces<S, D>, const D: usize>(
-    constraint: &K,
-    effects: &F,
+fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
+    system: &Y,
     stages: &[Stage],
     number: u32,
     body: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
-    let system = OnSurface::new(constraint.clone(), OneByOne, effects.clone(), One);
     let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
-    let share = |x: f64| x / f64::from(number);
     for _ in 0..number {
-        for (i, stage) in stages.iter().enumerate() {
-            let [before, h, after] = [stage.before, stage.h, stage.after].map(share);
+        for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
             system.drift(before, h, &mut bodies, &mut ())?;
             if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
                 system.evaluate_forces(&mut bodies);

@@ -146,19 +146,6 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         Ok((landing.or(certain, found), certain.not()))
     }
 
-    /// Whether a body that was thought to land with this Λ, after this slope at the guess, lands there.
-    #[cold]
-    #[inline(never)]
-    pub(crate) fn is_right(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T) -> T::Mask {
-        let rounding = self.rounding();
-        let confirmed = self.confirms(equation, multiplier, slope, rounding);
-        if confirmed.all() {
-            return confirmed;
-        }
-        let rounding = self.with_noise(rounding, equation, multiplier);
-        confirmed.or(is_same(&self.follow(equation, rounding), multiplier, rounding))
-    }
-
     /// The rounding of Λ by that of positions, or of a surface of the size of its radius of curvature.
     fn rounding(&self) -> T {
         let (square, speed_square) = (dot(&self.normal.gradient, &self.normal.gradient), dot(self.p, self.p));

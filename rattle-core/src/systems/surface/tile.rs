@@ -6,7 +6,6 @@ use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vectors::{Vectors, at, put};
-use crate::solve::aim::Aim;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::normal::Normal;
 use std::ops::Range;
@@ -21,7 +20,6 @@ pub(super) struct Tile<'a, T, F, const D: usize> {
     pub(super) p: &'a mut [[T; D]],
     pub(super) p_low: &'a mut [[T; D]],
     pub(super) normal: &'a mut [Normal<T, D>],
-    pub(super) aim: &'a mut [Aim<T>],
     pub(super) force: &'a [F],
 }
 
@@ -37,7 +35,6 @@ impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
             p: &mut bodies.p.as_mut()[tile.clone()],
             p_low: &mut bodies.p_low.as_mut()[tile.clone()],
             normal: &mut bodies.kept.normal.as_mut()[tile.clone()],
-            aim: &mut bodies.kept.aim.as_mut()[tile.clone()],
             force: &bodies.kept.force.as_ref()[tile],
         }
     }
@@ -51,14 +48,6 @@ impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
             inverse_square[l] = fused(normal.inverse_square);
         });
         (gradient, inverse_square)
-    }
-
-    /// How far first guesses were off in the last step and the one before, in lanes.
-    #[inline(always)]
-    pub(super) fn aims<const L: usize>(&self) -> [[Number; L]; 2] {
-        let mut lanes = [[Fused(0.0); L]; 2];
-        spread::<_, L>(self.aim, |l, aim| put(&mut lanes, l, aim.steps().map(fused)));
-        lanes
     }
 
     /// Forces in lanes; zeros where there are none.

@@ -27,12 +27,10 @@ use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
-use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::solve::root::{FAR_GUESS, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::position::Departure;
 use crate::systems::surface::step::{drift, is_finite};
 use crate::systems::surface::tile::{Number, Tile, fused, gathered, plain, scatter};
 use std::any::TypeId;
@@ -85,8 +83,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
     {
-        let weights = bodies.kept.pace.weights(h);
-        bodies.kept.pace.note(h);
         for tile in tiles(self.count.number()) {
             let mut multipliers = [T::from_f64(0.0); LANES];
             let mut left = set.run(Drift {
@@ -94,7 +90,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 kick,
                 h,
                 guess: guess.get(tile.clone()).unwrap_or(&[]),
-                weights,
                 bodies: Tile::of(bodies, tile.clone()),
                 multipliers: &mut multipliers,
             });
@@ -105,11 +100,12 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             while left != 0 {
                 let body = tile.start + left.trailing_zeros() as usize;
+                let nothing = [f64::NAN; 2]; // is known of steps before
                 drift::<Newton, _, _, _, _, _, D>(
                     kick,
                     h,
                     None,
-                    weights,
+                    nothing,
                     &self.constraint,
                     bodies,
                     body,
@@ -236,8 +232,6 @@ struct Drift<'a, T, K, F, const D: usize> {
     h: f64,
     /// λ, or nothing: then from g̈ = 0.
     guess: &'a [T],
-    /// Of what guesses were off by.
-    weights: [f64; 2],
     bodies: Tile<'a, T, F, D>,
     /// λ as an impulse over h/2.
     multipliers: &'a mut [T; LANES],
@@ -262,7 +256,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> u64 {
-        let Self { constraint, kick, h, guess, weights, bodies, multipliers } = self;
+        let Self { constraint, kick, h, guess, bodies, multipliers } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
         let number = bodies.q.len().min(L);
         // `share` of the force in the motion: 1 for RATTLE.
@@ -306,7 +300,6 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             floor_square[l] = floor * floor;
         }
 
-        let guesses = multiplier;
         let (mut first, mut slope, mut g) = ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
         for l in 0..L {
             let point = point(&q, &free, &normal, &multiplier, l);
@@ -352,44 +345,8 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             put(&mut next, l, gradient);
             arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
         }
-        let [mut last, mut before] = bodies.aims::<L>();
-        let (mut off, mut usual) = ([Fused(0.0); L], [Fused(0.0); L]);
-        for l in 0..L {
-            off[l] = multiplier[l] - guesses[l];
-            let by_rounding =
-                (first[l] * first[l] * square[l]).le(Fused(ROUNDINGS * ROUNDINGS) * floor_square[l]);
-            usual[l] = Real::select(
-                Aim::of(last[l], before[l]).is_usual(off[l], weights) | by_rounding,
-                Fused(1.0),
-                Fused(0.0),
-            );
-        }
         let mut left = 0;
         for l in 0..number {
-            if arrives[l] == Fused(1.0) && usual[l] == Fused(0.0) {
-                let (p, push) = (at(&p, l), scaled(pushed, &at(&force, l)));
-                let normal = Normal { gradient: at(&normal, l), inverse_square: inverse_square[l] };
-                // From g̈ = 0, also where another guess was given.
-                let [bend] = constraint.jet(&at(&q, l), &p).2;
-                let along = share.multiply_add(dot(&at(&force, l), &normal.gradient), bend);
-                let departure = Departure {
-                    h,
-                    body: l,
-                    q: &at(&q, l),
-                    q_low: &[Fused(0.0); D],
-                    p: &p,
-                    normal: &normal,
-                    bend,
-                    path: add_scaled(&at(&free, l), Fused(-1.0), &push),
-                    push,
-                    push_square: dot(&push, &push),
-                    free: at(&free, l),
-                    guess: -half_square * along * inverse_square[l],
-                };
-                if !departure.is_right(&constraint, multiplier[l], slope[l]) {
-                    arrives[l] = Fused(0.0);
-                }
-            }
             left |= u64::from(arrives[l] == Fused(0.0)) << l;
         }
 
@@ -418,14 +375,11 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             let (gradient, arrives) = (at(&next, l), arrives[l] == Fused(1.0));
             let inverse = Normal::new(gradient).inverse_square;
             square[l] = Real::select(arrives, inverse, inverse_square[l]);
-            before[l] = Real::select(arrives, last[l], before[l]);
-            last[l] = Real::select(arrives, off[l], last[l]);
             put(&mut new, l, either(arrives, gradient, at(&normal, l)));
         }
         for l in 0..number {
             let (gradient, inverse_square) = (at(&new, l).map(plain), plain(square[l]));
             bodies.normal[l] = Normal { gradient, inverse_square };
-            bodies.aim[l] = Aim::of(plain(last[l]), plain(before[l]));
             multipliers[l] = plain(multiplier[l] / half_square);
         }
         left
