@@ -1,4 +1,5 @@
-//! What nobody means gets an error that says so: counts that do not fit, numbers that cannot be, names that stand twice.
+//! What nobody means gets an error that says so: counts that do not fit, numbers that cannot be, names that stand
+//! twice.
 
 use rattle::Error;
 use rattle::error::{NetworkMistake, StartFailure};

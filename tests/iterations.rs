@@ -137,8 +137,10 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
     [after.values - before.values, after.gradients - before.gradients].map(|count| count as f64 / 150.0)
 }
 
-/// What each costs. On surfaces a part of it is for looks inside a step, which tell that no other sheet was landed on: 0.1 of g, 0.3
-/// where three λ are extrapolated, whose errors change more from step to step. In chains a chord takes the slower of its last two contractions for its rate, which takes up to 0.8 evaluations
+/// What each costs. On surfaces a part of it is for looks inside a step, which tell that no other sheet was landed
+/// on: 0.1 of g, 0.3
+/// where three λ are extrapolated, whose errors change more from step to step. In chains a chord takes the slower of
+/// its last two contractions for its rate, which takes up to 0.8 evaluations
 /// more than the last one alone would; see `solve/stop.rs` of the core, and `tests/stopping.rs` for what the last one alone leaves.
 #[test]
 fn evaluations() {
@@ -201,7 +203,8 @@ fn evaluations_do_not_depend_on_the_linear_algebra() {
     each!(check);
 }
 
-/// Steps of a composition differ in length, and sign; the last multiplier is a guess for all of them. What that is off by differs from
+/// Steps of a composition differ in length, and sign; the last multiplier is a guess for all of them. What that is
+/// off by differs from
 /// step to step too, so that six of ten are looked at again.
 #[test]
 fn compositions_remember_too() {

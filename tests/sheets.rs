@@ -1,6 +1,7 @@
 //! Sheets that lie side by side: a step must not end on another one, however well everything there fits.
 //!
-//! `sin(k(t(q)))` is zero on the surfaces t = πj/k; every second one has the orientation of t = 0. What tells whether a particle is
+//! `sin(k(t(q)))` is zero on the surfaces t = πj/k; every second one has the orientation of t = 0. What tells
+//! whether a particle is
 //! still on t = 0 is t, which no simulation sees.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -65,7 +66,8 @@ fn among_shells<S: Method>(seed: u64, runs: u32, method: impl Fn(f64) -> S) -> O
     outcome
 }
 
-/// None is wrong, and so many are not refused: where shells are closer than a path in which a root can be followed, it cannot.
+/// None is wrong, and so many are not refused: where shells are closer than a path in which a root can be followed,
+/// it cannot.
 fn stays<S: Method>(seed: u64, runs: u32, right: u32, method: impl Fn(f64) -> S) {
     let outcome = among_shells(seed, runs, method);
     assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
@@ -83,7 +85,8 @@ fn other_iterations_and_guesses_stay_on_theirs() {
     stays(4, 500, 310, |h| Rattle::new(h).guess(LastMultiplier).solved_by(Symmetric));
 }
 
-/// Steps of a composition differ in length: what a guess is off by grows and shrinks with h³, the distance of sheets does not.
+/// Steps of a composition differ in length: what a guess is off by grows and shrinks with h³, the distance of sheets
+/// does not.
 #[test]
 fn compositions_stay_on_theirs() {
     stays(6, 1000, 500, |h| Composition::new(SUZUKI_1990_ORDER_4, h));

@@ -269,7 +269,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// every momentum made tangent.
     ///
     /// # Errors
-    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state of another
+    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a
+    /// state of another
     /// number of bodies.
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         if state.len() != self.count.number() {

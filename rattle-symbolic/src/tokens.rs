@@ -29,7 +29,8 @@ pub(crate) fn found(input: ParseStream) -> String {
     }
 }
 
-/// Whether a group without delimiters comes next: what a `macro_rules!` macro was given as an expression. `syn` looks into such a
+/// Whether a group without delimiters comes next: what a `macro_rules!` macro was given as an expression. `syn`
+/// looks into such a
 /// group when it is asked for the next token, so that of `-3` in a group only the sign would be seen.
 pub(crate) fn is_invisible(input: ParseStream) -> bool {
     input.cursor().group(Delimiter::None).is_some()

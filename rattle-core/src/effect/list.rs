@@ -26,7 +26,8 @@ pub trait Effects<const D: usize> {
     where
         Self: 'a;
 
-    /// The first effect that names a body beyond the last one, or a body twice, by the name of its type, its member and the body.
+    /// The first effect that names a body beyond the last one, or a body twice, by the name of its type, its member
+    /// and the body.
     fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
         None
     }

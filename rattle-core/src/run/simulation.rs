@@ -5,7 +5,7 @@ use crate::methods::able::view;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
-use crate::motion::method::Method;
+use crate::motion::method::{Method, check_tolerance};
 use crate::motion::state::Remembered;
 use crate::motion::stir::step;
 use crate::motion::system::{BodiesOf, System};
@@ -178,9 +178,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`Error::Tolerance`] for one that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a method that does not
     /// reverse, or only together with what it remembers.
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
-        if !(tolerance > 0.0 && tolerance.is_finite()) {
-            return Err(Error::Tolerance(tolerance));
-        }
+        check_tolerance(Some(tolerance))?;
         if !self.method.is_symmetric() {
             let (what, method) = ("a check of reversal", self.method.name());
             return Err(Error::NeedsSymmetricMethod { what, method });

@@ -1,18 +1,24 @@
 //! How far first guesses were off in the steps before: what tells that a sheet has been passed over.
 //!
-//! Where g oscillates, sheets of one orientation lie side by side, and a guess that is off by as much as they are apart lands on
-//! the next one. There g, ∇g and second derivatives are those of the right sheet, the first correction is nearly none, and nothing that is
-//! looked at in the two ends of the step tells that it is the wrong one. But the guess would have been off by more: what a guess
-//! is off by changes smoothly from step to step, as (λ₁ − λ₀) h²/6 does. A step whose guess is off as those before it let expect
+//! Where g oscillates, sheets of one orientation lie side by side, and a guess that is off by as much as they are
+//! apart lands on
+//! the next one. There g, ∇g and second derivatives are those of the right sheet, the first correction is nearly
+//! none, and nothing that is
+//! looked at in the two ends of the step tells that it is the wrong one. But the guess would have been off by more:
+//! what a guess
+//! is off by changes smoothly from step to step, as (λ₁ − λ₀) h²/6 does. A step whose guess is off as those before
+//! it let expect
 //! is taken at its word. Any other one, the first one too, is looked at again *inside*: on the way from
 //! 0 to the end the guess is off by e(s), between s³ and s⁴ of what it is off by at the end, or the root is followed.
 //!
-//! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever is remembered
+//! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever
+//! is remembered
 //! here; and nothing has to be remembered in a state.
 
 use crate::number::real::{Mask, Real};
 
-/// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of the larger of them.
+/// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of
+/// the larger of them.
 /// Of sheets at a distance d, those two were off by less than d/2, or the root would have been another. So a step is
 /// taken at its word if it is off what is expected by less than d/4: and one on the next sheet is off by d.
 const CHANGE: f64 = 0.5;
@@ -82,7 +88,8 @@ impl<T: Real> Aim<T> {
     }
 }
 
-/// Whether what a guess is off by after the share `s` of a way is what it should be, if it is off by `end` at the end and that grows
+/// Whether what a guess is off by after the share `s` of a way is what it should be, if it is off by `end` at the
+/// end and that grows
 /// with a power of s between these; give or take `rounding`.
 #[inline(always)]
 pub(crate) fn grows_to<T: Real>(inside: T, end: T, s: f64, [least, most]: [u32; 2], rounding: T) -> T::Mask {

@@ -34,7 +34,8 @@ use std::borrow::Borrow;
 /// Steps that are shorter would take digits from momenta that are kept times h.
 pub(crate) const SHORT: f64 = 1e-15;
 
-/// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0; `EQUAL` says that a step
+/// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0; `EQUAL` says that a
+/// step
 /// is one stage.
 #[derive(Clone)]
 #[repr(C, align(64))]
@@ -103,8 +104,10 @@ pub(crate) struct Part {
 impl Part {
     /// The parts of a method that consists of these stages, taken in turn again and again.
     ///
-    /// In steps of one stage Λ/h² is a smooth function of time and extrapolated quadratically. In others linearly, Λ taken to be that
-    /// of a third of the stage, unless that lies far away; where a kick stands between two drifts that is a coarser guess.
+    /// In steps of one stage Λ/h² is a smooth function of time and extrapolated quadratically. In others linearly, Λ
+    /// taken to be that
+    /// of a third of the stage, unless that lies far away; where a kick stands between two drifts that is a coarser
+    /// guess.
     pub(crate) fn of<const EQUAL: bool>(stages: &[Stage]) -> Vec<Part> {
         let n = stages.len();
         let at = |i: usize| stages[i % n].h;

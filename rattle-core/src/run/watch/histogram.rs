@@ -31,7 +31,8 @@ impl<Q> Histogram<Q> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Bins`] without bins, with more than there is memory for, or if the numbers are not finite, or the first not below the second.
+    /// [`Error::Bins`] without bins, with more than there is memory for, or if the numbers are not finite, or the
+    /// first not below the second.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where

@@ -3,7 +3,8 @@
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;
 
-/// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once, and given a
+/// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
+/// and given a
 /// `&dyn Equation`.
 pub(crate) trait Equation<T, const D: usize> {
     /// g.

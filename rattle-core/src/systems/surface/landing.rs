@@ -1,4 +1,5 @@
-//! Where a body lands: on the root of the [position equation](crate::systems::surface::position) that its motion leads to.
+//! Where a body lands: on the root of the [position equation](crate::systems::surface::position) that its motion
+//! leads to.
 //!
 //! A root that is not trusted is followed, see [`crate::solve::root`]; where h·κ·|v| > ½ it always is, beyond 1 there may be none.
 
@@ -56,7 +57,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         aim.is_usual(landing.multiplier - self.guess, weights).or(rounding)
     }
 
-    /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the right one.
+    /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the
+    /// right one.
     #[inline(always)]
     pub(crate) fn attempt<X: Iteration>(
         &self,
@@ -79,7 +81,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
-    /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another root; and where the
+    /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another
+    /// root; and where the
     /// root had to be followed.
     pub(crate) fn look_again(
         &self,
@@ -120,7 +123,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         self.look_again(equation, &attempt).map(|(landing, _)| landing)
     }
 
-    /// Where the body lands after an attempt from another guess or by another iteration, with the slope at the guess or not, that may
+    /// Where the body lands after an attempt from another guess or by another iteration, with the slope at the guess
+    /// or not, that may
     /// have found another root; and where it had.
     pub(crate) fn land_instead(
         &self,
@@ -129,7 +133,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         with_slope: bool,
     ) -> Result<(Landing<T, D>, T::Mask), Failure> {
         let Attempt { landing, trusted, mut certain, .. } = *attempt;
-        // Without the slope at the guess too little is known of g there: another sheet would be trusted as often as not.
+        // Without the slope at the guess too little is known of g there: another sheet would be trusted as often as
+        // not.
         if with_slope {
             let [slope, _] = landing.slopes;
             let confirmed = self.confirms(equation, landing.multiplier, slope, self.rounding());
@@ -157,7 +162,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         T::from_f64(ROUNDINGS * T::EPSILON) * size / length
     }
 
-    /// This rounding and some times that of g itself, if it matters: if the guess for this Λ was off by little. The rounding of g is by
+    /// This rounding and some times that of g itself, if it matters: if the guess for this Λ was off by little. The
+    /// rounding of g is by
     /// how much it is no straight line across the surface at the start.
     fn with_noise(&self, rounding: T, equation: &dyn Equation<T, D>, multiplier: T) -> T {
         if (T::from_f64(LITTLE) * rounding).le((multiplier - self.guess).abs()).all() {
@@ -182,7 +188,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         -equation.value(&inside.point(guess)) / slope
     }
 
-    /// Whether guesses inside the step, of this Λ at its end and s² times the first guess on the way, are off by what they should be.
+    /// Whether guesses inside the step, of this Λ at its end and s² times the first guess on the way, are off by
+    /// what they should be.
     fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, rounding: T) -> T::Mask {
         let end = multiplier - self.guess;
         let look = |s: f64| {
@@ -209,7 +216,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let path_square = length * length * path_and_push;
             let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
             let (end, [slope, _]) = (landing.multiplier - on_the_way.guess, landing.slopes);
-            // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving would never end.
+            // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving
+            // would never end.
             for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
                 let length = T::from_f64(share) * part.length;
                 let inner = Part { end: part.end - part.length + length, length, ..*part };
@@ -238,7 +246,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         landing.converged.and(is_the_root(off_square, first, slope, path_square, far))
     }
 
-    /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is not known.
+    /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is
+    /// not known.
     #[inline(always)]
     fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
         let n = &self.normal.gradient;

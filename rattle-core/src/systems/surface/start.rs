@@ -43,7 +43,8 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     // Where q is near zero the terms of g, and their rounding, are of the size of the surface.
     let size = largest(&body.q).min(singular);
     let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
-    // Near the origin of a plane places have the rounding of where they came from, which may be some hundred steps away.
+    // Near the origin of a plane places have the rounding of where they came from, which may be some hundred steps
+    // away.
     let of_path = 1e-12 * path.min(singular);
     let tolerance = (START_TOLERANCE * size).max(16.0 * noise).max(of_path);
     if distance > tolerance {

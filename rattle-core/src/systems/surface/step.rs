@@ -63,7 +63,8 @@ where
     }
 }
 
-/// First half: kick, drift, and the position multiplier, by any iteration and from any guess of λ, or from g̈ = 0. `weights` are those
+/// First half: kick, drift, and the position multiplier, by any iteration and from any guess of λ, or from g̈ = 0.
+/// `weights` are those
 /// of what guesses [were off by](crate::solve::aim::Pace).
 #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
 #[inline(always)]
