@@ -26,6 +26,15 @@ const CHANGE: f64 = 0.5;
 /// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
 pub(crate) const ROUNDINGS: f64 = 64.0;
 
+/// What is taken for rounding of g where it was found to be so many times less.
+pub(crate) const NOISY: f64 = 16.0;
+
+/// What is off by more than so many times the rounding of positions is off by more than that of g.
+pub(crate) const LITTLE: f64 = 1e4;
+
+/// By so many roundings a body is moved to find that of g.
+pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
+
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
 pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
 

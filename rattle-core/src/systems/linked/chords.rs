@@ -1,9 +1,10 @@
 //! Position equations of linked bodies by one matrix that is kept, that of the guess or that of the start: see
 //! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the step.
 
+use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::solve::stop::{SPARE, Shrinking};
-use crate::systems::linked::flight::{Flight, LEARNED, Landing, MAX_CORRECTIONS};
+use crate::systems::linked::flight::{FIRST, Flight, LEARNED, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::network::solver::Solver;
 
@@ -11,15 +12,41 @@ use crate::systems::network::solver::Solver;
 const SLOWEST: f64 = 0.5;
 
 impl<const D: usize> Flight<'_, D> {
-    /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0: false where that is
-    /// not good enough to tell that the root is the right one.
+    /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0. Where that is
+    /// not good enough to tell that the root is the right one, by Newton's method from g̈ = 0; what was tried is kept if
+    /// that finds the same.
     pub(super) fn try_to_solve<X: Iteration>(
         &self,
         guess: &[f64],
         solver: &mut Solver<D>,
         room: &mut Room<D>,
         counts: &mut Counts,
-    ) -> bool {
+    ) -> Result<Landing, Failure> {
+        let m = self.rows().equations();
+        let (landing, turn, trusted) = self.attempt::<X>(guess, solver, room, counts);
+        let path = self.path_to(&landing, solver, room);
+        if trusted && self.is_the_one(&landing, turn, path, solver, room, counts) {
+            return Ok(landing);
+        }
+        room.set_aside(FIRST, m);
+        // Another guess is off by something else: nothing is known of what is usual for that one.
+        let afresh = Flight { weights: [f64::NAN; 2], ..*self };
+        let mut found = afresh.find(solver, room, counts)?;
+        found.aimed = trusted && self.is_same(FIRST, solver, room);
+        if found.aimed {
+            room.go_back(FIRST, m);
+        }
+        Ok(found)
+    }
+
+    /// Solves once; says how much normals turn, and whether nothing at the two ends of the step speaks against what was found.
+    fn attempt<X: Iteration>(
+        &self,
+        guess: &[f64],
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> (Landing, f64, bool) {
         let (rows, m, guessed) = (self.rows(), self.rows().equations(), !guess.is_empty());
         let mut turn = 0.0;
         if guessed {
@@ -38,7 +65,7 @@ impl<const D: usize> Flight<'_, D> {
             turn = self.change(room, self.blocks); // until the guess, which is near the end
         }
         let path = self.path_to(&landing, solver, room);
-        self.trusts_all(&landing, turn, path, solver, room)
+        (landing, turn, self.trusts_all(&landing, turn, path, solver, room))
     }
 
     /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as it
@@ -69,7 +96,8 @@ impl<const D: usize> Flight<'_, D> {
             upright = solver.chord::<false>(rows, self.blocks, &self.shape.roots) > 0.0;
         }
         self.measure_rounding((!(look || symmetric)).then_some(self.blocks), room);
-        let mut landing = Landing { converged: false, upright, first: 0.0, contradictory: false };
+        room.note_off(m);
+        let mut landing = Landing::from(upright);
         let (mut shrinking, mut residual) = (Shrinking::start(), room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
             if !residual.is_finite() {

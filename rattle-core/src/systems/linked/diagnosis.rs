@@ -61,7 +61,7 @@ impl<const D: usize> Flight<'_, D> {
                 room.push[body] = room.push[body].map(|x| 0.25 * x);
             }
             room.guess[..m].iter_mut().for_each(|x| *x *= 0.25);
-            let shorter = Flight { h: parts.0, ..*self };
+            let shorter = Flight { h: parts.0, weights: [f64::NAN; 2], ..*self };
             if shorter.solve(solver, parts.1, room, &mut Counts::default()).converged {
                 passing = Some(parts.0);
                 break;

@@ -18,7 +18,9 @@
 //! **Which root**: see [`crate::solve::root`]. Upright means here that pivots stay positive, and a path is short in which
 //! the normals turn by less than a half.
 
+use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::solve::aim::Aim;
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, straight};
 use crate::solve::stop::{SPARE, Shrinking};
 use crate::systems::linked::kept::Counts;
@@ -47,6 +49,10 @@ pub(crate) const MUCH_SHORTER: f64 = 1e-3;
 /// A multiplier that acts along less than this part of ∇g is what stopped a step.
 pub(crate) const LITTLE_SHARE: f64 = 0.25;
 
+/// What is tried: first another iteration or guess, if one was asked for, then Newton's from g̈ = 0.
+pub(crate) const FIRST: usize = 0;
+const SECOND: usize = 1;
+
 /// One component on its way: everything that the position equation needs.
 pub(crate) struct Flight<'a, const D: usize> {
     pub(super) shape: &'a Shape<D>,
@@ -55,6 +61,9 @@ pub(crate) struct Flight<'a, const D: usize> {
     pub(super) q_low: &'a [[f64; D]],
     /// The gradients there.
     pub(super) blocks: &'a [[f64; D]],
+    /// What guesses were off by in the steps before, by row, and how much those steps count.
+    pub(super) aims: &'a [Aim<f64>],
+    pub(super) weights: [f64; 2],
     pub(super) time: f64,
     pub(super) h: f64,
 }
@@ -69,6 +78,10 @@ pub(crate) struct Landing {
     pub(super) first: f64,
     /// Whether dependent equations ask for different things.
     pub(super) contradictory: bool,
+    /// Whether one derivative did for all corrections.
+    pub(super) one_derivative: bool,
+    /// Whether it was reached from the first guess, and `room.off` is what that was off by.
+    pub(super) aimed: bool,
 }
 
 impl<const D: usize> Flight<'_, D> {
@@ -95,6 +108,18 @@ impl<const D: usize> Flight<'_, D> {
         largest_turn
     }
 
+    /// Solves for x into `room.y` by Newton's method from g̈ = 0.
+    pub(crate) fn find(
+        &self,
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Result<Landing, Failure> {
+        let turn = self.guess(solver, room);
+        let landing = self.solve(solver, turn, room, counts);
+        if landing.converged { Ok(landing) } else { Err(self.failure(solver, turn, room, landing)) }
+    }
+
     /// Solves for x into `room.y`, from `room.guess`, on the root that the motion leads to.
     pub(crate) fn solve(
         &self,
@@ -107,11 +132,21 @@ impl<const D: usize> Flight<'_, D> {
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
         let path = self.path_to(&landing, solver, room);
-        if self.trusts_all(&landing, turn, path, solver, room) {
+        let trusted = self.trusts_all(&landing, turn, path, solver, room);
+        if trusted && self.is_the_one(&landing, turn, path, solver, room, counts) {
             return landing;
         }
+        if !trusted {
+            self.suspect_all(room);
+        }
         counts.followed += 1;
-        self.follow(solver, path, room, counts)
+        room.set_aside(SECOND, m);
+        let followed = self.follow(solver, path, room, counts);
+        let aimed = trusted && followed.converged && self.is_same(SECOND, solver, room);
+        if aimed {
+            room.go_back(SECOND, m);
+        }
+        Landing { aimed, ..followed }
     }
 
     /// Whether the root found for the whole step, after this path and where normals turn so much, is trusted.
@@ -199,8 +234,8 @@ impl<const D: usize> Flight<'_, D> {
         let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
         counts.values += 1;
         counts.gradients += 1;
-        let mut landing =
-            Landing { converged: false, upright: pivot > 0.0, first: 0.0, contradictory: false };
+        room.note_off(m);
+        let mut landing = Landing::from(pivot > 0.0);
         let (mut shrinking, mut residual) = (Shrinking::start(), room.residual(m));
         for correction in 0..MAX_CORRECTIONS {
             note(room);
@@ -228,6 +263,7 @@ impl<const D: usize> Flight<'_, D> {
                 let (g, blocks) = (&mut room.g[..m], &mut room.blocks[..blocks]);
                 self.shape.gradients(self.component, time, &room.trial, g, blocks, &mut room.rates[..m]);
                 counts.gradients += 1;
+                landing.one_derivative = false;
                 if self.change(room, &room.before) <= straight::<f64>() {
                     // The rounding of g itself, or dependent equations that cannot all hold.
                     solver.correct(&room.g[..m], &mut room.dx[..m]);
@@ -250,14 +286,16 @@ impl<const D: usize> Flight<'_, D> {
     fn follow(&self, solver: &mut Solver<D>, path: f64, room: &mut Room<D>, counts: &mut Counts) -> Landing {
         let m = self.rows().equations();
         room.course[..m].fill(Course::start());
-        let mut landing = Landing { converged: false, upright: false, first: 0.0, contradictory: false };
+        let mut landing = Landing::from(false);
         let reached = follow(|part| {
             for i in 0..m {
                 room.y[i] = room.course[i].ahead(room.guess[i], part);
             }
             landing = self.land(solver, part.end, room, counts, |_| ());
             let far = FAR_EXTRAPOLATION * part.length * path;
-            let trusted = self.trusts(&landing, far, solver, part.end, room);
+            let trusted = self.trusts(&landing, far, solver, part.end, room)
+                && (!room.suspects_any(m)
+                    || self.part_looks_right(part, &landing, path, solver, room, counts));
             for i in 0..m {
                 room.course[i].note(trusted, room.guess[i], part, room.y[i]);
             }
@@ -294,19 +332,54 @@ impl<const D: usize> Flight<'_, D> {
 
     /// The largest relative change of a gradient from `before`.
     pub(crate) fn change(&self, room: &Room<D>, before: &[[f64; D]]) -> f64 {
-        let rows = self.rows();
-        let change = |row: usize| {
-            let apart = rows.blocks_of(row).map(|(block, _)| {
-                let difference = add_scaled(&room.blocks[block], -1.0, &before[block]);
-                dot(&difference, &difference)
-            });
-            apart.sum::<f64>().sqrt() / room.lengths[row]
-        };
-        (0..rows.equations()).map(change).fold(0.0, f64::max)
+        (0..self.rows().equations()).map(|row| self.turn(row, room, before)).fold(0.0, f64::max)
+    }
+
+    /// The relative change of the gradient of an equation from `before`.
+    pub(crate) fn turn(&self, row: usize, room: &Room<D>, before: &[[f64; D]]) -> f64 {
+        let apart = self.rows().blocks_of(row).map(|(block, _)| {
+            let difference = add_scaled(&room.blocks[block], -1.0, &before[block]);
+            dot(&difference, &difference)
+        });
+        apart.sum::<f64>().sqrt() / room.lengths[row]
+    }
+}
+
+impl Landing {
+    /// Nothing solved yet, from a guess with or without positive pivots.
+    pub(super) fn from(upright: bool) -> Self {
+        Self {
+            converged: false,
+            upright,
+            first: 0.0,
+            contradictory: false,
+            one_derivative: true,
+            aimed: true,
+        }
     }
 }
 
 impl<const D: usize> Room<D> {
+    /// Notes what the guess is off by: the residuals there, as lengths.
+    pub(super) fn note_off(&mut self, equations: usize) {
+        let residuals = self.g[..equations].iter().zip(&self.lengths);
+        self.off.iter_mut().zip(residuals).for_each(|(off, (g, length))| *off = g / length);
+    }
+
+    /// Sets aside what was tried first, or second.
+    pub(super) fn set_aside(&mut self, attempt: usize, equations: usize) {
+        let [y, off] = &mut self.tried[attempt];
+        y[..equations].copy_from_slice(&self.y[..equations]);
+        off[..equations].copy_from_slice(&self.off[..equations]);
+    }
+
+    /// Goes back to it.
+    pub(super) fn go_back(&mut self, attempt: usize, equations: usize) {
+        let [y, off] = &self.tried[attempt];
+        self.y[..equations].copy_from_slice(&y[..equations]);
+        self.off[..equations].copy_from_slice(&off[..equations]);
+    }
+
     /// The largest residual in units of its rounding; NaN if one is.
     pub(crate) fn residual(&self, equations: usize) -> f64 {
         let mut worst = 0.0;

@@ -5,6 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{dot, largest};
+use crate::solve::aim::{Aim, Pace};
 use crate::solve::root::Course;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::linked::room::Stages;
@@ -34,6 +35,9 @@ pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) solvers: Vec<Solver<D>>,
     /// Corrections and evaluations of g, since the start.
     pub(super) counts: Counts,
+    /// What guesses were off by in the last steps, by row of all components.
+    pub(super) aims: Vec<Aim<f64>>,
+    pub(super) pace: Pace,
     pub(super) room: Room<D>,
     /// Room for a method with inner stages.
     pub(super) stages: Option<Box<Stages<F, D>>>,
@@ -84,6 +88,17 @@ pub(crate) struct Room<const D: usize> {
     pub(super) scale: Vec<f64>,
     /// The corrections of a solve by Broyden's method, one after another.
     pub(super) learned: Vec<f64>,
+    /// gᵢ/|∇gᵢ| at the guess of a solve.
+    pub(super) off: Vec<f64>,
+    /// `y` and `off` of attempts that are set aside.
+    pub(super) tried: [[Vec<f64>; 2]; 2],
+    /// x inside the step.
+    pub(super) inner: Vec<f64>,
+    /// The rounding of each g, as a length.
+    pub(super) noise: Vec<f64>,
+    /// Which rows' guess was not off as usual, and which look wrong.
+    pub(super) suspect: Vec<bool>,
+    pub(super) wrong: Vec<bool>,
 }
 
 pub(crate) type BodiesOf<F, N, const D: usize> = Bodies<N, f64, Kept<F, D>, D>;

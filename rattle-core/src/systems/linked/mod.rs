@@ -1,5 +1,6 @@
 //! Bodies tied together by a [network](crate::systems::network): any number of constraints and any masses.
 
+mod aim;
 mod chords;
 mod collocation;
 mod diagnosis;

@@ -13,6 +13,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::solve::aim::{Aim, Pace};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::Course;
 use crate::solve::stop::NOISE;
@@ -73,6 +74,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             lengths: vec![0.0; rows],
             scale: vec![0.0; rows],
             learned: vec![0.0; LEARNED * rows],
+            off: vec![0.0; rows],
+            tried: [0, 1].map(|_| [vec![0.0; rows], vec![0.0; rows]]),
+            inner: vec![0.0; rows],
+            noise: vec![0.0; rows],
+            wrong: vec![false; rows],
+            suspect: vec![false; rows],
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
@@ -81,6 +88,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             rates: vec![0.0; shape.equations],
             solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
             counts: Counts::default(),
+            aims: vec![Aim::unknown(); shape.equations],
+            pace: Pace::unknown(),
             room,
             stages: None,
             series: None,
@@ -91,6 +100,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn refresh(&self, bodies: &mut BodiesOf<F, N, D>) {
+        bodies.kept.aims.fill(Aim::unknown());
         for c in 0..self.shape.components.len() {
             let (q, time) = (bodies.q.as_ref(), bodies.time);
             bodies.kept.normals(&self.shape, c, time, q);
@@ -139,7 +149,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let shape = &*self.shape;
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
-        let Kept { force, blocks, rates, solvers, counts, room, .. } = &mut bodies.kept;
+        let Kept { force, blocks, rates, solvers, counts, room, aims, pace, .. } = &mut bodies.kept;
+        let weights = pace.weights(h);
+        pace.note(h);
         for (body, root) in shape.roots.iter().enumerate() {
             let v = root.velocity(&p[body]);
             let v_low = root.velocity(&p_low[body]);
@@ -153,15 +165,18 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let (first, m) = (component.first, rows.equations());
             let blocks = &blocks[first.1..first.1 + rows.blocks()];
-            let flight = Flight { shape, component: c, q, q_low, blocks, time: bodies.time, h };
+            let aims = &mut aims[first.0..first.0 + m];
+            let flight =
+                Flight { shape, component: c, q, q_low, blocks, aims, weights, time: bodies.time, h };
             counts.solves += 1;
             let by_default = X::KIND == Kind::Newton && guess.is_empty();
-            if by_default || !flight.try_to_solve::<X>(guess, solver, room, counts) {
-                let turn = flight.guess(solver, room);
-                let solved = flight.solve(solver, turn, room, counts);
-                if !solved.converged {
-                    return Err(flight.failure(solver, turn, room, solved));
-                }
+            let landing = if by_default {
+                flight.find(solver, room, counts)?
+            } else {
+                flight.try_to_solve::<X>(guess, solver, room, counts)?
+            };
+            for (aim, &off) in aims.iter_mut().zip(&room.off) {
+                aim.note(if landing.aimed { off } else { f64::NAN });
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }

@@ -7,7 +7,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::{Aim, INSIDE, ROUNDINGS, grows_to};
+use crate::solve::aim::{Aim, INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::Equation;
@@ -15,12 +15,6 @@ use crate::systems::surface::position::{Departure, Landing};
 
 /// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
 const LARGE: f64 = 1e6;
-
-/// What is taken for rounding of g where it was found to be so many times less.
-const NOISY: f64 = 16.0;
-
-/// A guess that is off by more than so many times the rounding of positions is off by more than that of g.
-const LITTLE: f64 = 1e4;
 
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
@@ -177,8 +171,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         };
         let middle = off(0.0);
         let most = |most: T, share: f64| most.max((off(share) - middle).abs());
-        let shares = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
-        rounding + T::from_f64(NOISY) * shares.into_iter().fold(T::from_f64(0.0), most)
+        rounding + T::from_f64(NOISY) * SHIFTS.into_iter().fold(T::from_f64(0.0), most)
     }
 
     /// What the guess is off by after the share `s` of the step, if Λ is guessed to be this there.

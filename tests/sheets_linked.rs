@@ -1,0 +1,116 @@
+//! Links whose equation has many roots side by side: a step must not end on another one.
+//!
+//! `sin(k(|a − b| − 1))` holds two bodies at distance 1, or at any of 1 + πj/k. Only the distance, which no simulation
+//! sees, tells which.
+
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::Error;
+use rattle::links::planar::Rod;
+use rattle::network::LinearAlgebra;
+use rattle::potentials::planar::Gravity;
+use rattle::prelude::*;
+use rayon::prelude::*;
+
+constraint! {
+    /// Two bodies at a distance of 1, or of others.
+    struct Distances { k }
+    |x1, y1, x2, y2| sin(k * (sqrt((x2 - x1)^2 + (y2 - y1)^2) - 1))
+}
+
+/// How runs of so many steps ended.
+#[derive(Debug, Default, PartialEq)]
+struct Outcome {
+    right: u32,
+    refused: u32,
+    wrong: u32,
+}
+
+/// Random chains that hang from a pivot: links of `Distances` and rods in turn.
+fn chains<S: Method>(seed: u64, runs: u32, links: usize, method: impl Fn(f64) -> S) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for _ in 0..runs {
+        let k = 10_f64.powf(random.random_range(2.5..6.0));
+        let h = 10_f64.powf(random.random_range(-2.0..-0.5));
+        let mut places = vec![[0.0, 0.0]];
+        let mut momenta = vec![[0.0, 0.0]];
+        for i in 0..links {
+            let (angle, rate) = (random.random_range(-3.0_f64..3.0), random.random_range(-1.5..1.5));
+            let ([x, y], [u, v], (sin, cos)) = (places[i], momenta[i], angle.sin_cos());
+            places.push([x + cos, y + sin]);
+            momenta.push([u - rate * sin, v + rate * cos]);
+        }
+        let pairs = |parity: usize| (0..links).filter(move |i| i % 2 == parity).map(|i| [i, i + 1]);
+        let algebra =
+            if random.random_bool(0.7) { LinearAlgebra::Automatic } else { LinearAlgebra::Orthogonal };
+        let scene = Scene::points(links + 1)
+            .link(Distances { k }, pairs(0))
+            .link(Rod { length: 1.0 }, pairs(1))
+            .pin(0, [0.0, 0.0])
+            .linear_algebra(algebra)
+            .with(Gravity { g: 1.0 });
+        let start = State::of(places).with_momenta(momenta);
+        let mut simulation = scene.simulate(start, method(h)).unwrap();
+        let mut ended = None;
+        for _ in 0..60 {
+            if let Err(error) = simulation.step() {
+                ended = Some(error);
+                break;
+            }
+            let places = simulation.positions().collect::<Vec<_>>();
+            let strain = places.windows(2).map(|pair| ((pair[1] - pair[0]).norm() - 1.0).abs());
+            let worst = strain.fold(0.0, f64::max);
+            if worst > 1e-9 {
+                outcome.wrong += 1;
+                println!("seed {seed} k = {k:e}, h = {h}: {worst:e} after {} steps", simulation.steps());
+                break;
+            }
+        }
+        match ended {
+            Some(Error::Step { .. }) => outcome.refused += 1,
+            Some(other) => panic!("{other}"),
+            None => outcome.right += 1,
+        }
+    }
+    outcome.right -= outcome.wrong;
+    println!("{outcome:?}");
+    outcome
+}
+
+/// None is wrong, and so many are not refused: where roots are closer than a path in which one can be followed, it cannot.
+fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl Fn(f64) -> S) {
+    let outcome = chains(seed, runs, links, method);
+    assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+}
+
+#[test]
+fn chains_keep_their_distances() {
+    stay(1, 1000, 1, 700, Rattle::new);
+    stay(2, 500, 2, 290, Rattle::new);
+    stay(3, 200, 7, 60, Rattle::new);
+}
+
+#[test]
+fn other_iterations_and_guesses_keep_them() {
+    stay(4, 300, 3, 140, |h| Rattle::new(h).solved_by(Broyden));
+    stay(5, 300, 3, 130, |h| Rattle::new(h).solved_by(Simplified));
+    stay(6, 300, 3, 130, |h| Rattle::new(h).guess(Extrapolated));
+    stay(7, 300, 3, 130, |h| Rattle::new(h).guess(LastMultiplier).solved_by(Symmetric));
+}
+
+/// What a guess is off by grows and shrinks with the steps of a composition, the distance of roots does not.
+#[test]
+fn compositions_keep_them() {
+    stay(8, 300, 2, 200, |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h));
+    stay(9, 300, 2, 140, |h| Composition::new(rattle::composition::YOSHIDA_1990_ORDER_4, h));
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn a_hundred_thousand_chains_keep_them() {
+    let wrong: u32 = (0..1000_u64)
+        .into_par_iter()
+        .map(|seed| chains(1000 + seed, 100, 1 + (seed % 4) as usize, Rattle::new).wrong)
+        .sum();
+    assert_eq!(wrong, 0);
+}
