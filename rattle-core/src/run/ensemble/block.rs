@@ -26,6 +26,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
+use crate::solve::crowd::{PATH, REACH, rises, shares};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
@@ -97,6 +98,8 @@ pub(crate) struct Part {
     pub(super) kick: f64,
     /// Λ of the step before it in terms of its own.
     pub(super) before: f64,
+    /// By which |Λ| of this step is multiplied to be that of the longest, [`REACH`] times.
+    reach: f64,
     /// By which Λ of this step and the last ones are extrapolated to the next, that of this one first.
     pub(super) weights: [f64; 3],
 }
@@ -121,7 +124,8 @@ impl Part {
             let unit = if EQUAL { h } else { 1.0 };
             let Stage { before: lead, after, .. } = stages[i];
             let kick = after + stages[(i + 1) % n].before;
-            Part { h, unit, lead, kick, before: (before / h).powi(2), weights }
+            let reach = REACH * stages.iter().map(|stage| (stage.h / h).powi(2)).fold(1.0, f64::max);
+            Part { h, unit, lead, kick, before: (before / h).powi(2), reach, weights }
         };
         (0..n).map(part).collect()
     }
@@ -260,12 +264,44 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         (self.q, momenta)
     }
 
+    /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`].
+    #[inline(always)]
+    pub(crate) fn look_around(
+        &self,
+        steps: u64,
+        laws: &impl Laws<S, D>,
+        parts: &[Part],
+    ) -> Result<(), Stuck> {
+        let Part { h, unit, kick, reach, .. } = parts[self.part];
+        let Self { q, way, normal, square, guess, past: [last, earlier], .. } = self;
+        let [reach, path, push] = [reach, reach * PATH * h / unit, reach * h * kick].map(S::from_f64);
+        let mut furthest = [S::default(); L];
+        for i in 0..L {
+            let (way, pushed) = (at(way, i), laws.kick(i, &at(q, i), push, [S::default(); D]));
+            let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
+            let free = path * path * dot(&way, &way) + dot(&pushed, &pushed);
+            furthest[i] = reach.multiply_add(back, (free / square[i]).sqrt());
+        }
+        let mut least = *square;
+        for share in shares(steps) {
+            let share = S::from_f64(share);
+            for i in 0..L {
+                let shift = share * furthest[i];
+                let rises = rises(laws.constraint(i).borrow(), &at(q, i), &at(normal, i), square[i], shift);
+                least[i] = S::select(rises.le(least[i]), rises, least[i]);
+            }
+        }
+        let crowded = least.iter().position(|&least| !S::default().le(least));
+        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+
     /// Whether all momenta are numbers.
     #[inline(always)]
     pub(crate) fn check(&self, laws: &impl Laws<S, D>) -> Result<(), Stuck> {
         for lane in 0..L {
             if !is_finite(total(&at(&self.way, lane))) {
-                return Err(Stuck { lane, failure: not_finite(laws, lane, at(&self.q, lane)) });
+                let failure = not_finite(laws, lane, at(&self.q, lane));
+                return Err(Stuck { lane, failure: Some(failure) });
             }
         }
         Ok(())

@@ -7,10 +7,10 @@ use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Sight;
 use nalgebra::SVector;
 
-/// A lane that cannot be moved, and why.
+/// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked at.
 pub(crate) struct Stuck {
     pub(crate) lane: usize,
-    pub(crate) failure: Failure,
+    pub(crate) failure: Option<Failure>,
 }
 
 /// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and what rounding
@@ -36,11 +36,17 @@ impl<const D: usize> Written<'_, D> {
     }
 }
 
+/// So many steps, after so many since the start, and where all lanes are to be written after them, if they are.
+pub(crate) struct Leg<'a, const D: usize> {
+    pub(crate) from: u64,
+    pub(crate) steps: u64,
+    pub(crate) written: Option<Written<'a, D>>,
+}
+
 /// Where lanes are to go, leg by leg.
 pub(crate) trait Tour<const D: usize> {
-    /// Shows what was written after the leg before; then says how many steps the next leg has, and where all lanes are to be
-    /// written after it, if they are.
-    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)>;
+    /// Shows what was written after the leg before, and says what the next one is.
+    fn next(&mut self) -> Option<Leg<'_, D>>;
 }
 
 /// Trajectories of one body each in lanes, which know nothing of each other.
@@ -54,6 +60,8 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
 
     /// Where the lanes are after a tour, on which the engine itself stays where it is.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
+    /// Where they are now.
+    fn lanes(&self) -> Self::Lanes;
     /// Goes on from there.
     fn keep(&mut self, lanes: Self::Lanes);
 
@@ -66,11 +74,12 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
 
     /// The body of a lane.
     fn body(&self, lane: usize) -> Body<f64, D>;
-    /// Where the body of a lane is after a step in so many equal parts, by itself; with sums that are compensated.
+    /// Where the body of a lane is after so many steps, each in so many equal parts, by itself: each is looked at, and sums are
+    /// compensated.
     ///
     /// # Errors
     /// Says why it cannot be moved.
-    fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure>;
+    fn by_itself(&self, lane: usize, steps: u64, parts: u32) -> Result<Body<f64, D>, Failure>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.

@@ -22,8 +22,8 @@
 //! of a point less than 256 ε|q|∞ away.
 //!
 //! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that three corrections do not bring to
-//! rest, are solved as a [`Simulation`](crate::run::simulation::Simulation) does. Sheets of a surface that lie closer to each
-//! other than guesses are off, some part of κ(h|p|)², can still be taken for one another.
+//! rest, are solved as a [`Simulation`](crate::run::simulation::Simulation) does. Where sheets of a surface lie closer to each
+//! other than guesses may be off, lanes are moved by themselves ([`Block::look_around`]).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
@@ -133,7 +133,7 @@ where
                     let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
                     let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
                     alone(laws, lane, part.h, (at(q, lane), p, back, n, square[lane]))
-                        .map_err(|failure| Stuck { lane, failure })?
+                        .map_err(|failure| Stuck { lane, failure: Some(failure) })?
                 }
             };
             multiplier[lane] = found;

@@ -7,7 +7,7 @@ use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
-use crate::run::ensemble::engine::{Engine, Stuck, Tour, Written};
+use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
@@ -18,6 +18,12 @@ use std::array::from_fn;
 
 /// Steps after which lanes are put back: what is gone through again when one fails.
 const STRETCH: u64 = 1024;
+
+/// Steps that some lanes go side by side while others go by themselves.
+const LEG: u64 = 64;
+
+/// Steps that one goes by itself where other sheets were near, at most.
+const CROWDED: u64 = 16 * STRETCH;
 
 /// Trajectories in the lanes of an engine.
 pub(crate) struct SideBySide<E, const D: usize> {
@@ -30,6 +36,9 @@ pub(crate) struct SideBySide<E, const D: usize> {
     moving: [bool; LANES],
     copy_of: [usize; LANES],
     ended: Vec<Ended<D>>,
+    /// By lane: whether it goes by itself, since other sheets are near; and when that ends.
+    crowded: [bool; LANES],
+    crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
 }
@@ -61,6 +70,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             moving: from_fn(|lane| lane < number),
             copy_of: from_fn(|lane| if lane < number { lane } else { 0 }),
             ended: Vec::new(),
+            crowded: [false; LANES],
+            crowded_until: 0,
             halvings: 0,
         }
     }
@@ -82,37 +93,65 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         }
     }
 
-    /// Takes one step with all lanes that can be moved, be it in parts.
-    fn step(&mut self, onlooker: Option<&mut Onlooker<'_, D>>) {
-        let (end, mut together) = (self.steps + 1, self.moving);
-        let (mut divided, mut laws) = (Vec::new(), None);
-        while together.contains(&true) {
-            let Err(Stuck { lane, failure }) = self.attempt(1, None) else { break };
-            let stuck = self.copy_of[lane];
-            match self.in_parts(stuck, failure) {
-                Ok(body) => {
-                    laws.get_or_insert_with(|| self.engine.laws().clone());
-                    divided.push((stuck, body));
+    /// Takes so many steps with all lanes that can be moved, be it by themselves or in parts.
+    fn go_on(&mut self, steps: u64, mut onlooker: Option<&mut Onlooker<'_, D>>) {
+        let end = self.steps + steps;
+        while self.steps < end {
+            let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
+            let leg = LEG.min(stop - self.steps);
+            if !self.leg(leg) {
+                for _ in 0..leg {
+                    self.leg(1); // who cannot take it ends
                 }
-                Err(failure) => self.end(stuck, failure),
             }
-            together[stuck] = false;
+            if let Some(onlooker) = &mut onlooker
+                && onlooker.next == self.steps
+            {
+                self.look(onlooker.now.page(), InstructionSet::Portable);
+                onlooker.show(self);
+            }
+        }
+    }
+
+    /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are near, or, if
+    /// it is a single step, in parts. False, and as if none were taken, where one of several cannot.
+    fn leg(&mut self, steps: u64) -> bool {
+        let before = (self.engine.lanes(), self.engine.laws().clone(), self.copy_of);
+        let (end, mut together, mut apart) = (self.steps + steps, self.moving, Vec::new());
+        loop {
+            let crowded = (0..E::WIDTH).find(|&lane| together[lane] && self.crowded[lane]);
+            let Stuck { lane, failure } = if let Some(lane) = crowded {
+                Stuck { lane, failure: None }
+            } else if !together.contains(&true) {
+                break;
+            } else if let Err(stuck) = self.attempt(steps, None) {
+                Stuck { lane: self.copy_of[stuck.lane], ..stuck }
+            } else {
+                break;
+            };
+            self.crowded[lane] |= failure.is_none();
+            match self.by_itself(lane, failure, steps) {
+                Ok(body) => apart.push((lane, body)),
+                Err(_) if steps > 1 => {
+                    self.engine.keep(before.0);
+                    *self.engine.laws() = before.1;
+                    self.copy_of = before.2;
+                    return false;
+                }
+                Err(failure) => self.end(lane, failure),
+            }
+            together[lane] = false;
             self.stand_in(&together);
         }
-        if let Some(laws) = laws {
-            *self.engine.laws() = laws;
-            for (lane, body) in divided {
+        if !apart.is_empty() {
+            *self.engine.laws() = before.1;
+            for (lane, body) in apart {
                 self.engine.set(lane, &body);
             }
             self.stand_in(&self.moving.clone());
         }
         self.steps = end;
-        if let Some(onlooker) = onlooker
-            && onlooker.next == end
-        {
-            self.look(onlooker.now.page(), InstructionSet::Portable);
-            onlooker.show(self);
-        }
+        true
     }
 
     /// Fills the lanes that are not among these with copies of one that is.
@@ -131,11 +170,17 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         self.moving[lane] = false;
     }
 
-    /// Where a trajectory is after a step in parts, as often halved as is allowed.
+    /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often halved as is
+    /// allowed.
     #[cold]
-    fn in_parts(&self, lane: usize, mut failure: Failure) -> Result<Body<f64, D>, Error> {
-        for halved in 1..=self.halvings {
-            match self.engine.in_parts(lane, 1 << halved) {
+    fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Body<f64, D>, Error> {
+        let moved = |parts: u32| self.engine.by_itself(lane, steps, parts);
+        let mut failure = match failure.map_or_else(|| moved(1), Err) {
+            Ok(body) => return Ok(body),
+            Err(failure) => failure,
+        };
+        for halved in 1..=if steps == 1 { self.halvings } else { 0 } {
+            match moved(1 << halved) {
                 Ok(body) => return Ok(body),
                 Err(again) => failure = again,
             }
@@ -170,7 +215,7 @@ struct Stretch<'a, 'b, E, const D: usize> {
 }
 
 impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
-    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)> {
+    fn next(&mut self) -> Option<Leg<'_, D>> {
         let Self { group, onlooker, now, end, written } = self;
         if let Some(onlooker) = onlooker
             && *written
@@ -186,7 +231,8 @@ impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
         let page = onlooker.as_mut().filter(|onlooker| onlooker.next == stop).map(|o| o.now.page());
         *written = page.is_some();
         let passed = passed(stop, group.h);
-        Some((stop - from, page.map(|page| Written { page, starts: &group.start_time, passed })))
+        let written = page.map(|page| Written { page, starts: &group.start_time, passed });
+        Some(Leg { from, steps: stop - from, written })
     }
 }
 
@@ -194,8 +240,8 @@ impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
 struct Look<'a, const D: usize>(Option<Written<'a, D>>);
 
 impl<const D: usize> Tour<D> for Look<'_, D> {
-    fn next(&mut self) -> Option<(u64, Option<Written<'_, D>>)> {
-        self.0.take().map(|written| (0, Some(written)))
+    fn next(&mut self) -> Option<Leg<'_, D>> {
+        self.0.take().map(|written| Leg { from: 0, steps: 0, written: Some(written) })
     }
 }
 
@@ -204,8 +250,12 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
             let stretch = STRETCH.min(end - self.steps);
-            if self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
-                (0..stretch).for_each(|_| self.step(onlooker.as_deref_mut())); // to see which, and where
+            if self.steps / CROWDED >= self.crowded_until {
+                self.crowded_until = self.steps / CROWDED + 1;
+                self.crowded.fill(false);
+            }
+            if self.crowded.contains(&true) || self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
+                self.go_on(stretch, onlooker.as_deref_mut());
             }
         }
         self.steps = end;

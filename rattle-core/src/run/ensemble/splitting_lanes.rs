@@ -12,10 +12,11 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vectors::at;
 use crate::run::ensemble::block::{Block, Part, Scratch};
-use crate::run::ensemble::engine::{Engine, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::run::watch::sight::Sight;
+use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -65,6 +66,10 @@ where
         if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
     }
 
+    fn lanes(&self) -> Self::Lanes {
+        self.block.clone()
+    }
+
     fn keep(&mut self, lanes: Self::Lanes) {
         self.block = lanes;
     }
@@ -89,17 +94,17 @@ where
         Body { q, q_low, p, p_low }.map(Lane::to_f64)
     }
 
-    fn in_parts(&self, lane: usize, number: u32) -> Result<Body<f64, D>, Failure> {
+    fn by_itself(&self, lane: usize, steps: u64, parts: u32) -> Result<Body<f64, D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let share = |x: f64| x / f64::from(number);
+        let share = |x: f64| x / f64::from(parts);
         let stage = |&Stage { before, h, after }: &Stage| Stage {
             before: share(before),
             h: share(h),
             after: share(after),
         };
         let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
-        in_parts::<S, _, D>(&system, &stages, number, &self.body(lane))
+        by_itself::<S, _, D>(&system, &stages, steps * u64::from(parts), &self.body(lane))
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
@@ -124,10 +129,10 @@ where
 /// Where a body is after these stages, taken so many times in turn.
 #[cold]
 #[inline(never)]
-fn in_parts<S: Lane, Y: System<S, D>, const D: usize>(
+fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
-    number: u32,
+    number: u64,
     body: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
     let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
@@ -164,10 +169,21 @@ where
         let Self { block, laws, parts, tour } = self;
         let laws = laws.clone(); // out of reach of what the loops write
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        while let Some((steps, written)) = tour.next() {
-            for _ in 0..steps {
-                for _ in 0..if EQUAL { 1 } else { parts.len() } {
-                    step(&mut desk.block, &laws, parts, &mut desk.scratch)?;
+        while let Some(Leg { from, steps, written }) = tour.next() {
+            let (mut now, end) = (from, from + steps);
+            if now == 0 && end > 0 {
+                desk.block.look_around(now, &laws, parts)?;
+            }
+            while now < end {
+                let stop = end.min((now / EVERY + 1) * EVERY);
+                for _ in now..stop {
+                    for _ in 0..if EQUAL { 1 } else { parts.len() } {
+                        step(&mut desk.block, &laws, parts, &mut desk.scratch)?;
+                    }
+                }
+                now = stop;
+                if now % EVERY == 0 {
+                    desk.block.look_around(now, &laws, parts)?;
                 }
             }
             desk.block.check(&laws)?;

@@ -1,0 +1,58 @@
+//! Whether other sheets are near: what is asked of many bodies at a time, where no step of a single one is looked at.
+//!
+//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what
+//! the constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So it is
+//! asked whether it rises, to both sides of a body, as far as that may be: at places
+//! that have no period. On `sin(k(|q| − 1))` two of three places between sheets say that it does not. A body where
+//! it does not is moved by itself, where each step is looked at (see [`crate::solve::aim`]).
+//!
+//! It is asked at many places where a body starts and at some now and then, so that it costs a few percent: sheets that are
+//! near in a small region only, which a body is through between two times, are not seen.
+
+use crate::kernel::functions::ConstraintKernel;
+use crate::number::lanes::Lane;
+use crate::number::vector::{add_scaled, dot};
+
+/// After so many steps it is asked again.
+pub(crate) const EVERY: u64 = 64;
+
+/// At so many places it is asked at first, and again.
+const AT_FIRST: u64 = 24;
+const AGAIN: u64 = 6;
+
+/// It is asked as far as so many times what the constraint takes a body back in a step, and what its forces push it, …
+pub(crate) const REACH: f64 = 2.0;
+
+/// … and this part of the path: where curvature and forces balance the constraint does nothing, and yet not the same in
+/// the next step.
+pub(crate) const PATH: f64 = 0.05;
+
+/// g rises along the normal by at least this part of what it does at the body.
+const RISES: f64 = 0.5;
+
+/// The shares of the reach, from −1 to 1, at which it is asked after so many steps: pseudo-random, since multiples of any
+/// number, and of the golden ratio too, may all meet the same phase of a wave.
+pub(crate) fn shares(steps: u64) -> impl Iterator<Item = f64> {
+    let (first, number) = if steps == 0 { (0, AT_FIRST) } else { (AT_FIRST + steps / EVERY * AGAIN, AGAIN) };
+    (first..first + number).map(|n| mixed(n) as f64 / (1_u64 << 63) as f64 - 1.0)
+}
+
+/// The n-th number of the generator SplitMix64 (Steele, Lea, Flood 2014).
+const fn mixed(n: u64) -> u64 {
+    let z = (n + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// How much g rises along the normal n at q + shift·n, as a part of how much it does at q, less what it should: negative
+/// where another sheet may be near.
+#[inline(always)]
+pub(crate) fn rises<S, K, const D: usize>(constraint: &K, q: &[S; D], n: &[S; D], square: S, shift: S) -> S
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+{
+    let (_, [gradient]) = constraint.value_and_jacobian(&add_scaled(q, shift, n));
+    dot(&gradient, n) - S::from_f64(RISES) * square
+}

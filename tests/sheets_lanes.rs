@@ -1,0 +1,105 @@
+//! Trajectories in lanes, and bodies in tiles, stay on their sheet; see `sheets.rs`.
+
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::composition::*;
+use rattle::potentials::Gravity;
+use rattle::prelude::*;
+use rattle::{Error, nalgebra::Vector3};
+
+constraint! {
+    /// Spheres.
+    #[derive(Clone, Copy)]
+    struct Shells { k }
+    |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
+}
+
+/// How trajectories ended.
+#[derive(Debug, Default, PartialEq)]
+struct Outcome {
+    right: usize,
+    refused: usize,
+    wrong: usize,
+}
+
+impl Outcome {
+    /// A trajectory that ended at this distance from the origin.
+    fn note(&mut self, distance: f64, failure: Option<&Error>, tolerance: f64) {
+        let off = (distance - 1.0).abs();
+        match failure {
+            None if off <= tolerance => self.right += 1,
+            Some(Error::Step { .. }) if off <= tolerance => self.refused += 1,
+            None | Some(Error::Step { .. }) => self.wrong += 1,
+            Some(other) => panic!("{other}"),
+        }
+    }
+
+    /// None is wrong, and so many are not refused.
+    fn check(&self, right: usize) {
+        println!("{self:?}");
+        assert!(self.wrong == 0 && self.right >= right, "{self:?}");
+    }
+}
+
+fn start(random: &mut StdRng) -> State<3> {
+    let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+    let q = vector().normalize();
+    let p = vector().cross(&q);
+    State::at(q).moving(p)
+}
+
+/// Ensembles among shells, each at distances and with a step of its own.
+fn ensembles<S: Method>(seed: u64, number: usize, method: impl Fn(f64) -> S) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for _ in 0..number {
+        let k = 10_f64.powf(random.random_range(2.5..6.0));
+        let h = 10_f64.powf(random.random_range(-1.7..-0.4));
+        let starts: Vec<_> = (0..37).map(|_| start(&mut random)).collect();
+        let scene = Scene::on(Shells { k }).with(Gravity { g: 1.0 });
+        let mut ensemble = scene.ensemble(starts, method(h)).unwrap();
+        for steps in [1, 20, 50, 180] {
+            ensemble.run(steps);
+        }
+        for trajectory in 0..ensemble.len() {
+            let at = ensemble.state(trajectory).positions().next().unwrap();
+            outcome.note(at.norm(), ensemble.failure(trajectory), 1e-9);
+        }
+    }
+    outcome
+}
+
+#[test]
+fn ensembles_stay_on_their_sheets() {
+    ensembles(1, 60, Rattle::new).check(900);
+    ensembles(2, 20, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(200);
+    ensembles(3, 20, |h| Composition::new(YOSHIDA_1990_ORDER_4, h)).check(200);
+}
+
+/// Rows of trajectories that differ in k: some are among shells, some are not.
+#[test]
+fn lanes_in_a_crowd_disturb_no_others() {
+    let mut random = StdRng::seed_from_u64(4);
+    let starts: Vec<_> = (0..40).map(|_| start(&mut random)).collect();
+    let k = |i: usize| if i.is_multiple_of(3) { 3000.0 } else { 0.5 };
+    let scene = |i: usize| Scene::on(Shells { k: k(i) }).with(Gravity { g: 1.0 });
+    let swept = |scenes: Vec<_>| {
+        let starts = starts.iter().cloned();
+        Ensemble::sweep(Double, scenes.iter().zip(starts), Rattle::new(0.1)).unwrap()
+    };
+    let plain = |i: usize| if i.is_multiple_of(3) { 1 } else { i };
+    let mut mixed = swept((0..40).map(scene).collect());
+    let mut calm = swept((0..40).map(|i| scene(plain(i))).collect());
+    for steps in [30, 100, 1000] {
+        mixed.run(steps);
+        calm.run(steps);
+        for i in (0..40).filter(|i| plain(*i) == *i) {
+            assert_eq!(mixed.state(i).positions().next(), calm.state(i).positions().next(), "{i}");
+        }
+    }
+    let mut outcome = Outcome::default();
+    for i in 0..40 {
+        let distance = mixed.state(i).positions().next().unwrap().norm();
+        outcome.note(distance, mixed.failure(i), 1e-9);
+    }
+    outcome.check(27);
+}
