@@ -103,3 +103,38 @@ fn lanes_in_a_crowd_disturb_no_others() {
     }
     outcome.check(27);
 }
+
+pair_potential! {
+    /// Particles that repel each other.
+    struct Repulsion { strength }
+    |r| strength / (0.1 + r)
+}
+
+/// Scenes of many particles among shells.
+fn gases(seed: u64, number: usize, bodies: usize) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for _ in 0..number {
+        let k = 10_f64.powf(random.random_range(2.5..6.0));
+        let h = 10_f64.powf(random.random_range(-2.5..-0.4));
+        let starts: Vec<_> = (0..bodies).map(|_| start(&mut random)).collect();
+        let places = starts.iter().map(|start| start.positions().next().unwrap());
+        let momenta = starts.iter().map(|start| start.momenta().next().unwrap());
+        let gas = State::of(places).with_momenta(momenta);
+        let scene = Scene::on(Shells { k })
+            .bodies(bodies)
+            .with(Gravity { g: 1.0 })
+            .with(Repulsion { strength: random.random_range(0.0..0.1) });
+        let mut simulation = scene.simulate(gas, Rattle::new(h)).unwrap();
+        let failure = simulation.run(100).err();
+        let worst = simulation.positions().map(|q| (q.norm() - 1.0).abs()).fold(0.0, f64::max);
+        outcome.note(1.0 + worst, failure.as_ref(), 1e-9);
+    }
+    outcome
+}
+
+#[test]
+fn particles_in_tiles_stay_on_their_sheets() {
+    gases(5, 400, 9).check(100);
+    gases(6, 40, 70).check(3);
+}

@@ -6,6 +6,7 @@ use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::solve::aim::{Aim, Pace};
+use crate::systems::surface::around::Crowd;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
@@ -80,6 +81,8 @@ pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     pub(crate) aim: N::Of<Aim<T>>,
     /// In steps of what length.
     pub(crate) pace: Pace,
+    /// Who is near other sheets, where bodies go in tiles.
+    pub(super) crowd: Crowd,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.

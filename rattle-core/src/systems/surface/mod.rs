@@ -4,6 +4,7 @@
 //! the tests, and lanes that are moved by themselves make use of that: an ensemble's lanes have [a step of their own](crate::run::ensemble), and so have bodies in tiles. Masses
 //! are 1.
 
+mod around;
 pub(crate) mod collocation;
 pub(crate) mod diagnosis;
 pub(crate) mod equation;

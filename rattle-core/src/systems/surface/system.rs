@@ -18,6 +18,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, scaled};
 use crate::solve::aim::{Aim, Pace};
+use crate::systems::surface::around::Crowd;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
@@ -69,7 +70,8 @@ where
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
-        let kept = Kept { normal, force, aim, pace: Pace::unknown(), of_effects, stages: None, series: None };
+        let (pace, crowd) = (Pace::unknown(), Crowd::of(self.count.number()));
+        let kept = Kept { normal, force, aim, pace, crowd, of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -77,6 +79,7 @@ where
 
     fn refresh(&self, bodies: &mut BodiesOf<N, T, F, D>) {
         bodies.kept.aim.as_mut().fill(Aim::unknown());
+        bodies.kept.crowd.forget();
         if !self.fuse_normals(bodies) {
             for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
                 let [gradient] = self.constraint.jacobian(q);

@@ -10,7 +10,8 @@
 //!
 //! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step was not a
 //! small one takes more of them by itself. Bodies that do not come to rest, or at a root
-//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one.
+//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one; so do those near other
+//! sheets ([`crate::systems::surface::around`]).
 //!
 //! What a body does depends on nothing but itself, whatever tile it is in.
 
@@ -28,6 +29,7 @@ use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
+use crate::systems::surface::around::Around;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
@@ -38,7 +40,7 @@ use std::array::from_fn;
 use std::ops::Range;
 
 /// From so many bodies on it pays.
-const MANY: usize = 8;
+pub(super) const MANY: usize = 8;
 
 /// Newton steps of a body by itself before it is left to be moved alone.
 pub(crate) const CORRECTIONS: usize = 3;
@@ -83,9 +85,18 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
     {
-        for tile in tiles(self.count.number()) {
+        let turn = bodies.kept.crowd.turn(h);
+        for (number, tile) in tiles(self.count.number()).enumerate() {
             let mut multipliers = [T::from_f64(0.0); LANES];
+            if let Some((turn, h)) = turn {
+                let of_tile = Tile::of(bodies, tile.clone());
+                let around = Around { constraint: &self.in_lanes, bodies: of_tile, h, turn };
+                let near = set.run(around);
+                bodies.kept.crowd.note(number, near);
+            }
+            let crowd = bodies.kept.crowd.of_tile(number);
             let mut left = set.run(Drift {
+                crowd,
                 constraint: &self.in_lanes,
                 kick,
                 h,
@@ -179,7 +190,7 @@ fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
 }
 
 /// Bodies in tiles of 64, 24 or 16 lanes. More widths would pay by a tenth and take a second each to compile.
-fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
+pub(super) fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
     let mut first = 0;
     std::iter::from_fn(move || {
         let left = number - first;
@@ -232,6 +243,8 @@ struct Drift<'a, T, K, F, const D: usize> {
     h: f64,
     /// λ, or nothing: then from g̈ = 0.
     guess: &'a [T],
+    /// Those that stay where they are in any case.
+    crowd: u64,
     bodies: Tile<'a, T, F, D>,
     /// λ as an impulse over h/2.
     multipliers: &'a mut [T; LANES],
@@ -256,7 +269,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> u64 {
-        let Self { constraint, kick, h, guess, bodies, multipliers } = self;
+        let Self { constraint, kick, h, guess, crowd, bodies, multipliers } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
         let number = bodies.q.len().min(L);
         // `share` of the force in the motion: 1 for RATTLE.
@@ -344,6 +357,11 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             let root = is_the_root(off_square, slope[l], last_slope, path_square[l], FAR_GUESS);
             put(&mut next, l, gradient);
             arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
+        }
+        if crowd != 0 {
+            for l in 0..number {
+                arrives[l] = if crowd >> l & 1 == 0 { arrives[l] } else { Fused(0.0) };
+            }
         }
         let mut left = 0;
         for l in 0..number {
