@@ -5,6 +5,8 @@ pub(crate) mod constraints;
 mod elimination;
 mod factor;
 pub(crate) mod group;
+mod hubs;
+mod late;
 pub(crate) mod mass;
 mod order;
 mod orthogonal;
