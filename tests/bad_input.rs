@@ -43,6 +43,22 @@ fn a_state_of_other_bodies_is_told_by_the_numbers_of_both() {
 }
 
 #[test]
+fn staggered_momenta_are_those_of_all_bodies() {
+    let spring = Spring { k: 1.0 };
+    let method = Shake::new(0.1);
+    let scene = Scene::points::<1>(3).with(spring.over([[0, 1], [1, 2]]));
+    let start = State::of([[0.0], [1.0], [2.0]]);
+    scene.staggered(&start, &method).unwrap();
+    let error = refused(scene.staggered(&State::of([[0.0], [1.0]]), &method));
+    assert!(matches!(error, Error::BodyCount { scene: 3, state: 2 }), "{error}");
+    let error = refused(scene.staggered(&State::of([[0.0]; 3]).with_momenta([[0.0]; 4]), &method));
+    assert!(matches!(error, Error::MomentumCount { bodies: 3, momenta: 4 }), "{error}");
+    let stray = Scene::points::<1>(3).with(spring.over([[0, 3]]));
+    let error = mistake(refused(stray.staggered(&start, &method)));
+    assert!(matches!(error, NetworkMistake::NoSuchBody { body: 3, bodies: 3, .. }), "{error}");
+}
+
+#[test]
 fn a_body_is_pinned_at_one_place() {
     let scene = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]);
     let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]);

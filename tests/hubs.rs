@@ -6,7 +6,7 @@ use common::*;
 use nalgebra::Matrix3;
 use rand::{SeedableRng, rngs::StdRng};
 use rattle::Error;
-use rattle::error::StartFailure;
+use rattle::error::{NetworkMistake, StartFailure};
 use rattle::links::Rod;
 use rattle::network::LinearAlgebra::{Automatic, Elimination, Orthogonal};
 use rattle::network::{LinearAlgebra, Mass};
@@ -133,12 +133,21 @@ fn dependent_equations_at_a_hub_are_found() {
     for (leaves, by) in [(40, Elimination), (3000, Automatic)] {
         let links = [star(leaves), vec![[0, leaves / 2]]].concat();
         let state = State::of((0..=leaves).map(place));
-        let error = scene(&links, by).simulate(state, Rattle::new(0.01)).unwrap_err();
-        let Error::Start { cause: StartFailure::Dependent { sine, equation }, .. } = error else {
+        let error = scene(&links, by).simulate(state, Rattle::new(0.01)).map(drop).unwrap_err();
+        let text = error.to_string();
+        let Error::Start { cause: StartFailure::Dependent { sine, equation, equations, most }, .. } = error
+        else {
             panic!("{error}")
         };
+        assert_eq!((equations, most), (leaves + 1, 1000));
+        assert!(text.contains(if leaves < 1000 { "ask for" } else { "up to 1000" }), "{text}");
         assert!(sine <= 1e-7 && equation.bodies == [0, leaves / 2], "{sine:e}, {equation}");
     }
+    // What is asked for beyond what it serves is refused at once.
+    let state = State::of((0..=1001).map(place));
+    let error = scene(&star(1001), Orthogonal).simulate(state, Rattle::new(0.01)).map(drop).unwrap_err();
+    let refused = NetworkMistake::TooManyForBasis { equations: 1001, most: 1000 };
+    assert_eq!(error, Error::Network(refused));
     let links = [star(40), vec![[0, 20]]].concat();
     let simulation =
         scene(&links, Automatic).simulate(State::of((0..=40).map(place)), Rattle::new(0.01)).unwrap();

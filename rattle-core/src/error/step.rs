@@ -211,7 +211,7 @@ pub enum StepFailure {
     /// Normals that were independent at the start are no longer.
     #[error(
         "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
-         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles)"
+         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles, of up to 1000 equations)"
     )]
     RankLost {
         /// Which equation.

@@ -9,6 +9,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 
@@ -18,9 +19,6 @@ const NARROW: f64 = 1e-3;
 
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
 const NEAR: f64 = 1e-7;
-
-/// Components of up to so many equations get an orthonormal basis where theirs depend on each other.
-const BASIS_AT_MOST: usize = 1000;
 
 /// Everything evaluated at the start for one component.
 struct Start<const D: usize> {
@@ -86,6 +84,11 @@ pub(crate) fn check<const D: usize>(
 
 fn at<const D: usize>(shape: &Shape<D>, c: usize, row: usize, cause: StartFailure) -> Error {
     Error::Start { body: shape.equation_at(c, row).bodies[0], cause }
+}
+
+fn dependent<const D: usize>(shape: &Shape<D>, c: usize, row: usize, sine: f64) -> StartFailure {
+    let (equation, equations) = (shape.equation_at(c, row), shape.components[c].rows.equations());
+    StartFailure::Dependent { equation, sine, equations, most: MOST_EQUATIONS }
 }
 
 fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Result<(), Error> {
@@ -177,13 +180,12 @@ fn check_normals<const D: usize>(
     let rows = &component.rows;
     let (sine, mut row) = component.solver.normals(rows, &acting, roots);
     if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= BASIS_AT_MOST;
+        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
         if may {
             component.solver = Solver::orthogonal(rows);
             (_, row) = component.solver.normals(rows, &acting, roots);
         } else if sine <= LOST || sine.is_nan() {
-            let equation = shape.equation_at(c, row);
-            return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
         }
     }
     if component.rows.acting && component.solver.rank(&component.rows) < component.rows.equations() {
@@ -274,12 +276,11 @@ fn place<const D: usize>(
         let blocks = &start.blocks[..rows.blocks()];
         let (sine, row) = component.solver.normals(rows, blocks, roots);
         if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-            if algebra == LinearAlgebra::Automatic && m <= BASIS_AT_MOST {
+            if algebra == LinearAlgebra::Automatic && m <= MOST_EQUATIONS {
                 component.solver = Solver::orthogonal(rows);
                 component.solver.normals(rows, blocks, roots);
             } else if sine <= LOST {
-                let equation = shape.equation_at(c, row);
-                return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+                return Err(at(shape, c, row, dependent(shape, c, row, sine)));
             }
         }
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();

@@ -9,7 +9,7 @@ mod hubs;
 mod late;
 pub(crate) mod mass;
 mod order;
-mod orthogonal;
+pub(crate) mod orthogonal;
 mod pattern;
 pub(crate) mod rows;
 pub(crate) mod shape;
