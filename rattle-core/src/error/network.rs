@@ -57,7 +57,8 @@ pub enum NetworkMistake {
     },
     /// Moments of inertia that no body has.
     #[error(
-        "moments of inertia must be positive and finite, none larger than the sum of the others; found {moments:?}"
+        "moments of inertia must be positive, none larger than the sum of the others, their sum and inverses finite; found \
+         {moments:?}"
     )]
     Inertia {
         /// I₁, I₂, I₃.
