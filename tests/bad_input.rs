@@ -2,7 +2,8 @@
 //! twice.
 
 use rattle::Error;
-use rattle::error::{NetworkMistake, StartFailure};
+use rattle::Rigid;
+use rattle::error::{NetworkMistake, PhaseMistake, StartFailure, StepFailure};
 use rattle::links::Rod;
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere};
@@ -40,6 +41,108 @@ fn a_state_of_other_bodies_is_told_by_the_numbers_of_both() {
     let scene = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]);
     let error = refused(scene.project(&State::at([0.0, 0.0, 0.0])));
     assert!(matches!(error, Error::BodyCount { scene: 3, state: 1 }), "{error}");
+}
+
+#[test]
+fn staggered_momenta_are_those_of_all_bodies() {
+    let spring = Spring { k: 1.0 };
+    let method = Shake::new(0.1);
+    let scene = Scene::points::<1>(3).with(spring.over([[0, 1], [1, 2]]));
+    let start = State::of([[0.0], [1.0], [2.0]]);
+    scene.staggered(&start, &method).unwrap();
+    let error = refused(scene.staggered(&State::of([[0.0], [1.0]]), &method));
+    assert!(matches!(error, Error::BodyCount { scene: 3, state: 2 }), "{error}");
+    let error = refused(scene.staggered(&State::of([[0.0]; 3]).with_momenta([[0.0]; 4]), &method));
+    assert!(matches!(error, Error::MomentumCount { bodies: 3, momenta: 4 }), "{error}");
+    let stray = Scene::points::<1>(3).with(spring.over([[0, 3]]));
+    let error = mistake(refused(stray.staggered(&start, &method)));
+    assert!(matches!(error, NetworkMistake::NoSuchBody { body: 3, bodies: 3, .. }), "{error}");
+}
+
+#[test]
+fn moments_of_inertia_are_those_of_a_body() {
+    let begin = |moments| {
+        let start = Rigid::start(&nalgebra::Matrix3::identity(), &nalgebra::Vector3::new(0.1, 0.2, 0.3));
+        Scene::rigid(Rigid::new(moments)).simulate(start, Rattle::new(0.01))
+    };
+    begin([1.0, 2.0, 3.0]).unwrap(); // a lamina
+    begin([0.1, 0.2, 0.1 + 0.2]).unwrap();
+    for moments in
+        [[1e308; 3], [1e-320; 3], [1.0, 2.0, 3.1], [0.0, 1.0, 1.0], [-1.0; 3], [f64::NAN, 1.0, 1.0]]
+    {
+        let error = mistake(refused(begin(moments)));
+        assert!(matches!(error, NetworkMistake::Inertia { .. }), "{moments:?}: {error}");
+    }
+    for mass in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-320] {
+        let scene = Scene::point::<1>().mass(mass);
+        let error = mistake(refused(scene.simulate(State::at([0.0]), Rattle::new(0.1))));
+        assert!(matches!(error, NetworkMistake::Mass { body: 0 }), "{mass}: {error}");
+    }
+}
+
+/// Where a rotation is not found the message's bound is true: below 1 there always is one.
+#[test]
+fn bodies_that_turn_too_far_are_above_the_bound() {
+    let mut failed = 0;
+    for k in 0..400 {
+        let (angle, height) = (0.7 * f64::from(k), 0.005 * f64::from(k) - 1.0);
+        let across = (1.0 - height * height).sqrt();
+        let rate = nalgebra::Vector3::new(across * angle.cos(), across * angle.sin(), height);
+        let speed = 0.9 + 0.001 * f64::from(k);
+        let moments = [0.3, 0.71, 1.0];
+        let m = rate.component_mul(&nalgebra::Vector3::from(moments)) * speed;
+        let start = Rigid::start(&nalgebra::Matrix3::identity(), &m);
+        let mut simulation = Scene::rigid(Rigid::new(moments)).simulate(start, Rattle::new(1.0)).unwrap();
+        if let Err(error) = simulation.step() {
+            let Error::Step { cause: StepFailure::TurnsTooFar { turn, .. }, .. } = error else {
+                panic!("{error}")
+            };
+            assert!(turn >= 1.0 && error.to_string().contains("below 1"), "{error}");
+            failed += 1;
+        }
+    }
+    assert!(failed > 100, "{failed}");
+}
+
+/// A step is too long only where it is.
+#[test]
+fn numbers_that_overflow_are_not_too_long_a_step() {
+    let sphere = Scene::on(Sphere { r: 1e85 });
+    let start = State::at([1e85, 0.0, 0.0]).moving([0.0, 1e80, 0.0]);
+    let error = sphere.simulate(start, Rattle::new(1e3)).unwrap().step().unwrap_err();
+    let Error::Step { cause: StepFailure::OutOfScale { reach, .. }, .. } = error else { panic!("{error}") };
+    assert!((reach - 0.01).abs() < 1e-3, "{reach}");
+}
+
+#[test]
+fn a_free_body_that_runs_away_is_told() {
+    let start = State::at([0.0]).moving([1e150]);
+    let mut simulation = Scene::point().simulate(start, Rattle::new(1e3)).unwrap();
+    let error = simulation.run(1000).unwrap_err();
+    let Error::Step { step, cause: StepFailure::RanAway { position }, .. } = error else { panic!("{error}") };
+    assert!(position[0] > 1e153 && simulation.steps() + 1 == step, "{position:?} in step {step}");
+}
+
+phase_constraint! {
+    /// On a circle of phase space.
+    struct Round {}
+    |q: [f64; 1], p: [f64; 1]| q[0]^2 + p[0]^2 - 1
+}
+hamiltonian! {
+    /// Not a number for q < 0.5.
+    struct Half {}
+    |q: [f64; 1], p: [f64; 1]| sqrt(q[0] - 0.5) + p[0]
+}
+
+#[test]
+fn a_hamiltonian_that_is_no_number_is_no_constraint() {
+    let scene = Scene::in_phase_space(Round {}, Half {});
+    let start = State::at([0.0]).moving([1.0]);
+    let errors = [refused(scene.project(&start)), refused(scene.simulate(start, Rattle::new(0.1)))];
+    for error in errors {
+        let Error::Start { cause: StartFailure::Phase(mistake), .. } = error else { panic!("{error}") };
+        assert!(matches!(mistake, PhaseMistake::HamiltonianNotFinite { .. }), "{mistake}");
+    }
 }
 
 #[test]

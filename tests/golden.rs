@@ -35,7 +35,7 @@ fn check(row: &Row, with_multipliers: bool) -> Option<String> {
         "position Verlet" => last(scene.simulate(billiard_45(), PositionVerlet::new(h)).unwrap(), n),
         "SHAKE" => {
             let method = Shake::new(h);
-            last(scene.simulate(scene.staggered(&billiard_45(), &method), method).unwrap(), n)
+            last(scene.simulate(scene.staggered(&billiard_45(), &method).unwrap(), method).unwrap(), n)
         }
         "geodesic RATTLE KAHAN_LI_1997_ORDER_6" => {
             let method = Composition::of(KAHAN_LI_1997_ORDER_6, Geodesic::new(4, h));

@@ -53,11 +53,11 @@ fn evaluations<S: Method>(method: S) -> [f64; 3] {
 
 #[test]
 fn extrapolated_stages_take_fewer_iterations() {
-    for (h, most) in [(0.02, 0.82), (0.01, 0.76), (0.005, 0.72)] {
+    for (h, most) in [(0.02, 0.84), (0.01, 0.80), (0.005, 0.76)] {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
-        assert!(pure <= 16.0, "h = {h}: {pure}"); // 18 with the matrix of the first iteration alone
+        assert!(pure <= 18.0, "h = {h}: {pure}"); // as many iterations as end below half a rounding
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
 }

@@ -11,6 +11,7 @@ use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::guess::{FromState, Guess};
 use rattle::iteration::Iteration;
 use rattle::prelude::*;
+use rattle::table::{Table, Tabulated};
 
 /// Energy errors of spherical pendulums after so many steps of RATTLE, 17 in each of a composition whose own error is below
 /// rounding: the root of their mean square, after each of `counts` macro steps.
@@ -125,4 +126,81 @@ fn shadow_energy_stays_over_1e5_steps() {
 #[ignore = "seconds: 1e6 steps"]
 fn shadow_energy_stays_over_1e6_steps() {
     check_shadow(1_000_000);
+}
+
+/// The slope of the energy of a plane pendulum, relative and per step, by Lobatto's methods.
+fn drift<const S: usize>(link: bool, h: f64, extrapolated: bool, steps: u64) -> f64
+where
+    Table<S>: Tabulated,
+{
+    fn of<Y: rattle::system::System<f64, 2>, M: Method>(
+        mut simulation: Simulation<Y, M, 2>,
+        steps: u64,
+    ) -> f64 {
+        let (start, half) = (simulation.energy().abs(), 0.5 * steps as f64);
+        let (mut n, mut sums) = (0.0, [0.0; 4]);
+        let fit = |now: &Simulation<Y, M, 2>| {
+            n += 1.0;
+            let (x, y) = ((n - half) / half, now.energy_error() / start);
+            sums = [sums[0] + x, sums[1] + y, sums[2] + x * y, sums[3] + x * x];
+        };
+        simulation.run_with(steps, fit).unwrap();
+        let [x, y, xy, xx] = sums;
+        (xy - x * y / n) / (xx - x * x / n) / half
+    }
+    let method = Lobatto::<S>::new(h);
+    let (rod, weight) = (Pendulum { length: 1.0 }, PlanarGravity { g: 1.0 });
+    let (at, p) = ([0.0, -1.0], [1.0, 0.0]);
+    match (link, extrapolated) {
+        (false, false) => {
+            of(Scene::on(rod).with(weight).simulate(State::at(at).moving(p), method).unwrap(), steps)
+        }
+        (false, true) => {
+            let scene = Scene::on(rod).with(weight);
+            of(scene.simulate(State::at(at).moving(p), method.guess(Extrapolated)).unwrap(), steps)
+        }
+        (true, _) => {
+            let scene = Scene::points(2).link(rattle::links::planar::Rod { length: 1.0 }, [[0, 1]]);
+            let scene = scene.pin(0, [0.0; 2]).with(weight);
+            let start = State::of([[0.0; 2], at]).with_momenta([[0.0; 2], p]);
+            of(scene.simulate(start, method).unwrap(), steps)
+        }
+    }
+}
+
+/// What a solve for the stages leaves, and what rounding takes from coefficients, has one sign and adds up like n.
+fn check_drift<const S: usize>(steps: u64, bound: f64)
+where
+    Table<S>: Tabulated,
+{
+    let slopes = [
+        drift::<S>(false, 1.0 / 64.0, false, steps),
+        drift::<S>(false, 1.0 / 16.0, true, steps),
+        drift::<S>(true, 1.0 / 64.0, false, steps),
+    ];
+    println!("{S} stages: {slopes:?} of the energy each step");
+    for (slope, what) in slopes.into_iter().zip(["surface", "surface, long steps", "link"]) {
+        assert!(slope.abs() <= bound, "{S} stages, {what}: {slope:e}");
+    }
+}
+
+/// Random roundings of 1e-17 leave 2e-17/n^{3/2}·n = 4e-20 of a slope in 2.5e5 steps.
+#[test]
+fn energy_does_not_drift_by_collocation() {
+    check_drift::<5>(250_000, 1.5e-19);
+    check_drift::<7>(250_000, 1.5e-19);
+}
+
+#[test]
+#[ignore = "a minute"]
+fn energy_does_not_drift_in_1e6_steps_by_collocation() {
+    let slope = drift::<3>(false, 1.0 / 64.0, false, 1_000_000);
+    println!("3 stages: {slope:.1e} of the energy each step"); // in longer steps its own error swings too far
+    assert!(slope.abs() <= 1e-19, "{slope:e}");
+    check_drift::<4>(1_000_000, 1e-19);
+    check_drift::<5>(1_000_000, 1e-19);
+    check_drift::<6>(1_000_000, 1e-19);
+    check_drift::<7>(1_000_000, 1e-19);
+    check_drift::<8>(1_000_000, 1e-19);
+    check_drift::<9>(1_000_000, 1e-19);
 }

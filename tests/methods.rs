@@ -228,7 +228,7 @@ fn run<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     method: OneOf,
     n: u32,
 ) -> State<D> {
-    let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(start, &method).unwrap(), method).unwrap();
     simulation.run(n.into()).unwrap();
     assert_eq!(simulation.steps(), u64::from(n));
     simulation.state()
@@ -433,7 +433,7 @@ fn symmetric_methods_go_back_and_others_do_not() {
 fn shake_goes_back_with_the_momentum_on_the_other_side() {
     let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let method = Shake::new(0.01);
-    let mut forth = scene.simulate(scene.staggered(&on_the_way(77), &method), method).unwrap();
+    let mut forth = scene.simulate(scene.staggered(&on_the_way(77), &method).unwrap(), method).unwrap();
     let states: Vec<_> = (0..3)
         .map(|_| {
             forth.step().unwrap();
@@ -479,8 +479,9 @@ fn every_method_stays_on_the_constraint() {
     let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
-        let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let mut particle =
+            surface.simulate(surface.staggered(&billiard(0.7), &method).unwrap(), method).unwrap();
+        let mut rods = linked.simulate(linked.staggered(&start, &method).unwrap(), method).unwrap();
         let mut worst = [0.0_f64; 4];
         for _ in 0..2000 {
             particle.step().unwrap();
@@ -513,7 +514,7 @@ fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     method: OneOf,
     time: f64,
 ) -> [(f64, f64); 4] {
-    let mut simulation = scene.simulate(scene.staggered(start, &method), method).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(start, &method).unwrap(), method).unwrap();
     // A method that sees energy at another time is compared with itself.
     simulation.step().unwrap();
     let first = if method.momentum_delay() == 0.0 { 0.0 } else { simulation.energy_error() };
@@ -618,7 +619,8 @@ fn shake_is_rattle_seen_half_a_step_earlier() {
     let scene = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let h = 0.01;
     let mut rattle = scene.simulate(on_the_way(77), Rattle::new(h)).unwrap();
-    let mut shake = scene.simulate(scene.staggered(&on_the_way(77), &Shake::new(h)), Shake::new(h)).unwrap();
+    let mut shake =
+        scene.simulate(scene.staggered(&on_the_way(77), &Shake::new(h)).unwrap(), Shake::new(h)).unwrap();
     for _ in 0..100 {
         let before = rattle.position();
         rattle.step().unwrap();
@@ -642,8 +644,8 @@ fn a_saved_state_goes_on_bit_for_bit() {
     let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
-        goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method), method);
-        goes_on(name, &linked, &linked.staggered(&start, &method), method);
+        goes_on(name, &surface, &surface.staggered(&billiard(0.7), &method).unwrap(), method);
+        goes_on(name, &linked, &linked.staggered(&start, &method).unwrap(), method);
     }
 }
 
@@ -669,8 +671,9 @@ fn no_step_allocates() {
     let (linked, start) = uneven_pendulum();
     for Row { name, method, .. } in rows() {
         let method = method.with_step(0.01);
-        let mut particle = surface.simulate(surface.staggered(&billiard(0.7), &method), method).unwrap();
-        let mut rods = linked.simulate(linked.staggered(&start, &method), method).unwrap();
+        let mut particle =
+            surface.simulate(surface.staggered(&billiard(0.7), &method).unwrap(), method).unwrap();
+        let mut rods = linked.simulate(linked.staggered(&start, &method).unwrap(), method).unwrap();
         let allocated = allocation_counter::measure(|| {
             particle.run(50).unwrap();
             rods.run(50).unwrap();

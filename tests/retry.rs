@@ -4,7 +4,7 @@ mod common;
 use common::*;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
-use rattle::{Error, Geodesic};
+use rattle::{Counted, Error, Geodesic};
 
 /// A ball that falls from the top of a unit sphere: h·κ·|v| is h|v|, and |v| grows to 2 at the bottom.
 fn falling<S: Method>(
@@ -102,4 +102,24 @@ fn parts_before_the_one_that_fails_leave_no_trace() {
     assert!(matches!(error, Error::Retried { .. }), "{error}");
     assert_eq!(bits(&simulation.state()), bits(&was));
     assert_eq!(simulation.step().unwrap_err().to_string(), error.to_string());
+}
+
+/// A wall within a step, which parts however short run into: the work ends all the same.
+#[test]
+fn at_a_wall_work_is_bounded() {
+    let edge = Counted::new(Edge {});
+    let counts = edge.counts();
+    let scene = Scene::point().with(edge);
+    let start = || State::at([0.0, 0.0, 0.0]).moving([1.0, 0.0, 0.0]);
+    let mut simulation = scene.simulate(start(), Rattle::new(1.5)).unwrap().retry(30);
+    let error = simulation.step().unwrap_err();
+    assert!(matches!(error, Error::Retried { halvings: 16, .. }), "{error}");
+    let alone = counts.gradients();
+    assert!((1 << 15..1 << 18).contains(&alone), "{alone} evaluations");
+
+    let mut ensemble = scene.ensemble([start()], Rattle::new(1.5)).unwrap().retry(30);
+    ensemble.run(1);
+    assert!(matches!(ensemble.failure(0), Some(Error::Retried { halvings: 16, .. })));
+    let together = counts.gradients() - alone;
+    assert!((1 << 15..1 << 18).contains(&together), "{together} evaluations");
 }

@@ -91,7 +91,7 @@ fn what_cannot_be_checked_is_refused_at_once() {
     }
     fn refused<S: Method>(method: S) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
-        let start = scene.staggered(&billiard(0.7), &method);
+        let start = scene.staggered(&billiard(0.7), &method).unwrap();
         let error = scene.simulate(start, method).unwrap().check_reversal(1e-14).unwrap_err();
         let Error::NeedsSymmetricMethod { what: "a check of reversal", .. } = error else {
             panic!("{error}")

@@ -17,7 +17,7 @@ constraint! {
 /// Places and momenta after 200 steps; what is remembered holds multipliers, and they scale.
 fn end<S: Method>(method: &S, c: f64) -> String {
     let scene = Scene::on(Scaled { a: 1.0, r: SURFACE.r, c }).with(Gravity { g: 1.0 });
-    let start = scene.staggered(&billiard(0.7), method);
+    let start = scene.staggered(&billiard(0.7), method).unwrap();
     let mut simulation = scene.simulate(start, method.clone()).unwrap();
     simulation.run(200).unwrap();
     let all = bits(&simulation.state());

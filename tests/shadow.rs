@@ -56,7 +56,7 @@ fn spreads<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
     method: &S,
     time: f64,
 ) -> [f64; 5] {
-    let mut simulation = scene.simulate(scene.staggered(start, method), method.clone()).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(start, method).unwrap(), method.clone()).unwrap();
     let mut shadows = [4, 6, 8].map(ShadowEnergy::new);
     let mut energies = [vec![simulation.energy()], vec![simulation.shadow_energy()]];
     for _ in 0..(time / method.step_size()).round() as u64 {

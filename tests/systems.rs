@@ -28,7 +28,7 @@ fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S:
     start: &State<D>,
     method: &S,
 ) -> (&'static str, Option<Vec<&'static str>>) {
-    match scene.simulate(scene.staggered(start, method), method.clone()) {
+    match scene.simulate(scene.staggered(start, method).unwrap(), method.clone()) {
         Ok(mut simulation) => {
             simulation.run(3).unwrap();
             assert_ne!(&simulation.state(), start, "{}", method.name());

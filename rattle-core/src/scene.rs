@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces, With};
 use crate::effect::moment::Moment;
 use crate::effect::one::Effect;
-use crate::error::Error;
+use crate::error::{Error, NetworkMistake};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::Hold;
@@ -273,15 +273,36 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// state of another
     /// number of bodies.
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
+        self.fits(state)?;
+        self.constraint.project(state)
+    }
+
+    /// Whether a state has the bodies that the scene and its effects name, and a momentum for each at most.
+    pub(crate) fn fits(&self, state: &State<D>) -> Result<(), Error> {
+        if let Some(momenta) = state.surplus_momenta {
+            return Err(Error::MomentumCount { bodies: state.len(), momenta });
+        }
         if state.len() != self.count.number() {
             return Err(Error::BodyCount { scene: self.count.number(), state: state.len() });
         }
-        self.constraint.project(state)
+        if let Some((what, member, body)) = self.effects.stray(state.len()) {
+            let bodies = state.len();
+            return Err(Error::Network(if body < bodies {
+                NetworkMistake::Repeated { what, member, body }
+            } else {
+                NetworkMistake::NoSuchBody { what, member, body, bodies }
+            }));
+        }
+        Ok(())
     }
 
     /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a
     /// staggered method from momenta of the same time.
-    pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> State<D> {
+    ///
+    /// # Errors
+    /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that there are not.
+    pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> Result<State<D>, Error> {
+        self.fits(state)?;
         let mut state = state.clone();
         let forces = self.forces(&state.bodies, state.time);
         let moving = |(i, _): &(usize, _)| !self.constraint.pinned(*i);
@@ -291,7 +312,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             (body.p, body.p_low) = two_sum(&body.p, &change);
         }
         state.remembered = None;
-        state
+        Ok(state)
     }
 
     /// Forces on these bodies at this time.

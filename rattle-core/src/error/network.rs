@@ -57,11 +57,23 @@ pub enum NetworkMistake {
     },
     /// Moments of inertia that no body has.
     #[error(
-        "moments of inertia must be positive and finite, none larger than the sum of the others; found {moments:?}"
+        "moments of inertia must be positive, none larger than the sum of the others, their sum and inverses finite; found \
+         {moments:?}"
     )]
     Inertia {
         /// I₁, I₂, I₃.
         moments: [f64; 3],
+    },
+    /// An orthonormal basis for more equations than it serves.
+    #[error(
+        "an orthonormal basis costs the cube of the equations that are tied together, and serves up to {most}; here are \
+         {equations}: leave out those that depend on others, and have the rest solved by `LinearAlgebra::Automatic`"
+    )]
+    TooManyForBasis {
+        /// Equations of the largest component.
+        equations: usize,
+        /// As many as are served.
+        most: usize,
     },
     /// Multipliers that act on chosen coordinates, between bodies whose mass couples coordinates.
     #[error("{what} acts on chosen coordinates; its bodies need masses that do not couple coordinates")]

@@ -21,6 +21,16 @@ pub enum PhaseMistake {
         /// The largest share allowed.
         tolerance: f64,
     },
+    /// The Hamiltonian or its gradient is NaN or infinite.
+    #[error(
+        "the Hamiltonian is {value} here, its gradient {gradient:?}; both must be finite: check its domain"
+    )]
+    HamiltonianNotFinite {
+        /// H(q, p).
+        value: f64,
+        /// ∂H/∂q, then ∂H/∂p.
+        gradient: Vec<f64>,
+    },
     /// The hidden constraint does not hold.
     #[error(
         "equation {equation} would not stay: {{g, H}} = {rate:.3e}, a slide by {share:.1e} of the coordinates off, allowed {tolerance:.1e}; \

@@ -99,14 +99,25 @@ pub enum StartFailure {
     },
     /// Equations that depend on each other, where elimination was asked for or the component is large.
     #[error(
-        "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out, or ask for \
-         `LinearAlgebra::Orthogonal`"
+        "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out{}",
+        if equations <= most {
+            format!(", or ask for `LinearAlgebra::Orthogonal`, of which a step costs the cube of the {equations} equations")
+        } else {
+            format!(
+                ": of the {equations} equations that are tied together none may depend on others, as \
+                 `LinearAlgebra::Orthogonal` serves up to {most}"
+            )
+        }
     )]
     Dependent {
         /// Which equation.
         equation: Box<EquationAt>,
         /// The sine of the angle of its normal to the span of the others.
         sine: f64,
+        /// Equations that are tied together with it, itself included.
+        equations: usize,
+        /// As many of them as `LinearAlgebra::Orthogonal` serves.
+        most: usize,
     },
     /// Equations that cannot hold together near the start.
     #[error(

@@ -25,6 +25,19 @@ pub enum StepFailure {
         /// 1/(κ·|v|), which |h| must be below; the curvature on the way may ask for less.
         longest: f64,
     },
+    /// h·κ·|v| is below 1, but what it is compared by is beyond the numbers.
+    #[error(
+        "products of curvature and speed are beyond the numbers: κ = {curvature:.1e}, |v| = {speed:.1e}, h·κ·|v| = {reach:.3}; \
+         choose units in which lengths and speeds are nearer to 1"
+    )]
+    OutOfScale {
+        /// h·κ·|v|.
+        reach: f64,
+        /// Normal curvature κ along v.
+        curvature: f64,
+        /// |v|.
+        speed: f64,
+    },
     /// The position equation was not solved to the rounding floor.
     #[error(
         "projection onto the surface did not converge on a path of {path:.1e}: corrections {corrections}, floor \
@@ -165,7 +178,8 @@ pub enum StepFailure {
     },
     /// A rigid body turns so far within the step that no rotation fits.
     #[error(
-        "the body turns too far within the step: h·|Ω| = {turn:.3} must stay below about 2; {passing} (h = {h:.3e})"
+        "the body turns too far within the step: h·|Ω| = {turn:.3}; below 1 there always is a rotation, above in some \
+         directions; {passing} (h = {h:.3e})"
     )]
     TurnsTooFar {
         /// h·|Ω|.
@@ -211,7 +225,7 @@ pub enum StepFailure {
     /// Normals that were independent at the start are no longer.
     #[error(
         "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
-         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles)"
+         mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles, of up to 1000 equations)"
     )]
     RankLost {
         /// Which equation.
@@ -265,6 +279,22 @@ pub enum StepFailure {
     MomentumNotFinite {
         /// Where.
         position: Vec<f64>,
+    },
+    /// A body has come to where coordinates can no longer be squared, about 1e154.
+    #[error("the body has run away to q = {position:?}; end the run before, or try other units")]
+    RanAway {
+        /// Where.
+        position: Vec<f64>,
+    },
+    /// In phase space, the Hamiltonian has no finite derivatives where the step leads.
+    #[error(
+        "the Hamiltonian has no finite derivatives near q = {position:?}, p = {momentum:?}; check its domain, or try a smaller step"
+    )]
+    HamiltonianNotFinite {
+        /// The position at the start of the step.
+        position: Vec<f64>,
+        /// The momentum there.
+        momentum: Vec<f64>,
     },
     /// The constraint function is NaN or infinite where the solver evaluated it.
     #[error(

@@ -27,7 +27,7 @@ use crate::number::real::Real;
 /// use rattle::{Scene, Shake, State};
 ///
 /// let (scene, method) = (Scene::point(), Shake::new(0.5));
-/// let start = scene.staggered(&State::at([0.0]).moving([1.0]), &method);
+/// let start = scene.staggered(&State::at([0.0]).moving([1.0]), &method)?;
 /// let mut simulation = scene.simulate(start, method)?;
 /// simulation.run(4)?;
 /// assert_eq!((simulation.time(), simulation.momentum_time()), (2.0, 1.75));

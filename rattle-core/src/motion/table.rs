@@ -9,6 +9,10 @@ pub struct Table<const S: usize> {
     pub weights: [f64; S],
     /// aᵢⱼ, row by row.
     pub positions: [[f64; S]; S],
+    /// What rounding took from nodes and weights, and from a: with rounded ones the method is no longer symplectic and energy
+    /// drifts, by 4e-19 a step (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008) 231).
+    rests: [[f64; S]; 2],
+    rests_of_positions: [[f64; S]; S],
     /// The inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, its row j and column i where a has column j and row i.
     pub(crate) inverse: [[f64; S]; S],
     /// Row i, column j: the polynomial that is 1 at cⱼ and 0 at the other nodes, at 1 + cᵢ.
@@ -17,7 +21,13 @@ pub struct Table<const S: usize> {
 
 impl<const S: usize> Table<S> {
     /// The table with these coefficients, the inverse by Gauss and Jordan without exchanges: minors are positive.
-    pub(super) const fn new(nodes: [f64; S], weights: [f64; S], positions: [[f64; S]; S]) -> Self {
+    pub(super) const fn new(
+        nodes: [f64; S],
+        weights: [f64; S],
+        positions: [[f64; S]; S],
+        rests: [[f64; S]; 2],
+        rests_of_positions: [[f64; S]; S],
+    ) -> Self {
         let (mut a, mut inverse) = (positions, [[0.0; S]; S]);
         let mut k = 0;
         while k + 1 < S {
@@ -60,8 +70,36 @@ impl<const S: usize> Table<S> {
             }
             i += 1;
         }
-        Self { nodes, weights, positions, inverse, ahead }
+        Self { nodes, weights, positions, rests, rests_of_positions, inverse, ahead }
     }
+
+    /// h cᵢ, and what rounding took from it.
+    #[inline(always)]
+    pub(crate) fn drift(&self, h: f64, stage: usize) -> (f64, f64) {
+        product(h, self.nodes[stage], self.rests[0][stage])
+    }
+
+    /// h² aᵢⱼ, and what rounding took from it.
+    #[inline(always)]
+    pub(crate) fn push(&self, h: f64, stage: usize, j: usize) -> (f64, f64) {
+        let (square, rest_of_square) = product(h, h, 0.0);
+        let (a, rest) = (self.positions[stage][j], self.rests_of_positions[stage][j]);
+        let (high, low) = product(square, a, rest);
+        (high, low + rest_of_square * a)
+    }
+
+    /// h bᵢ, and what rounding took from it.
+    #[inline(always)]
+    pub(crate) fn kick(&self, h: f64, stage: usize) -> (f64, f64) {
+        product(h, self.weights[stage], self.rests[1][stage])
+    }
+}
+
+/// h x for x and its rest, and what rounding took from it.
+#[inline(always)]
+fn product(h: f64, x: f64, rest: f64) -> (f64, f64) {
+    let high = h * x;
+    (high, h.mul_add(x, -high) + h * rest)
 }
 
 /// Numbers of stages with a table.

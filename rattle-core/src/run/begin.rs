@@ -3,7 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
-use crate::error::{Error, NetworkMistake, StartFailure};
+use crate::error::{Error, StartFailure};
 use crate::methods::able::view;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::Hold;
@@ -47,20 +47,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if !start.time.is_finite() {
             return Err(Error::Time(start.time));
         }
-        if let Some(momenta) = start.surplus_momenta {
-            return Err(Error::MomentumCount { bodies: start.len(), momenta });
-        }
-        if start.len() != self.count.number() {
-            return Err(Error::BodyCount { scene: self.count.number(), state: start.len() });
-        }
-        if let Some((what, member, body)) = self.effects.stray(start.len()) {
-            let bodies = start.len();
-            return Err(Error::Network(if body < bodies {
-                NetworkMistake::Repeated { what, member, body }
-            } else {
-                NetworkMistake::NoSuchBody { what, member, body, bodies }
-            }));
-        }
+        self.fits(start)?;
         self.constraint.system(&self.effects, self.count, start, h, tangent)
     }
 

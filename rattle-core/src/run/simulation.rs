@@ -15,8 +15,8 @@ use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use std::fmt;
 
-/// Parts of a step are counted by 32 bits.
-pub(crate) const MOST_HALVINGS: u32 = 30;
+/// A step is halved no more often: at a wall, where no part passes however short, all tries together are 2¹⁷ parts.
+pub(crate) const MOST_HALVINGS: u32 = 16;
 
 /// A scene, its present state and the method that moves it on.
 ///
@@ -139,7 +139,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
-    /// step alone; time goes on in whole steps. Without this no step is ever shortened: a run with parts is no longer the
+    /// step alone; time goes on in whole steps. At most 16 halvings count: a step that fails in 65 536 parts has come to an end of
+    /// the motion, or is far too long. Without this no step is ever shortened: a run with parts is no longer the
     /// iteration of one map, and neither symplectic nor reversible there. A method that remembers starts anew before
     /// the parts and after them, which allocates. Staggered methods are not divided: their momenta belong to one step size.
     ///

@@ -24,9 +24,11 @@ use crate::number::real::Real;
 /// What may be left of a correction when a solve ends without another evaluation, in units of the rounding floor.
 pub(crate) const SPARE: f64 = 1.0 / 16.0;
 
-/// The same for stages that are solved together. Their errors do work: with [`SPARE`] energy drifts by 1e-16 a step, so by
-/// 1e-17 at most.
-pub(crate) const SPARE_OF_STAGES: f64 = SPARE / 16.0;
+/// Stages that are solved together are done after a displacement below so many roundings. What is left of a place does not
+/// count there, but what the last displacement changed forces by, since momenta are kicked by those of the places before: it
+/// does work. Measured on the plane pendulum, h = 1/64, five stages: 1e-18 of the energy each step where displacements below 40
+/// are the last, 1e-19 below 1, 4e-20 below a half, at 12, 13 and 14 evaluations of g.
+pub(crate) const LAST_OF_STAGES: f64 = 0.5;
 
 /// Corrections that one matrix makes shrink by about the same factor each time.
 #[derive(Debug, Clone, Copy)]

@@ -21,7 +21,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, sum, two_sum};
-use crate::solve::stop::{NOISE, SPARE_OF_STAGES};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -135,13 +135,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         body: usize,
     ) -> [f64; D] {
         let n = self.count.number();
-        let mut impulse = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-        impulse = impulse.map(|p| h * table.nodes[stage] * p);
+        let p = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+        let (drift, rest) = table.drift(h, stage);
+        let mut impulse = p.map(|p| rest * p);
         for j in 0..S - 1 {
-            let factor = h * h * table.positions[stage][j];
-            impulse = add_scaled(&impulse, factor, &stages.total[j * n + body]);
+            let ((factor, rest), total) = (table.push(h, stage, j), &stages.total[j * n + body]);
+            impulse = add_scaled(&add_scaled(&impulse, rest, total), factor, total);
         }
-        self.shape.roots[body].velocity(&impulse)
+        self.shape.roots[body].velocity(&add_scaled(&impulse, drift, &p))
     }
 
     /// Iterates until the stages hold to rounding.
@@ -155,7 +156,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
-        let (mut last, mut last_contraction) = (f64::INFINITY, 0.0);
+        let mut last = f64::INFINITY;
         for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
@@ -234,10 +235,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 }
             }
             let contraction = worst / last;
-            let rate = contraction.max(last_contraction); // a lucky iteration is not the rate
-            let small = iteration > 1 && rate < 0.9 && rate / (1.0 - rate) * worst <= SPARE_OF_STAGES;
             let stalled = iteration > 3 && contraction >= 0.9 && worst < NOISE * long;
-            if worst <= 0.25 || small || stalled {
+            if worst <= LAST_OF_STAGES || stalled {
                 return Ok(());
             }
             if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
@@ -253,7 +252,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     StepFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst };
                 return Err(Failure { body: 0, cause });
             }
-            (last, last_contraction) = (worst, contraction);
+            last = worst;
         }
         let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last };
         Err(Failure { body: 0, cause })
@@ -291,7 +290,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             let mut impulse = *p_low;
             for j in 0..S - 1 {
-                impulse = add_scaled(&impulse, h * table.weights[j], &stages.total[j * n + body]);
+                let ((kick, rest), total) = (table.kick(h, j), &stages.total[j * n + body]);
+                impulse = add_scaled(&add_scaled(&impulse, rest, total), kick, total);
             }
             (*p, *p_low) = two_sum(p, &impulse);
         }

@@ -139,7 +139,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         if let Some(failure) = Failure::of_force(&self.effects, at, free, 0) {
             return failure;
         }
-        Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
+        let (p, position) = (&bodies.p.as_ref()[body], q[body].to_vec());
+        let cause = if dot(p, p).is_finite() {
+            StepFailure::RanAway { position }
+        } else {
+            StepFailure::MomentumNotFinite { position }
+        };
+        Failure { body, cause }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 
@@ -19,13 +20,11 @@ const NARROW: f64 = 1e-3;
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
 const NEAR: f64 = 1e-7;
 
-/// Components of up to so many equations get an orthonormal basis where theirs depend on each other.
-const BASIS_AT_MOST: usize = 1000;
-
 /// Everything evaluated at the start for one component.
 struct Start<const D: usize> {
     q: Vec<[f64; D]>,
     v: Vec<[f64; D]>,
+    lift: Vec<[f64; D]>,
     g: Vec<f64>,
     blocks: Vec<[f64; D]>,
     rates: Vec<f64>,
@@ -38,6 +37,7 @@ impl<const D: usize> Start<D> {
         Self {
             q: state.bodies.iter().map(|body| body.q).collect(),
             v: v.collect(),
+            lift: vec![[0.0; D]; state.bodies.len()],
             g: vec![0.0; rows],
             blocks: vec![[0.0; D]; blocks],
             rates: vec![0.0; rows],
@@ -47,8 +47,9 @@ impl<const D: usize> Start<D> {
     fn evaluate(&mut self, shape: &Shape<D>, c: usize, time: f64) {
         let rows = &shape.components[c].rows;
         let (g, blocks) = (&mut self.g[..rows.equations()], &mut self.blocks[..rows.blocks()]);
-        self.rates.fill(0.0);
-        shape.gradients(c, time, &self.q, g, blocks, &mut self.rates);
+        let rates = &mut self.rates[..rows.equations()];
+        rates.fill(0.0);
+        shape.gradients(c, time, &self.q, g, blocks, rates);
     }
 
     /// |∇gᵢ| of the coordinates that can move.
@@ -83,6 +84,11 @@ pub(crate) fn check<const D: usize>(
 
 fn at<const D: usize>(shape: &Shape<D>, c: usize, row: usize, cause: StartFailure) -> Error {
     Error::Start { body: shape.equation_at(c, row).bodies[0], cause }
+}
+
+fn dependent<const D: usize>(shape: &Shape<D>, c: usize, row: usize, sine: f64) -> StartFailure {
+    let (equation, equations) = (shape.equation_at(c, row), shape.components[c].rows.equations());
+    StartFailure::Dependent { equation, sine, equations, most: MOST_EQUATIONS }
 }
 
 fn check_bodies<const D: usize>(shape: &Shape<D>, bodies: &[Body<f64, D>]) -> Result<(), Error> {
@@ -174,13 +180,12 @@ fn check_normals<const D: usize>(
     let rows = &component.rows;
     let (sine, mut row) = component.solver.normals(rows, &acting, roots);
     if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= BASIS_AT_MOST;
+        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
         if may {
             component.solver = Solver::orthogonal(rows);
             (_, row) = component.solver.normals(rows, &acting, roots);
         } else if sine <= LOST || sine.is_nan() {
-            let equation = shape.equation_at(c, row);
-            return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
         }
     }
     if component.rows.acting && component.solver.rank(&component.rows) < component.rows.equations() {
@@ -203,13 +208,14 @@ pub(crate) fn project<const D: usize>(
     check_bodies(shape, &state.bodies)?;
     check_fixed(shape, &state)?;
     let mut start = Start::of(shape, &state);
+    // What belongs to other components is left alone: the cost is that of all equations, however many components.
+    let mut p: Vec<_> = state.bodies.iter().map(|body| body.p).collect();
     for c in 0..shape.components.len() {
         place(shape, c, algebra, &mut start, state.time)?;
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
         let (rows, m) = (&component.rows, component.rows.equations());
         let (mut needed, mut x) = (vec![0.0; m], vec![0.0; m]);
-        let mut p: Vec<_> = state.bodies.iter().map(|body| body.p).collect();
         for _ in 0..2 {
             // The second time takes what rounding left.
             for (row, needed) in needed.iter_mut().enumerate() {
@@ -270,18 +276,18 @@ fn place<const D: usize>(
         let blocks = &start.blocks[..rows.blocks()];
         let (sine, row) = component.solver.normals(rows, blocks, roots);
         if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-            if algebra == LinearAlgebra::Automatic && m <= BASIS_AT_MOST {
+            if algebra == LinearAlgebra::Automatic && m <= MOST_EQUATIONS {
                 component.solver = Solver::orthogonal(rows);
                 component.solver.normals(rows, blocks, roots);
             } else if sine <= LOST {
-                let equation = shape.equation_at(c, row);
-                return Err(at(shape, c, row, StartFailure::Dependent { equation, sine }));
+                return Err(at(shape, c, row, dependent(shape, c, row, sine)));
             }
         }
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
         component.solver.solve(&off, &mut x);
-        let mut lift = vec![[0.0; D]; roots.len()];
-        component.solver.displace(rows, roots, &x, &mut lift);
+        let lift = &mut start.lift;
+        rows.bodies.iter().for_each(|&body| lift[body] = [0.0; D]);
+        component.solver.displace(rows, roots, &x, lift);
         let size = rows.bodies.iter().map(|&body| largest(&start.q[body])).fold(0.0, f64::max);
         let correction = rows.bodies.iter().map(|&body| largest(&lift[body])).fold(0.0, f64::max);
         if !(distance.is_finite() && correction.is_finite()) {
@@ -310,9 +316,13 @@ fn place<const D: usize>(
 /// Whether links between pinned bodies alone hold.
 fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
     let q: Vec<_> = state.bodies.iter().map(|body| body.q).collect();
+    let mut topology = (usize::MAX, (Vec::new(), 0));
     for &(group, member) in &shape.fixed {
         let links = &shape.groups[group];
-        let (touched, arity) = links.bodies();
+        if topology.0 != group {
+            topology = (group, links.bodies());
+        }
+        let (touched, arity) = (&topology.1.0, topology.1.1);
         let (of, bodies) = (links.equations(), touched[member * arity..][..arity].to_vec());
         let (mut g, mut rates) = (vec![0.0; of], vec![0.0; of]);
         let mut blocks = vec![[0.0; D]; of * arity];

@@ -267,7 +267,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
         for body in 0..p.len() {
             (p[body], p_low[body]) = two_sum(&p[body], &change[body]);
-            if !dot(&p[body], &p[body]).is_finite() {
+            // Also of places: free bodies have no constraint that would miss them.
+            if !(dot(&p[body], &p[body]) + dot(&bodies.q.as_ref()[body], &bodies.q.as_ref()[body]))
+                .is_finite()
+            {
                 return Err(self.not_finite(bodies, body));
             }
         }

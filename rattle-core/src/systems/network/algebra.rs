@@ -7,7 +7,8 @@ pub enum LinearAlgebra {
     #[default]
     Automatic,
     /// An orthonormal basis of the normals, by pivoted Gram–Schmidt: costs m² n operations for m equations between n
-    /// coordinates, and does not mind equations that nearly or wholly depend on each other.
+    /// coordinates, and does not mind equations that nearly or wholly depend on each other. For at most 1000 equations that are
+    /// tied together: of 800 in a net a step takes a second.
     Orthogonal,
     /// Elimination on the pattern of the links: costs as many operations as there are links in chains and trees; equations
     /// must be independent.

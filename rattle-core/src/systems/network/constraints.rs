@@ -15,6 +15,8 @@ use crate::systems::network::shape::Shape;
 
 pub(crate) use crate::systems::network::group::Group;
 pub(crate) use crate::systems::network::mass::Root;
+use crate::systems::network::orthogonal::MOST_EQUATIONS;
+use crate::systems::network::rows::Rows;
 pub(crate) use crate::systems::network::rows::components;
 pub(crate) use crate::systems::network::solver::Solver;
 
@@ -111,6 +113,12 @@ impl<const D: usize> Network<D> {
         }
         let (mut rows_so_far, mut blocks_so_far, mut widest) = (0, 0, (0, 0));
         let (components, fixed) = components(&self.groups, &roots);
+        if let (LinearAlgebra::Orthogonal, Some(largest)) =
+            (self.algebra, components.iter().map(Rows::equations).max())
+            && largest > MOST_EQUATIONS
+        {
+            return mistake(NetworkMistake::TooManyForBasis { equations: largest, most: MOST_EQUATIONS });
+        }
         let components: Vec<_> = components
             .into_iter()
             .map(|rows| {

@@ -3,11 +3,14 @@
 //! The pattern is symmetric, the matrix need not be: in the position equation the normals are those of two places.
 //! Pivots stay on the diagonal, which is safe as long as the normals turn by less than a right angle; a pivot that is
 //! not positive says that they did. The order is one of minimum degree: chains and trees fill in nothing, so that a step
-//! costs as many operations as there are equations.
+//! costs as many operations as there are equations. Displacements of bodies with many equations are unknowns too
+//! ([`super::hubs`]).
 
 use crate::number::vector::{add_scaled, dot};
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::factor::{Factor, TOGETHER};
+use crate::systems::network::hubs::Hubs;
+use crate::systems::network::late::Late;
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
@@ -15,9 +18,15 @@ use crate::systems::network::rows::Rows;
 use crate::systems::network::supernodal::Supernodal;
 use std::mem::take;
 
+/// With hubs: an equation whose square of the sine to those before is smaller, without what hubs can do for it, is
+/// solved for after all others. By more digits than that a pivot must not be smaller than what it was formed of.
+const LATE: f64 = 1e-4;
+
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination<const D: usize> {
     pattern: Pattern,
+    equations: usize,
+    hubs: Hubs,
     /// Rows that touch a body, with the block.
     touching: Vec<(usize, usize)>,
     touching_start: Vec<usize>,
@@ -26,6 +35,8 @@ pub(crate) struct Elimination<const D: usize> {
     lifted: Vec<[f64; D]>,
     at_start: Factor,
     at_trial: Factor,
+    late_at_start: Late,
+    late_at_trial: Late,
     /// In place of the factor at the start.
     #[cfg(feature = "faer")]
     supernodal: Option<Box<Supernodal>>,
@@ -43,7 +54,10 @@ impl<const D: usize> Elimination<D> {
         }
         let rows_of_body: Vec<Vec<usize>> =
             of_body.iter().map(|touching| touching.iter().map(|&(row, _)| row).collect()).collect();
-        let pattern = Pattern::new(&rows_of_body, m);
+        let split = Hubs::split(&rows_of_body, m, D);
+        let (hubs, pattern) = split.unwrap_or_else(|| (Hubs::default(), Pattern::new(&rows_of_body, m)));
+        let unknowns = pattern.order.len();
+        let late = if unknowns > m { Late::new(unknowns, unknowns - m) } else { Late::default() };
         let mut touching_start = vec![0];
         let mut touching = Vec::new();
         for list in of_body {
@@ -54,15 +68,19 @@ impl<const D: usize> Elimination<D> {
         let blocks = vec![[0.0; D]; rows.blocks()];
         Self {
             pattern,
+            equations: m,
+            hubs,
             touching,
             touching_start,
             normals: blocks.clone(),
             lifted: blocks,
             at_start: factor.clone(),
             at_trial: factor,
+            late_at_start: late.clone(),
+            late_at_trial: late,
             #[cfg(feature = "faer")]
             supernodal: None,
-            permuted: vec![0.0; m],
+            permuted: vec![0.0; unknowns],
         }
     }
 
@@ -70,6 +88,9 @@ impl<const D: usize> Elimination<D> {
     #[cfg(feature = "faer")]
     pub(crate) fn supernodal(rows: &Rows) -> Self {
         let mut elimination = Self::new(rows);
+        if !elimination.hubs.bodies.is_empty() {
+            return elimination; // its matrix is not symmetric
+        }
         let Self { pattern, touching, touching_start, .. } = &elimination;
         let columns = |k: usize| {
             let bodies = rows.blocks_of(pattern.order[k]).map(|(_, body)| body);
@@ -115,10 +136,10 @@ impl<const D: usize> Elimination<D> {
             self.supernodal = Some(supernodal);
             return (square.max(0.0).sqrt(), self.pattern.order[k]);
         }
-        let mut factor = take(&mut self.at_start);
-        let (square, k) = self.factor::<false>(rows, blocks, &mut factor, true);
-        self.at_start = factor;
-        (square.max(0.0).sqrt(), self.pattern.order[k])
+        let (mut factor, mut late) = (take(&mut self.at_start), take(&mut self.late_at_start));
+        let (square, row) = self.factor::<false>(rows, blocks, roots, (&mut factor, &mut late), true);
+        (self.at_start, self.late_at_start) = (factor, late);
+        (square.max(0.0).sqrt(), row)
     }
 
     /// Factors (normals)(lifted)ᵀ, of which it forms the entries up to the diagonal.
@@ -143,26 +164,42 @@ impl<const D: usize> Elimination<D> {
 
     /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest pivot,
     /// relative to its entry.
-    pub(crate) fn chord<const SYMMETRIC: bool>(&mut self, rows: &Rows, blocks: &[[f64; D]]) -> f64 {
-        let mut factor = take(&mut self.at_trial);
-        let (smallest, _) = self.factor::<SYMMETRIC>(rows, blocks, &mut factor, false);
-        self.at_trial = factor;
+    pub(crate) fn chord<const SYMMETRIC: bool>(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> f64 {
+        let (mut factor, mut late) = (take(&mut self.at_trial), take(&mut self.late_at_trial));
+        let (smallest, _) = self.factor::<SYMMETRIC>(rows, blocks, roots, (&mut factor, &mut late), false);
+        (self.at_trial, self.late_at_trial) = (factor, late);
         smallest
     }
 
-    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, and where.
+    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, and the row.
     fn factor<const SYMMETRIC: bool>(
         &self,
         rows: &Rows,
         blocks: &[[f64; D]],
-        factor: &mut Factor,
+        roots: &[Root<D>],
+        (factor, late): (&mut Factor, &mut Late),
         at_start: bool,
     ) -> (f64, usize) {
-        if self.pattern.widest < TOGETHER {
-            self.factor_rows::<SYMMETRIC, false>(rows, blocks, factor, at_start)
-        } else {
-            self.factor_rows::<SYMMETRIC, true>(rows, blocks, factor, at_start)
+        let wide = self.pattern.widest >= TOGETHER;
+        if !self.hubs.bodies.is_empty() {
+            let matrix = WithHubs::<'_, D, SYMMETRIC> { elimination: self, rows, blocks, roots };
+            return if wide {
+                matrix.factor::<true>(factor, late, at_start)
+            } else {
+                matrix.factor::<false>(factor, late, at_start)
+            };
         }
+        let (square, k) = if wide {
+            self.factor_rows::<SYMMETRIC, true>(rows, blocks, factor, at_start)
+        } else {
+            self.factor_rows::<SYMMETRIC, false>(rows, blocks, factor, at_start)
+        };
+        (square, self.pattern.order[k])
     }
 
     fn factor_rows<const SYMMETRIC: bool, const WIDE: bool>(
@@ -199,12 +236,22 @@ impl<const D: usize> Elimination<D> {
         if let Some(supernodal) = &mut self.supernodal {
             return supernodal.solve(&self.pattern, rates, x, &mut self.permuted);
         }
-        self.at_start.solve(&self.pattern, rates, x, &mut self.permuted);
+        let Self { pattern, at_start, late_at_start, permuted, .. } = self;
+        if self.hubs.bodies.is_empty() {
+            at_start.solve(pattern, rates, x, permuted);
+        } else {
+            late_at_start.solve(pattern, at_start, rates, x, permuted);
+        }
     }
 
     /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
     pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
-        self.at_trial.solve(&self.pattern, g, dx, &mut self.permuted);
+        let Self { pattern, at_trial, late_at_trial, permuted, .. } = self;
+        if self.hubs.bodies.is_empty() {
+            at_trial.solve(pattern, g, dx, permuted);
+        } else {
+            late_at_trial.solve(pattern, at_trial, g, dx, permuted);
+        }
         dx.iter_mut().for_each(|x| *x = -*x);
     }
 
@@ -226,5 +273,116 @@ impl<const D: usize> Elimination<D> {
                 out[place] = add_scaled(&out[place], scale * x, &self.normals[block]);
             }
         }
+    }
+}
+
+/// (blocks)(lifted)ᵀ, or its symmetric part, with displacements of hubs as unknowns.
+struct WithHubs<'a, const D: usize, const SYMMETRIC: bool> {
+    elimination: &'a Elimination<D>,
+    rows: &'a Rows,
+    blocks: &'a [[f64; D]],
+    roots: &'a [Root<D>],
+}
+
+impl<const D: usize, const SYMMETRIC: bool> WithHubs<'_, D, SYMMETRIC> {
+    fn touching(&self, body: usize) -> &[(usize, usize)] {
+        let Elimination { touching, touching_start, .. } = self.elimination;
+        &touching[touching_start[body]..touching_start[body + 1]]
+    }
+
+    fn halve(&self, body: usize, block: &[f64; D]) -> [f64; D] {
+        self.roots[self.rows.bodies[body]].halve(block)
+    }
+
+    /// The entries of an equation's row along a hub's coordinates, or without the sign of the hub's rows along the equation.
+    fn along_hub<const COLUMN: bool>(&self, block: usize, body: usize) -> [f64; D] {
+        let (there, here) = (&self.blocks[block], &self.elimination.normals[block]);
+        if SYMMETRIC {
+            self.halve(body, &std::array::from_fn(|i| 0.5 * (there[i] + here[i])))
+        } else {
+            self.halve(body, if COLUMN { here } else { there })
+        }
+    }
+
+    /// Calls `add` with the unknown and the entry of each place in an equation's row, or column.
+    #[inline(always)]
+    fn entries<const COLUMN: bool>(&self, row: usize, mut add: impl FnMut(usize, f64)) {
+        let Elimination { hubs, equations, lifted, .. } = self.elimination;
+        for (block, body) in self.rows.blocks_of(row) {
+            if let Some(hub) = hubs.of(body) {
+                let sign = if COLUMN { -1.0 } else { 1.0 };
+                for (d, entry) in self.along_hub::<COLUMN>(block, body).into_iter().enumerate() {
+                    add(equations + hub * D + d, sign * entry);
+                }
+                continue;
+            }
+            for &(other_row, other) in self.touching(body) {
+                let (mut entry, mirrored) =
+                    (dot(&self.blocks[block], &lifted[other]), dot(&self.blocks[other], &lifted[block]));
+                if SYMMETRIC {
+                    entry = 0.5 * (entry + mirrored);
+                } else if COLUMN {
+                    entry = mirrored;
+                }
+                add(other_row, entry);
+            }
+        }
+    }
+
+    /// The same for the row of one of a hub's coordinates. Returns an equation of the hub.
+    #[inline(always)]
+    fn entries_of_hub(&self, unknown: usize, mut add: impl FnMut(usize, f64)) -> usize {
+        let Elimination { hubs, equations, .. } = self.elimination;
+        let (hub, d) = ((unknown - equations) / D, (unknown - equations) % D);
+        add(unknown, 1.0);
+        let touching = self.touching(hubs.bodies[hub]);
+        for &(row, block) in touching {
+            add(row, -self.along_hub::<true>(block, hubs.bodies[hub])[d]);
+        }
+        touching[0].0
+    }
+
+    /// The diagonal entry that an equation would have without hubs.
+    fn diagonal(&self, row: usize) -> f64 {
+        let lifted = &self.elimination.lifted;
+        self.rows.blocks_of(row).map(|(block, _)| dot(&self.blocks[block], &lifted[block])).sum()
+    }
+
+    /// Returns the smallest ratio of a pivot to its diagonal entry, and its row.
+    fn factor<const WIDE: bool>(&self, factor: &mut Factor, late: &mut Late, at_start: bool) -> (f64, usize) {
+        let Elimination { pattern, equations, .. } = self.elimination;
+        let mut weakest = (f64::INFINITY, 0);
+        let mut note = |row: usize, pivot: f64, entry: f64| {
+            let ratio = if at_start { pivot / entry } else { pivot / entry.abs() };
+            if ratio < weakest.0 || ratio.is_nan() {
+                weakest = (ratio, row);
+            }
+        };
+        late.clear();
+        for k in 0..pattern.order.len() {
+            let unknown = pattern.order[k];
+            let mut add = |other: usize, entry: f64| factor.line[pattern.rank_of[other]] += entry;
+            if unknown >= *equations {
+                let row = self.entries_of_hub(unknown, add);
+                note(row, factor.eliminate::<WIDE>(pattern, k), 1.0);
+                continue;
+            }
+            self.entries::<false>(unknown, &mut add);
+            // Between hubs alone there is nothing but what hubs are worth that were eliminated before.
+            let entry = if factor.line[k] == 0.0 { self.diagonal(unknown) } else { factor.line[k] };
+            let pivot = factor.eliminate::<WIDE>(pattern, k);
+            if pivot.abs() < LATE * entry.abs() && late.take(unknown) {
+                factor.leave_out(pattern, k);
+            } else {
+                note(unknown, pivot, entry);
+            }
+        }
+        if !late.rows().is_empty() {
+            let line = |row: usize, out: &mut [f64]| self.entries::<false>(row, |at, entry| out[at] += entry);
+            let column =
+                |row: usize, out: &mut [f64]| self.entries::<true>(row, |at, entry| out[at] += entry);
+            late.factor(pattern, factor, line, column, |row, pivot| note(row, pivot, self.diagonal(row)));
+        }
+        weakest
     }
 }

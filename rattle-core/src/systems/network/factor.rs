@@ -68,6 +68,13 @@ impl Factor {
         pivot
     }
 
+    /// Takes row and column k, just eliminated, out of L and U: with 0 on the right side at k the others are solved for.
+    pub(super) fn leave_out(&mut self, pattern: &Pattern, k: usize) {
+        self.lower[pattern.lower_start[k]..pattern.lower_start[k + 1]].fill(0.0);
+        self.upper[pattern.upper_start[k]..pattern.upper_start[k + 1]].fill(0.0);
+        self.inverse[k] = 1.0;
+    }
+
     /// Subtracts rows j to `past` of U, which are alike; entry `at` of L is the first of theirs.
     fn subtract_together(&mut self, pattern: &Pattern, at: usize, j: usize, past: usize) {
         let Self { lower, upper, inverse, line, gathered } = self;

@@ -26,8 +26,18 @@ impl Pattern {
     /// For m rows, given those of each body.
     pub(super) fn new(rows_of_body: &[Vec<usize>], m: usize) -> Self {
         let graph = Graph::new(rows_of_body, m);
-        let entries = graph.entries();
-        let Ways { order, rank_of, lower, lower_start, parent } = graph.least();
+        Self::of(graph.entries(), graph.least())
+    }
+
+    /// For rows that are eliminated in this order, but for what it leaves open.
+    pub(super) fn ordered(rows_of_body: &[Vec<usize>], order: Vec<usize>) -> Self {
+        let graph = Graph::new(rows_of_body, order.len());
+        Self::of(graph.entries(), graph.all_ways(graph.all_ways(order).postorder()))
+    }
+
+    fn of(entries: usize, ways: Ways) -> Self {
+        let Ways { order, rank_of, lower, lower_start, parent } = ways;
+        let m = order.len();
         let mut upper_start = vec![0; m + 1];
         lower.iter().for_each(|&k| upper_start[k + 1] += 1);
         (0..m).for_each(|k| upper_start[k + 1] += upper_start[k]);

@@ -71,7 +71,7 @@ impl Rows {
         groups: &[Arc<dyn Group<D>>],
         row: usize,
     ) -> (usize, usize, usize) {
-        let run = self.runs.iter().rev().find(|run| run.row <= row).unwrap_or(&self.runs[0]);
+        let run = &self.runs[self.runs.partition_point(|run| run.row <= row) - 1];
         let equations = groups[run.group].equations();
         (run.group, run.members.start + (row - run.row) / equations, (row - run.row) % equations)
     }

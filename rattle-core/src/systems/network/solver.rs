@@ -50,7 +50,7 @@ impl<const D: usize> Solver<D> {
     ) -> f64 {
         match self {
             Self::Orthogonal(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
-            Self::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks),
+            Self::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks, roots),
         }
     }
 

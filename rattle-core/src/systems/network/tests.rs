@@ -1,6 +1,7 @@
 //! Orders of elimination against those of faer and against the best there are; factors against their matrices.
 
 use super::factor::Factor;
+use super::hubs::Hubs;
 use super::order::minimum_degree;
 use super::pattern::Pattern;
 use std::mem::replace;
@@ -222,4 +223,38 @@ fn factors_solve_and_rows_together_change_no_bit() {
         widest = widest.max(pattern.widest);
     }
     assert!(widest >= 40, "{widest} rows alike at most");
+}
+
+/// Operations of one factorisation: what each row of U costs where it is subtracted.
+fn operations(links: &Links) -> usize {
+    let rows = rows_of_body(links);
+    let pattern = match Hubs::split(&rows, links.len(), 3) {
+        Some((_, pattern)) => pattern,
+        None => Pattern::new(&rows, links.len()),
+    };
+    pattern.upper_start.windows(2).map(|at| (1 + at[1] - at[0]).pow(2)).sum()
+}
+
+#[test]
+fn operations_are_linear_in_the_links() {
+    let families: [(&str, fn(usize) -> Links); 7] = [
+        ("star", |n| (0..n).map(|i| [0, i + 1]).collect()),
+        ("path", |n| (0..n).map(|i| [i, i + 1]).collect()),
+        ("binary tree", |n| (0..n).map(|i| [i / 2, i + 1]).collect()),
+        ("random tree", tree),
+        ("tree of hubs", |n| (0..n).map(|i| [i / 50, i + 1]).collect()),
+        ("wheel", |n| {
+            (0..n)
+                .map(|i| if i % 2 == 0 { [0, i / 2 + 1] } else { [i / 2 + 1, (i / 2 + 1) % (n / 2) + 1] })
+                .collect()
+        }),
+        ("two hubs", |n| (0..n).map(|i| [i % 2, i / 2 + 2]).collect()),
+    ];
+    for (name, links) in families {
+        for n in [100, 1000, 10_000, 100_000] {
+            let each = operations(&links(n)) as f64 / n as f64;
+            println!("{name} of {n}: {each:.1} operations a link");
+            assert!(each <= 40.0, "{name} of {n}: {each}");
+        }
+    }
 }

@@ -104,7 +104,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
                 let level =
                     Level::of(&self.constraint, &start.plus(&low.plus(&change)), &start.reach(&change));
                 if !level.value.iter().all(|g| g.is_finite()) {
-                    return Err(not_finite(&start));
+                    return Err(not_finite(&start, &step.change));
                 }
                 Ok(Look { change, value: level.value, size: level.size, rest: (kicked, step, level) })
             },
@@ -154,6 +154,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
         let at = Point::high(body);
+        self.check_energy(&at)?;
         let (level, hidden) = (Level::of(&self.constraint, &at, &at), self.hidden(&at));
         let mistake = |mistake| Err(StartFailure::Phase(mistake));
         let tolerance = START_TOLERANCE / f64::EPSILON;
@@ -182,6 +183,18 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         Ok(())
     }
 
+    fn check_energy<const D: usize>(&self, at: &Point<D>) -> Result<(), StartFailure>
+    where
+        H: HamiltonianKernel<f64, D>,
+    {
+        let (value, (by_q, by_p)) = (self.energy.value(&at.q, &at.p), self.energy.gradients(&at.q, &at.p));
+        let gradient = [by_q, by_p].concat();
+        if value.is_finite() && gradient.iter().all(|x| x.is_finite()) {
+            return Ok(());
+        }
+        Err(StartFailure::Phase(PhaseMistake::HamiltonianNotFinite { value, gradient }))
+    }
+
     /// The nearest point of g = 0, to first order, slid to the hidden constraint.
     pub(super) fn project<const D: usize>(&self, body: &Body<f64, D>) -> Result<Point<D>, StartFailure>
     where
@@ -191,6 +204,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         finite("position", &body.q)?;
         finite("momentum", &body.p)?;
         let mut at = Point::high(body);
+        self.check_energy(&at)?;
         let (mut distances, mut nearing) = (Vec::new(), Nearing::leaving(f64::INFINITY));
         for _ in 0..MAX_PROJECTION_STEPS {
             let Level { value, gradients, size } = Level::of(&self.constraint, &at, &at);
@@ -224,8 +238,13 @@ pub(super) fn too_far(h: f64) -> StepFailure {
 }
 
 #[cold]
-pub(super) fn not_finite<const D: usize>(start: &Point<D>) -> StepFailure {
-    StepFailure::ConstraintNotFinite { position: start.q.to_vec() }
+pub(super) fn not_finite<const D: usize>(start: &Point<D>, change: &Point<D>) -> StepFailure {
+    let (position, momentum) = (start.q.to_vec(), start.p.to_vec());
+    if change.q.iter().chain(&change.p).all(|x| x.is_finite()) {
+        StepFailure::ConstraintNotFinite { position }
+    } else {
+        StepFailure::HamiltonianNotFinite { position, momentum }
+    }
 }
 
 impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {

@@ -24,8 +24,10 @@ impl Hold<9> for Rigid {
         _: f64,
         _: bool,
     ) -> Result<Self::System<E, N>, Error> {
-        let fine = |moment: &f64| *moment > 0.0 && moment.is_finite();
-        let triangle = self.column_masses().iter().all(|d| *d >= -4.0 * f64::EPSILON * self.inertia.amax());
+        // Also sums and inverses are numbers.
+        let fine = |moment: &f64| *moment > 0.0 && moment.is_finite() && (1.0 / moment).is_finite();
+        let least = -4.0 * f64::EPSILON * self.inertia.amax();
+        let triangle = self.column_masses().iter().all(|d| *d >= least && d.is_finite());
         if !(self.inertia.iter().all(fine) && triangle) {
             return Err(Error::Network(NetworkMistake::Inertia { moments: self.inertia.into() }));
         }

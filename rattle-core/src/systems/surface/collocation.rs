@@ -10,8 +10,8 @@
 //! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one. Else
 //! constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to node.
 //! **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the positions.
-//! **Stopping.** Displacements of an iteration shrink by a factor that the last two tell, taken as 1e-4 at least; the solve
-//! ends once the next would be spare ([`crate::solve::stop`]). **Which root.** Normals of successive stages must not be turned over.
+//! **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
+//! ([`crate::solve::stop`]). **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -25,7 +25,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
-use crate::solve::stop::{NOISE, SPARE_OF_STAGES};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -41,9 +41,6 @@ const FAR_GUESS: f64 = 1e-2;
 
 /// Displacements of this many roundings move normals enough for another matrix.
 const NORMALS_MOVE: f64 = 1e9;
-
-/// Displacements of an iteration shrink by less than they seem to where they shrink by more than this.
-const LUCKY: f64 = 1e-4;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// One step of the collocation method with this table.
@@ -184,13 +181,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let n = self.count.number();
         let zero = T::from_f64(0.0);
-        let positions: [[T; S]; S] = table.positions.map(|row| row.map(|a| T::from_f64(h * h * a)));
-        let drift: [T; S] = table.nodes.map(|c| T::from_f64(h * c));
+        let positions: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).0)));
+        let rests: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).1)));
+        let drift: [_; S] = from_fn(|stage| pair(table.drift(h, stage)));
         for body in 0..n {
             let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
             let total: &[[T; D]; S] = part(&stages.total, body);
             for stage in 1..S {
-                stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], &v, total);
+                stages.increment[body * S + stage] =
+                    increment(&positions[stage], &rests[stage], drift[stage], &v, total);
             }
         }
         let times = |stage: usize| bodies.time + h * table.nodes[stage];
@@ -211,6 +210,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             for body in 0..n {
                 let (moved, far) = improve(
                     &self.constraint,
+                    (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]),
                     &positions,
                     (&stages.q[body..], &stages.force[body..], n),
                     part_mut(&mut stages.normal, body),
@@ -235,10 +235,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 return Err(self.not_finite(h, times, stages, slowest, S, iteration));
             }
             let contraction = worst / last;
-            let rate = contraction.max(last_contraction).max(LUCKY); // a lucky iteration is not the rate
-            let small = iteration > 0 && rate < 0.5 && rate * worst <= SPARE_OF_STAGES;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < NOISE;
-            if worst <= 1.0 || small || stalled {
+            if worst <= LAST_OF_STAGES || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
             if iteration + 1 == MAX_ITERATIONS {
@@ -316,11 +314,12 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         W: Witness<T>,
     {
         let n = self.count.number();
-        let row = table.positions[S - 1].map(|a| T::from_f64(h * h * a));
+        let row: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).0));
+        let rests: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).1));
         for body in 0..n {
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
             let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-            let increment = increment(&row, T::from_f64(h), &v, part(&stages.total, body));
+            let increment = increment(&row, &rests, pair((h, 0.0)), &v, part(&stages.total, body));
             (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
             let [gradient] = self.constraint.jacobian(q);
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
@@ -332,7 +331,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             let total: &[[T; D]; S] = part(&stages.total, body);
             let mut impulse = [T::from_f64(0.0); D];
             for j in 0..S - 1 {
-                impulse = add_scaled(&impulse, T::from_f64(h * table.weights[j]), &total[j]);
+                let (kick, rest) = pair(table.kick(h, j));
+                impulse = add_scaled(&add_scaled(&impulse, rest, &total[j]), kick, &total[j]);
             }
             (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
         }
@@ -349,6 +349,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 #[inline(always)]
 fn improve<T, K, F, const D: usize, const S: usize>(
     constraint: &K,
+    start: (&[T; D], &[T; D]),
     positions: &[[T; S]; S],
     (q, force, stride): (&[[T; D]], &[F], usize),
     normal: &mut [[T; D]; S],
@@ -367,9 +368,12 @@ where
     let mut change = [[zero; D]; S];
     let mut right = [zero; S];
     for stage in 1..S {
-        let ([g], [gradient]) = constraint.value_and_jacobian(&q[stage * stride]);
+        let at = &q[stage * stride];
+        let ([g], [gradient]) = constraint.value_and_jacobian(at);
         normal[stage] = gradient;
-        right[stage] = -g;
+        // What rounding took from the place.
+        let rest: [T; D] = from_fn(|d| (start.0[d] - at[d]) + (start.1[d] + increment[stage][d]));
+        right[stage] = -g - dot(&gradient, &rest);
         let sum = force[stage * stride].add_to(gradient.map(|n| lambda[stage] * n), T::from_f64(1.0));
         change[stage] = add_scaled(&sum, T::from_f64(-1.0), &total[stage]);
         total[stage] = sum;
@@ -435,15 +439,21 @@ fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
 #[inline(always)]
 fn increment<T: Real, const D: usize, const S: usize>(
     row: &[T; S],
-    drift: T,
+    rests: &[T; S],
+    (drift, rest): (T, T),
     velocity: &[T; D],
     total: &[[T; D]; S],
 ) -> [T; D] {
     let mut push = [T::from_f64(0.0); D];
     for j in 0..S - 1 {
-        push = add_scaled(&push, row[j], &total[j]);
+        push = add_scaled(&add_scaled(&push, rests[j], &total[j]), row[j], &total[j]);
     }
-    from_fn(|d| drift * velocity[d] + push[d])
+    from_fn(|d| drift * velocity[d] + (rest * velocity[d] + push[d]))
+}
+
+#[inline(always)]
+fn pair<T: Real>((high, low): (f64, f64)) -> (T, T) {
+    (T::from_f64(high), T::from_f64(low))
 }
 
 /// Inverts the matrix of rows 1 … S − 1 and columns 0 … S − 2 in place, by Gauss and Jordan without exchanges: leading

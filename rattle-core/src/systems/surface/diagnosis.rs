@@ -87,7 +87,9 @@ impl FailureAt {
         let (_, speed, curvature) = self.curvature(departure);
         let reach = h.abs() * curvature * speed;
         self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
-            self.because(if reach.is_finite() {
+            self.because(if reach < 0.99 {
+                StepFailure::OutOfScale { reach, curvature, speed } // a product that overflows is not below 1
+            } else if reach.is_finite() {
                 StepFailure::StepTooLong { h, reach, curvature, speed, longest: h.abs() / reach }
             } else {
                 StepFailure::ConstraintNotFinite { position: self.numbers(departure.q) }
