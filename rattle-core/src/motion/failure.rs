@@ -2,7 +2,8 @@
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
+use crate::error::{EquationAt, StepFailure};
+use crate::kernel::kinks::Kink;
 use crate::number::real::Real;
 
 /// Why a step failed, and for which body.
@@ -15,6 +16,13 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// A normal jumps: that of the body's surface, or of an equation between bodies.
+    #[cold]
+    pub(crate) fn of_kink(kink: Kink, body: usize, equation: Option<Box<EquationAt>>) -> Self {
+        let Kink { argument, share, place: position, angle, gap, .. } = kink;
+        Self { body, cause: StepFailure::Kink { argument, equation, position, share, angle, gap } }
+    }
+
     /// The force on the first of these bodies where it is not finite, in this lane; none if all forces are.
     #[cold]
     pub(crate) fn of_force<T: Real, F: Forces<T, D>, const D: usize>(

@@ -168,6 +168,20 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes.fill([T::from_f64(0.0); D]);
     }
 
+    /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where constraints
+    /// have no kinks.
+    ///
+    /// # Errors
+    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink).
+    #[inline(always)]
+    fn check_kinks(
+        &self,
+        _before: &Saved<Self::Count, T, D>,
+        _now: &BodiesOf<Self, T, D>,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

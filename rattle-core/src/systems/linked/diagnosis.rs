@@ -3,6 +3,7 @@
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EquationAt, Passing, StepFailure};
+use crate::kernel::kinks::Kink;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::number::vector::dot;
@@ -18,6 +19,7 @@ use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
+use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
@@ -156,6 +158,15 @@ impl<const D: usize> Shape<D> {
             bodies: rows.touched_by(row).map(|(_, body)| body).collect(),
         })
     }
+}
+
+/// The normal of a member's equation jumps.
+#[cold]
+pub(crate) fn kinked<const D: usize>(group: &dyn Group<D>, member: usize, kink: Kink) -> Failure {
+    let (touched, arity) = group.bodies();
+    let bodies = touched[member * arity..][..arity].to_vec();
+    let (link, equation, of, body) = (group.name(), kink.equation, group.equations(), bodies[0]);
+    Failure::of_kink(kink, body, Some(Box::new(EquationAt { link, member, equation, of, bodies })))
 }
 
 /// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.

@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::series::NO_SERIES;
-use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -16,6 +16,7 @@ use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::Course;
 use crate::solve::stop::NOISE;
+use crate::systems::linked::diagnosis::kinked;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -254,6 +255,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             (p[body], p_low[body]) = two_sum(&p[body], &change[body]);
             if !dot(&p[body], &p[body]).is_finite() {
                 return Err(self.not_finite(bodies, body));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
+        for group in &self.shape.groups {
+            if let Some((member, kink)) = group.kink(time, q) {
+                return Err(kinked(&**group, member, kink));
             }
         }
         Ok(())

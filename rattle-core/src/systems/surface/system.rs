@@ -6,8 +6,9 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
-use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -168,6 +169,23 @@ where
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
         self.effects.flow(number, h, at, room, momenta, velocities, changes);
+    }
+
+    #[inline(always)]
+    fn check_kinks(&self, before: &Saved<N, T, D>, now: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        if const { K::KINKS.is_empty() } {
+            return Ok(());
+        }
+        for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
+            let changes = sign_changes(&self.constraint, from, to);
+            for (lane, _) in changes.lanes().enumerate().filter(|&(_, changes)| changes) {
+                let [from, to] = [from, to].map(|q| q.map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)));
+                if let Some(kink) = first_kink(&self.constraint, lane, &from, &to) {
+                    return Err(Failure::of_kink(kink, body, None));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn equations(&self) -> usize {
