@@ -266,6 +266,21 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
+    /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing of the constraint.
+    #[error(
+        "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
+         it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"
+    )]
+    EnergyFromNowhere {
+        /// The step size.
+        h: f64,
+        /// The kinetic energy before.
+        before: f64,
+        /// The kinetic energy after.
+        after: f64,
+        /// The change of potential energy, and the work of constraints.
+        given: f64,
+    },
     /// The normal of a constraint jumps on the way: what the momentum becomes there Newton's laws do not say.
     #[error(
         "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \

@@ -142,6 +142,15 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut BodiesOf<Self, T, D>);
 
+    /// Looks whether the forces last evaluated are numbers: for methods whose steps end before the kick that would tell. A system
+    /// without forces says nothing.
+    ///
+    /// # Errors
+    /// [`StepFailure::ForceNotFinite`](crate::error::StepFailure::ForceNotFinite).
+    fn check_forces(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Kicks for a time `kick` and makes the momenta those of motion along the constraints. `witness` is told μ as an
     /// impulse over h/2.
     ///
@@ -176,6 +185,20 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     #[inline(always)]
     fn check_kinks(
         &self,
+        _before: &Saved<Self::Count, T, D>,
+        _now: &BodiesOf<Self, T, D>,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Looks whether a step of length h has passed a singular point. A system that has none says nothing.
+    ///
+    /// # Errors
+    /// [`StepFailure::NoNormal`](crate::error::StepFailure::NoNormal).
+    #[inline(always)]
+    fn check_normals(
+        &self,
+        _h: f64,
         _before: &Saved<Self::Count, T, D>,
         _now: &BodiesOf<Self, T, D>,
     ) -> Result<(), Failure> {

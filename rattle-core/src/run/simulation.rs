@@ -12,6 +12,7 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{Hears, Whoever, Witness};
 use crate::number::clock::later;
 use crate::number::vector::add_scaled;
+use crate::run::course::check;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use std::fmt;
@@ -338,7 +339,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
-        match stepped.and_then(|()| self.system.check_kinks(&self.before, &self.bodies)) {
+        match stepped.and_then(|()| check(&self.method, &self.system, &self.before, &self.bodies)) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -418,7 +419,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.memory = self.method.memory(system, &self.bodies);
-        Ok(self.system.check_kinks(&self.before, &self.bodies)?)
+        Ok(check(&self.method, &self.system, &self.before, &self.bodies)?)
     }
 
     /// Takes the step just made, in so many parts, back, compares, and makes it again.

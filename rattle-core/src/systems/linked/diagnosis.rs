@@ -135,13 +135,18 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[cold]
     pub(crate) fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
-        // Links hand a force that is none on to other bodies.
-        let free = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
         let at = Moment { time: bodies.time, positions: q };
-        if let Some(failure) = Failure::of_force(&self.effects, at, free, 0) {
+        // Links hand a force that is none on to other bodies.
+        if let Some(failure) = Failure::of_force(&self.effects, at, self.free(), 0) {
             return failure;
         }
         Failure { body, cause: StepFailure::MomentumNotFinite { position: q[body].to_vec() } }
+    }
+
+    /// The bodies that are not pinned.
+    pub(super) fn free(&self) -> impl Iterator<Item = usize> + '_ {
+        let roots = self.shape.roots.iter().enumerate();
+        roots.filter(|(_, root)| !matches!(root, Root::Pinned)).map(|(body, _)| body)
     }
 }
 

@@ -205,6 +205,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.forces(at, of_effects, force);
     }
 
+    fn check_forces(&self, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        Failure::unless_finite(&self.effects, at, &bodies.kept.force, self.free())
+    }
+
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,

@@ -24,6 +24,7 @@ use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
+use crate::systems::surface::passage;
 use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::drift;
 use crate::systems::surface::step::project;
@@ -121,6 +122,11 @@ where
         self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
     }
 
+    fn check_forces(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        Failure::unless_finite(&self.effects, at, bodies.kept.force.as_ref(), 0..self.count.number())
+    }
+
     #[inline(always)]
     fn settle<W: Witness<T>>(
         &self,
@@ -183,6 +189,25 @@ where
                 if let Some(kink) = first_kink(&self.constraint, lane, &from, &to) {
                     return Err(Failure::of_kink(kink, body, None));
                 }
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn check_normals(
+        &self,
+        h: f64,
+        before: &Saved<N, T, D>,
+        now: &BodiesOf<N, T, F, D>,
+    ) -> Result<(), Failure> {
+        for body in 0..self.count.number() {
+            let (from, to) = (before.body(body), now.body(body));
+            let [gradient] = self.constraint.jacobian(&from.q);
+            let along = dot(&gradient, &now.kept.normal.as_ref()[body].gradient);
+            let suspect = along.lt(T::from_f64(0.0)).and(T::from_f64(0.0).lt(dot(&from.p, &to.p)));
+            for (lane, _) in suspect.lanes().enumerate().filter(|&(_, suspect)| suspect) {
+                passage::check(&self.constraint, lane, h, body, [from, to])?;
             }
         }
         Ok(())
