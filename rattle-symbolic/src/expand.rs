@@ -28,10 +28,12 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
         return quote!(#stub #report);
     }
     let routines = which.routines(graph, &roots, sizes.variables as u32);
-    let documentation = which.documentation(&item, &sizes, &routines, named);
+    let names = Names::of(&item, named);
+    let documentation = which.documentation(&item, &sizes, &routines, &names);
+    let kinks = kinks(&routines, &names);
     let structure = structure(&item, &documentation);
     let emitter = Emitter::new(&routines);
-    let kernel = Kernel { item: &item, emitter: &emitter, routines: &routines, sizes: &sizes };
+    let kernel = Kernel { item: &item, emitter: &emitter, routines: &routines, sizes: &sizes, kinks: &kinks };
     let implementation = kernel.implementation(which);
     quote!(#structure #implementation)
 }
@@ -53,12 +55,11 @@ impl Macro {
         item: &Item,
         &Sizes { variables, .. }: &Sizes,
         routines: &Routines,
-        named: Vec<(Id, String)>,
+        names: &Names,
     ) -> Vec<String> {
         let letter = self.letter();
         let mut lines = vec![String::new(), "```text".to_owned()];
         lines.extend(formula::written(item, letter));
-        let names = Names::of(item, named);
         let (graph, gradients) = &routines.gradients;
         if variables <= 6 && gradients.len() <= variables * 3 {
             for (i, &entry) in gradients.iter().enumerate() {
@@ -67,7 +68,7 @@ impl Macro {
                     false => letter.to_owned(),
                 };
                 let by = names.variable(i % variables);
-                let derivative = formula::derivative(graph, entry, &names).unwrap_or("…".to_owned());
+                let derivative = formula::formula(graph, entry, names).unwrap_or("…".to_owned());
                 lines.push(format!("∂{of}/∂{by} = {derivative}"));
             }
         }
@@ -89,10 +90,17 @@ impl Macro {
         };
         let routines = Routines::empty();
         let emitter = Emitter::new(&routines);
-        let kernel = Kernel { item, emitter: &emitter, routines: &routines, sizes: &sizes };
+        let kernel = Kernel { item, emitter: &emitter, routines: &routines, sizes: &sizes, kinks: &[] };
         let implementation = kernel.implementation(self);
         quote!(#structure #implementation)
     }
+}
+
+/// What changes sign where the equations are not smooth, as text.
+fn kinks(routines: &Routines, names: &Names) -> Vec<String> {
+    let long = "an argument of abs, sign, min, max or if";
+    let text = |&kink: &Id| formula::formula(&routines.gradients.0, kink.into(), names);
+    routines.kinks.iter().map(|kink| text(kink).unwrap_or_else(|| long.to_owned())).collect()
 }
 
 /// The user's struct.

@@ -161,8 +161,8 @@ fn components(name: String, shape: &[usize], into: &mut Vec<String>) {
     }
 }
 
-/// A derivative in the language of the macros; none if it is long.
-pub(crate) fn derivative(graph: &Graph, scaled: Scaled, names: &Names) -> Option<String> {
+/// What was found, in the language of the macros; none if it is long.
+pub(crate) fn formula(graph: &Graph, scaled: Scaled, names: &Names) -> Option<String> {
     let Some(root) = scaled.node else { return Some(scaled.factor.to_string()) };
     let mut texts: Vec<Option<(String, Tightness)>> = vec![None; graph.len()];
     for id in graph.reachable(&[root]) {
@@ -174,7 +174,7 @@ pub(crate) fn derivative(graph: &Graph, scaled: Scaled, names: &Names) -> Option
         texts[id.index()] = found.filter(|(text, _)| text.len() <= LONGEST);
     }
     let (text, tightness) = texts[root.index()].take()?;
-    Some(multiple(scaled.factor, &text, tightness))
+    Some(if scaled.factor == 1.0 { text } else { multiple(scaled.factor, &text, tightness) })
 }
 
 fn multiple(factor: f64, text: &str, tightness: Tightness) -> String {
@@ -207,6 +207,9 @@ fn node(
         Node::Input(input) => (names.name(input), Tightness::Atom),
         Node::Neg(a) => (format!("-{}", at(a, Tightness::Power)?), Tightness::Sign),
         Node::Add(a, b) => (format!("{} + {}", at(a, sum)?, at(b, product)?), sum),
+        Node::Sub(a, b) if graph.as_constant(b).is_some_and(|number| number < 0.0) => {
+            (format!("{} + {}", at(a, sum)?, -graph.as_constant(b)?), sum)
+        }
         Node::Sub(a, b) => (format!("{} - {}", at(a, sum)?, at(b, product)?), sum),
         Node::Mul(a, b) => (format!("{} * {}", at(a, product)?, at(b, Tightness::Sign)?), product),
         Node::Div(a, b) => (format!("{} / {}", at(a, product)?, at(b, Tightness::Power)?), product),
@@ -218,6 +221,12 @@ fn node(
         Node::Call(function, a) => (format!("{}({})", function.name(), of(a)?.0), Tightness::Atom),
         Node::Call2(function, a, b) => {
             (format!("{}({}, {})", function.name(), of(a)?.0, of(b)?.0), Tightness::Atom)
+        }
+        Node::Select(_, a, b, then, other) if (then, other) == (b, a) => {
+            (format!("max({}, {})", of(a)?.0, of(b)?.0), Tightness::Atom)
+        }
+        Node::Select(_, a, b, then, other) if (then, other) == (a, b) => {
+            (format!("min({}, {})", of(b)?.0, of(a)?.0), Tightness::Atom)
         }
         Node::Select(comparison, a, b, then, other) => {
             let symbol = if comparison == Comparison::Less { "<" } else { "<=" };

@@ -16,6 +16,8 @@ pub(crate) struct Kernel<'a> {
     pub(crate) emitter: &'a Emitter<'a>,
     pub(crate) routines: &'a Routines,
     pub(crate) sizes: &'a Sizes,
+    /// What changes sign where equations are not smooth, as text.
+    pub(crate) kinks: &'a [String],
 }
 
 impl Kernel<'_> {
@@ -111,15 +113,17 @@ impl Kernel<'_> {
         };
         let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
-        let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        let (d, texts) = (Literal::usize_unsuffixed(self.sizes.variables), self.kinks);
         quote! {
+            const KINKS: &'static [&'static str] = &[#(#texts),*];
+
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> usize {
+            fn kinks(&self, __q: &[T; #d], __first: usize, __found: &mut [T]) {
                 #statements
                 let __values = [#(#values),*];
-                let __count = if __found.len() < #count { __found.len() } else { #count };
-                __found[..__count].copy_from_slice(&__values[..__count]);
-                #count
+                for (__found, &__value) in __found.iter_mut().zip(__values.iter().skip(__first)) {
+                    *__found = __value;
+                }
             }
         }
     }

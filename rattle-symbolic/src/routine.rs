@@ -45,12 +45,15 @@ pub struct Routines {
     pub list: Vec<Routine>,
     /// The gradient of each equation, for the documentation: in a graph of sums and products.
     pub(crate) gradients: (Graph, Vec<Scaled>),
+    /// What changes sign where equations are not smooth, in the same graph.
+    pub(crate) kinks: Vec<Id>,
 }
 
 impl Routines {
     /// No function at all.
     pub(crate) fn empty() -> Self {
-        Routines { graph: Graph::new(), list: Vec::new(), gradients: (Graph::new(), Vec::new()) }
+        let gradients = (Graph::new(), Vec::new());
+        Routines { graph: Graph::new(), list: Vec::new(), gradients, kinks: Vec::new() }
     }
 
     fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) {
@@ -138,6 +141,7 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
     }
     routines.add("kinks", &source, &scaled(&kinks));
     routines.gradients = (source, jacobian);
+    routines.kinks = kinks;
     routines
 }
 
@@ -157,14 +161,14 @@ fn hessian(calculus: &mut Calculus, jacobian: &[Scaled], variables: u32) -> Vec<
     list
 }
 
-/// Where the equations are not smooth: what changes sign there.
+/// Where the equations are not smooth: what changes sign there. (What is under a square root does not, where g is a number.)
 fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let mut list = Vec::new();
     for id in graph.reachable(roots) {
         let kink = match *graph.node(id) {
-            Node::Call(Function::Abs | Function::Sqrt | Function::Cbrt | Function::Sign, a) => a,
-            Node::Power(a, halves) if halves % 2 != 0 => a,
+            Node::Call(Function::Abs | Function::Cbrt | Function::Sign, a) => a,
             Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => a,
+            Node::Select(_, a, b, ..) if graph.as_constant(a) == Some(0.0) => b,
             Node::Select(_, a, b, ..) => graph.sub(a, b),
             _ => continue,
         };

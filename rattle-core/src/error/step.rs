@@ -296,6 +296,40 @@ pub enum StepFailure {
         /// The momentum there.
         momentum: Vec<f64>,
     },
+    /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing of the constraint.
+    #[error(
+        "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
+         it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"
+    )]
+    EnergyFromNowhere {
+        /// The step size.
+        h: f64,
+        /// The kinetic energy before.
+        before: f64,
+        /// The kinetic energy after.
+        after: f64,
+        /// The change of potential energy, and the work of constraints.
+        given: f64,
+    },
+    /// The normal of a constraint jumps on the way: what the momentum becomes there Newton's laws do not say.
+    #[error(
+        "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \
+         has none, such as sqrt(x^2 + eps^2) for abs(x), or go around it", constraint(equation.as_deref()), jumps(*angle, *gap)
+    )]
+    Kink {
+        /// What changes its sign, as in the constraint's expression.
+        argument: &'static str,
+        /// Which equation, of linked bodies; else none.
+        equation: Option<Box<EquationAt>>,
+        /// The coordinates of the constraint there; of a link those of its bodies in turn.
+        position: Vec<f64>,
+        /// The part of the step that lies before it.
+        share: f64,
+        /// The angle by which the normal jumps.
+        angle: f64,
+        /// How far the surface jumps, to first order.
+        gap: f64,
+    },
     /// The constraint function is NaN or infinite where the solver evaluated it.
     #[error(
         "the constraint is not a number near q = {position:?}; the step left the domain of its expression"
@@ -304,4 +338,15 @@ pub enum StepFailure {
         /// The position at the start of the step.
         position: Vec<f64>,
     },
+}
+
+/// A constraint, as messages name it.
+fn constraint(equation: Option<&EquationAt>) -> String {
+    equation.map_or_else(|| "the constraint".to_owned(), EquationAt::to_string)
+}
+
+/// What jumps.
+fn jumps(angle: f64, gap: f64) -> String {
+    let normal = format!("its normal turns by {:.1}° at once", angle.to_degrees());
+    if gap > angle { format!("{normal}, and the surface goes on {gap:.1e} away") } else { normal }
 }

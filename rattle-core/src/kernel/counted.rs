@@ -114,6 +114,10 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
         self.inner.jet(q, v)
     }
 
+    const KINKS: &'static [&'static str] = K::KINKS;
+    fn kinks(&self, q: &[T; D], first: usize, found: &mut [T]) {
+        self.inner.kinks(q, first, found);
+    }
     fn series(&self) -> Option<usize> {
         self.inner.series()
     }

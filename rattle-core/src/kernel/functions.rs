@@ -17,9 +17,11 @@ use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
 ///
-/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or a root, its derivatives may jump. A step across such a place
-/// ends on the constraint to rounding like any other, and is less accurate than the order of the method says: no method sees
-/// the kink, and no error tells it. [`ConstraintKernel::kinks`] does.
+/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a place where
+/// the normal ∇g/|∇g| jumps ends in [`StepFailure::Kink`](crate::error::StepFailure::Kink): what a momentum becomes there
+/// Newton's laws do not say. Where only the curvature jumps, as at `abs(x)^3` or `max(x, 0)^2`, steps go on; they are less accurate
+/// than the order of the method says. Constraints on phase space are not looked at. The kinks of *potentials* are no errors:
+/// where a force jumps the motion is well defined, and energy is kept to first order in the step.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
@@ -158,9 +160,12 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// Numbers that change sign where g is not smooth: the arguments of `abs`, `sign` and roots, and the
-    /// differences that `min`, `max` and `if` compare. If one has another sign at another point, g may have a kink between the
-    /// two points. Writes as many as `found` has room for, and returns how many there are.
+    /// What changes sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the differences that
+    /// `min`, `max` and `if` compare.
+    const KINKS: &'static [&'static str] = &[];
+
+    /// The values of [`KINKS`](Self::KINKS) from the number `first` on, as many as `found` has room for. If one has another
+    /// sign at another point, g may have a kink between the two points.
     ///
     /// ```
     /// use rattle::{kernel::ConstraintKernel, prelude::*};
@@ -168,14 +173,13 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     ///
     /// let right_of_the_ridge = |q: [f64; 3]| {
     ///     let mut found = [0.0];
-    ///     Roof {}.kernel().kinks(&q, &mut found);
+    ///     Roof {}.kernel().kinks(&q, 0, &mut found);
     ///     found[0] > 0.0
     /// };
     /// assert!(right_of_the_ridge([0.1, 0.0, -0.1]) && !right_of_the_ridge([-0.1, 0.0, -0.1]));
     /// ```
-    fn kinks(&self, _q: &[T; D], _found: &mut [T]) -> usize {
-        0
-    }
+    #[inline(always)]
+    fn kinks(&self, _q: &[T; D], _first: usize, _found: &mut [T]) {}
 }
 
 /// A potential energy U(q) of one body with D coordinates. Written by `potential!`.

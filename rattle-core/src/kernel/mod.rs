@@ -3,6 +3,7 @@
 pub mod block;
 pub mod counted;
 pub mod functions;
+pub(crate) mod kinks;
 pub mod over;
 pub mod recurrences;
 pub mod series;

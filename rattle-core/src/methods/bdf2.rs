@@ -66,6 +66,7 @@ impl Method for Bdf2 {
     /// Whether there was a step before, its increment d and the momentum before it, body by body.
     type Memory<T: Real> = Vec<T>;
     type Need = (Differences, WithRates);
+    const HAS_STRUCTURE: bool = false;
 
     fn step_size(&self) -> f64 {
         self.h

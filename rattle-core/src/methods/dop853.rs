@@ -70,6 +70,7 @@ impl Dop853 {
 impl Method for Dop853 {
     type Memory<T: Real> = [T; 0];
     type Need = (Kicks, WithRates);
+    const HAS_STRUCTURE: bool = false;
 
     fn step_size(&self) -> f64 {
         self.h

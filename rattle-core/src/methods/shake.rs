@@ -56,6 +56,6 @@ impl Map for KickKickDrift {
         system.settle(0.5 * h, h, bodies, witness)?;
         system.drift(0.5 * h, h, bodies, witness)?;
         system.evaluate_forces(bodies);
-        Ok(())
+        system.check_forces(bodies)
     }
 }

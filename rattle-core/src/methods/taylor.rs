@@ -62,6 +62,7 @@ impl Taylor {
 impl Method for Taylor {
     type Memory<T: Real> = [T; 0];
     type Need = (Kicks, WithRates, WithSeries);
+    const HAS_STRUCTURE: bool = false;
 
     fn step_size(&self) -> f64 {
         self.h

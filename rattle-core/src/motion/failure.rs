@@ -1,9 +1,12 @@
 //! Why a step failed.
 
+use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
-use crate::number::real::Real;
+use crate::error::{EquationAt, StepFailure};
+use crate::kernel::kinks::Kink;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::dot;
 
 /// Why a step failed, and for which body.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +18,32 @@ pub struct Failure {
 }
 
 impl Failure {
+    /// A normal jumps: that of the body's surface, or of an equation between bodies.
+    #[cold]
+    pub(crate) fn of_kink(kink: Kink, body: usize, equation: Option<Box<EquationAt>>) -> Self {
+        let Kink { argument, share, place: position, angle, gap, .. } = kink;
+        Self { body, cause: StepFailure::Kink { argument, equation, position, share, angle, gap } }
+    }
+
+    /// Looks whether the forces on these bodies are numbers.
+    pub(crate) fn unless_finite<T: Real, F: Forces<T, D>, const D: usize>(
+        effects: &F,
+        at: Moment<'_, T, D>,
+        forces: &[F::Force],
+        bodies: impl IntoIterator<Item = usize>,
+    ) -> Result<(), Self> {
+        for body in bodies {
+            let force = forces[body].components();
+            let finite = dot(&force, &force).le(T::from_f64(f64::MAX));
+            if let Some(lane) = finite.lanes().position(|finite| !finite)
+                && let Some(failure) = Self::of_force(effects, at, [body], lane)
+            {
+                return Err(failure);
+            }
+        }
+        Ok(())
+    }
+
     /// The force on the first of these bodies where it is not finite, in this lane; none if all forces are.
     #[cold]
     pub(crate) fn of_force<T: Real, F: Forces<T, D>, const D: usize>(

@@ -61,6 +61,10 @@ pub trait Method: Clone + Send + Sync + 'static {
         0.0
     }
 
+    /// Whether a step follows the motion on its constraints: one that does not is [looked at](crate::run::simulation) afterwards, whether
+    /// it passed a singular point, and whether its energy comes from anywhere.
+    const HAS_STRUCTURE: bool = true;
+
     /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble are compiled for
     /// methods of that kind alone.
     const SPLITTING: Splitting = Splitting::Not;

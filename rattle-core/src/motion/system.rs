@@ -142,6 +142,15 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut BodiesOf<Self, T, D>);
 
+    /// Looks whether the forces last evaluated are numbers: for methods whose steps end before the kick that would tell. A system
+    /// without forces says nothing.
+    ///
+    /// # Errors
+    /// [`StepFailure::ForceNotFinite`](crate::error::StepFailure::ForceNotFinite).
+    fn check_forces(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Kicks for a time `kick` and makes the momenta those of motion along the constraints. `witness` is told μ as an
     /// impulse over h/2.
     ///
@@ -166,6 +175,34 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes: &mut [[T; D]],
     ) {
         changes.fill([T::from_f64(0.0); D]);
+    }
+
+    /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where constraints
+    /// have no kinks.
+    ///
+    /// # Errors
+    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink).
+    #[inline(always)]
+    fn check_kinks(
+        &self,
+        _before: &Saved<Self::Count, T, D>,
+        _now: &BodiesOf<Self, T, D>,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Looks whether a step of length h has passed a singular point. A system that has none says nothing.
+    ///
+    /// # Errors
+    /// [`StepFailure::NoNormal`](crate::error::StepFailure::NoNormal).
+    #[inline(always)]
+    fn check_normals(
+        &self,
+        _h: f64,
+        _before: &Saved<Self::Count, T, D>,
+        _now: &BodiesOf<Self, T, D>,
+    ) -> Result<(), Failure> {
+        Ok(())
     }
 
     /// The number of equations g = 0, that is of multipliers.

@@ -2,6 +2,7 @@
 
 mod begin;
 pub mod boxed;
+mod course;
 pub mod ensemble;
 mod readings;
 pub mod simulation;

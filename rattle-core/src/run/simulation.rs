@@ -11,6 +11,8 @@ use crate::motion::stir::step;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{Hears, Whoever, Witness};
 use crate::number::clock::later;
+use crate::number::vector::add_scaled;
+use crate::run::course::check;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use std::fmt;
@@ -336,7 +338,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&self.method, &self.system)?;
         self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        match step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness) {
+        let stepped =
+            step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
+        match stepped.and_then(|()| check(&self.method, &self.system, &self.before, &self.bodies)) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -374,7 +378,25 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 self.put_back();
             }
         }
+        if let Trouble::Failed(failure) = &mut trouble {
+            self.look_for_kinks(failure);
+        }
         Err(trouble.told(self.steps + 1, self.time(), most))
+    }
+
+    /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
+    fn look_for_kinks(&mut self, failure: &mut Failure) {
+        let h = self.method.step_size();
+        for body in 0..self.bodies.q.as_ref().len() {
+            let v = self.system.velocity(&self.bodies, body);
+            let q = &mut self.bodies.q.as_mut()[body];
+            *q = add_scaled(q, h, &v);
+        }
+        self.bodies.time += h;
+        if let Err(kink) = self.system.check_kinks(&self.before, &self.bodies) {
+            *failure = kink;
+        }
+        self.put_back();
     }
 
     /// Compares the step just made, in so many parts, with the way back, if that is asked for.
@@ -398,7 +420,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.memory = self.method.memory(system, &self.bodies);
-        Ok(())
+        Ok(check(&self.method, &self.system, &self.before, &self.bodies)?)
     }
 
     /// Takes the step just made, in so many parts, back, compares, and makes it again.

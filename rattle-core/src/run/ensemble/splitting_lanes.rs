@@ -4,12 +4,14 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
+use crate::number::vector::add_scaled;
 use crate::number::vectors::at;
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
@@ -104,7 +106,7 @@ where
             after: share(after),
         };
         let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
-        by_itself::<S, _, D>(&system, &stages, steps * u64::from(parts), &self.body(lane))
+        by_itself::<S, _, D>(&system, &stages, steps, parts, &self.body(lane))
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
@@ -126,24 +128,29 @@ where
     }
 }
 
-/// Where a body is after these stages, taken so many times in turn.
+/// Where a body is after so many steps, each of which consists of these stages, taken so many times in turn.
 #[cold]
 #[inline(never)]
 fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
-    number: u64,
+    steps: u64,
+    parts: u32,
     body: &Body<f64, D>,
 ) -> Result<Body<f64, D>, Failure> {
     let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
-    for _ in 0..number {
-        for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
-            system.drift(before, h, &mut bodies, &mut ())?;
-            if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
-                system.evaluate_forces(&mut bodies);
+    for _ in 0..steps {
+        let start = bodies.saved();
+        for _ in 0..parts {
+            for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
+                system.drift(before, h, &mut bodies, &mut ())?;
+                if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
+                    system.evaluate_forces(&mut bodies);
+                }
+                system.settle(after, h, &mut bodies, &mut ())?;
             }
-            system.settle(after, h, &mut bodies, &mut ())?;
         }
+        system.check_kinks(&start, &bodies)?;
     }
     Ok(bodies.body(0).map(Lane::to_f64))
 }
@@ -177,9 +184,7 @@ where
             while now < end {
                 let stop = end.min((now / EVERY + 1) * EVERY);
                 for _ in now..stop {
-                    for _ in 0..if EQUAL { 1 } else { parts.len() } {
-                        step(&mut desk.block, &laws, parts, &mut desk.scratch)?;
-                    }
+                    stride(&mut desk, &laws, parts)?;
                 }
                 now = stop;
                 if now % EVERY == 0 {
@@ -194,5 +199,75 @@ where
             }
         }
         Ok(desk.block)
+    }
+}
+
+/// A step of the method.
+#[inline(always)]
+fn whole_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    for _ in 0..if EQUAL { 1 } else { parts.len() } {
+        step(&mut desk.block, laws, parts, &mut desk.scratch)?;
+    }
+    Ok(())
+}
+
+/// The same, which leads no lane across a kink.
+#[inline(always)]
+fn stride<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    if const { X::Constraint::KINKS.is_empty() } {
+        return whole_step(desk, laws, parts);
+    }
+    let (from, way) = (desk.block.q, desk.block.way);
+    let stepped = whole_step(desk, laws, parts);
+    if let Err(Stuck { lane, failure }) = stepped {
+        let ahead = S::from_f64(parts.iter().map(|part| part.h).sum::<f64>() / parts[0].unit);
+        let from = at(&from, lane);
+        let to = add_scaled(&from, ahead, &at(&way, lane));
+        return kink(laws, lane, from, to, Err(Stuck { lane, failure }));
+    }
+    let (mut changes, mut any) = ([false; L], false);
+    for lane in 0..L {
+        let (from, to) = (at(&from, lane), at(&desk.block.q, lane));
+        changes[lane] = sign_changes(laws.constraint(lane).borrow(), &from, &to);
+    }
+    changes.iter().for_each(|&changed| any |= changed);
+    if any {
+        for lane in (0..L).filter(|&lane| changes[lane]) {
+            kink(laws, lane, at(&from, lane), at(&desk.block.q, lane), Ok(()))?;
+        }
+    }
+    Ok(())
+}
+
+/// What became of a lane: where there is a kink on its way, that, also if it could not be moved.
+#[cold]
+#[inline(never)]
+fn kink<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    from: [S; D],
+    to: [S; D],
+    otherwise: Result<(), Stuck>,
+) -> Result<(), Stuck> {
+    let [from, to] = [from, to].map(|q| q.map(Lane::to_f64));
+    match first_kink::<S, _, D, 1>(laws.constraint(lane).borrow(), 0, &from, &to) {
+        Some(kink) => Err(Stuck { lane, failure: Some(Failure::of_kink(kink, 0, None)) }),
+        None => otherwise,
     }
 }

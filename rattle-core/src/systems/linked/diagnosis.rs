@@ -3,6 +3,7 @@
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EquationAt, Passing, StepFailure};
+use crate::kernel::kinks::Kink;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::number::vector::dot;
@@ -18,6 +19,7 @@ use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
+use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
@@ -133,10 +135,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[cold]
     pub(crate) fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
-        // Links hand a force that is none on to other bodies.
-        let free = (0..q.len()).filter(|&body| !matches!(self.shape.roots[body], Root::Pinned));
         let at = Moment { time: bodies.time, positions: q };
-        if let Some(failure) = Failure::of_force(&self.effects, at, free, 0) {
+        // Links hand a force that is none on to other bodies.
+        if let Some(failure) = Failure::of_force(&self.effects, at, self.free(), 0) {
             return failure;
         }
         let (p, position) = (&bodies.p.as_ref()[body], q[body].to_vec());
@@ -146,6 +147,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             StepFailure::MomentumNotFinite { position }
         };
         Failure { body, cause }
+    }
+
+    /// The bodies that are not pinned.
+    pub(super) fn free(&self) -> impl Iterator<Item = usize> + '_ {
+        let roots = self.shape.roots.iter().enumerate();
+        roots.filter(|(_, root)| !matches!(root, Root::Pinned)).map(|(body, _)| body)
     }
 }
 
@@ -162,6 +169,15 @@ impl<const D: usize> Shape<D> {
             bodies: rows.touched_by(row).map(|(_, body)| body).collect(),
         })
     }
+}
+
+/// The normal of a member's equation jumps.
+#[cold]
+pub(crate) fn kinked<const D: usize>(group: &dyn Group<D>, member: usize, kink: Kink) -> Failure {
+    let (touched, arity) = group.bodies();
+    let bodies = touched[member * arity..][..arity].to_vec();
+    let (link, equation, of, body) = (group.name(), kink.equation, group.equations(), bodies[0]);
+    Failure::of_kink(kink, body, Some(Box::new(EquationAt { link, member, equation, of, bodies })))
 }
 
 /// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.

@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;
 use crate::kernel::series::NO_SERIES;
-use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -17,6 +17,7 @@ use crate::solve::aim::{Aim, Pace};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::Course;
 use crate::solve::stop::NOISE;
+use crate::systems::linked::diagnosis::kinked;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -219,6 +220,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.forces(at, of_effects, force);
     }
 
+    fn check_forces(&self, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        Failure::unless_finite(&self.effects, at, &bodies.kept.force, self.free())
+    }
+
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
@@ -272,6 +278,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                 .is_finite()
             {
                 return Err(self.not_finite(bodies, body));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
+        for group in &self.shape.groups {
+            if let Some((member, kink)) = group.kink(time, q) {
+                return Err(kinked(&**group, member, kink));
             }
         }
         Ok(())

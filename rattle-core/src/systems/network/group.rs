@@ -1,6 +1,7 @@
 //! A kernel and its topology: one small function, and the bodies that each copy of it ties together.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use std::array::from_fn;
@@ -45,6 +46,9 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
         bends: &mut [f64],
         turns: &mut [f64],
     );
+
+    /// The first member of which a normal jumps on the straight way between two places and times.
+    fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)>;
 
     /// Blocks of products that the power series of these members' gradients take; none where one has no series.
     fn series_blocks(&self, members: Range<usize>) -> Option<usize>;
@@ -188,6 +192,19 @@ where
                 turns[i] = row[..A * D].iter().map(|h| h * h).sum();
             }
         }
+    }
+
+    fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)> {
+        if const { G::KINKS.is_empty() } {
+            return None;
+        }
+        (0..self.members.len()).find_map(|member| {
+            let [from, to] = [0, 1].map(|i| self.gather(member, q[i], time[i]));
+            let kernel = self.kernel(member);
+            let changes = sign_changes(kernel, &from, &to);
+            let kink = if changes { first_kink(kernel, 0, &from, &to) } else { None };
+            kink.map(|kink| (member, kink))
+        })
     }
 
     fn series_blocks(&self, members: Range<usize>) -> Option<usize> {

@@ -118,6 +118,11 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.effects.evaluate(at, &mut bodies.kept.of_effects, &mut bodies.kept.force);
     }
 
+    fn check_forces(&self, bodies: &BodiesOf<F, N>) -> Result<(), Failure> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        Failure::unless_finite(&self.effects, at, &bodies.kept.force, 0..self.count.number())
+    }
+
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,

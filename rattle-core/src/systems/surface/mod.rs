@@ -12,6 +12,7 @@ mod hold;
 pub(crate) mod kept;
 mod landing;
 pub(crate) mod normal;
+mod passage;
 pub(crate) mod position;
 mod room;
 mod series;

@@ -6,8 +6,9 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
-use crate::motion::bodies::{Bodies, Body, Count};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -24,6 +25,7 @@ use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
 use crate::systems::surface::normal::Normal;
+use crate::systems::surface::passage;
 use crate::systems::surface::room::Stages;
 use crate::systems::surface::step::drift;
 use crate::systems::surface::step::project;
@@ -123,6 +125,11 @@ where
         self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
     }
 
+    fn check_forces(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        Failure::unless_finite(&self.effects, at, bodies.kept.force.as_ref(), 0..self.count.number())
+    }
+
     #[inline(always)]
     fn settle<W: Witness<T>>(
         &self,
@@ -171,6 +178,42 @@ where
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
         self.effects.flow(number, h, at, room, momenta, velocities, changes);
+    }
+
+    #[inline(always)]
+    fn check_kinks(&self, before: &Saved<N, T, D>, now: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
+        if const { K::KINKS.is_empty() } {
+            return Ok(());
+        }
+        for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
+            let changes = sign_changes(&self.constraint, from, to);
+            for (lane, _) in changes.lanes().enumerate().filter(|&(_, changes)| changes) {
+                let [from, to] = [from, to].map(|q| q.map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)));
+                if let Some(kink) = first_kink(&self.constraint, lane, &from, &to) {
+                    return Err(Failure::of_kink(kink, body, None));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn check_normals(
+        &self,
+        h: f64,
+        before: &Saved<N, T, D>,
+        now: &BodiesOf<N, T, F, D>,
+    ) -> Result<(), Failure> {
+        for body in 0..self.count.number() {
+            let (from, to) = (before.body(body), now.body(body));
+            let [gradient] = self.constraint.jacobian(&from.q);
+            let along = dot(&gradient, &now.kept.normal.as_ref()[body].gradient);
+            let suspect = along.lt(T::from_f64(0.0)).and(T::from_f64(0.0).lt(dot(&from.p, &to.p)));
+            for (lane, _) in suspect.lanes().enumerate().filter(|&(_, suspect)| suspect) {
+                passage::check(&self.constraint, lane, h, body, [from, to])?;
+            }
+        }
+        Ok(())
     }
 
     fn equations(&self) -> usize {

@@ -1,0 +1,186 @@
+//! Whether equations are smooth between two places: where an argument of `abs`, `min`, `if` … has another sign at the end than
+//! at the start, the normals on both sides of the place where it changes are compared.
+//!
+//! ```text
+//! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart
+//! jump = |n(a) − n(b)|             n = ∇g/|∇g|; smooth is a jump of at most τ² between 10⁻⁶ and 1/16,
+//! τ = |n(from) − n(a)| + |n(b) − n(to)|          how far the normal turns otherwise
+//! ```
+//!
+//! A jump of θ changes an energy by some θ², at each crossing to another side; turns of τ in a step have errors of τ². The line
+//! leaves the surface by an eighth of τ times its length, and there functions that agree on the surface need not have the same
+//! normal: less than τ² is no jump. The same goes for g itself, as a length in units of the way.
+
+use crate::kernel::functions::ConstraintKernel;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{add_scaled, dot};
+
+/// Arguments that are compared at a time.
+const PAGE: usize = 32;
+/// Halvings of the way until its two sides are compared: smooth normals differ there by some 10⁻⁶ of a turn.
+const HALVINGS: u32 = 20;
+/// Smaller jumps change an energy by less than 10⁻¹² of itself.
+const SMALLEST: f64 = 1e-6;
+/// Larger ones are jumps however far the normal turns in the step.
+const LARGEST: f64 = 1.0 / 16.0;
+
+/// Where the normal of an equation jumps.
+pub(crate) struct Kink {
+    /// What changes its sign there.
+    pub(crate) argument: &'static str,
+    pub(crate) equation: usize,
+    /// The part of the way that lies before it.
+    pub(crate) share: f64,
+    pub(crate) place: Vec<f64>,
+    /// The angle by which the normal jumps.
+    pub(crate) angle: f64,
+    /// How far the surface jumps.
+    pub(crate) gap: f64,
+}
+
+/// In which lanes an argument has another sign at one place than at the other. Nothing at all where equations have no kinks.
+#[inline(always)]
+pub(crate) fn sign_changes<T, K, const D: usize, const M: usize>(
+    kernel: &K,
+    from: &[T; D],
+    to: &[T; D],
+) -> T::Mask
+where
+    T: Real,
+    K: ConstraintKernel<T, D, M>,
+{
+    let mut changes = of_page(kernel, 0, from, to);
+    if const { K::KINKS.len() > PAGE } {
+        for first in (PAGE..K::KINKS.len()).step_by(PAGE) {
+            changes = changes.or(of_page(kernel, first, from, to));
+        }
+    }
+    changes
+}
+
+/// In which lanes one of the arguments from this one on may have another sign; a product that is too small for a float is
+/// taken for one.
+#[inline(always)]
+fn of_page<T, K, const D: usize, const M: usize>(
+    kernel: &K,
+    first: usize,
+    from: &[T; D],
+    to: &[T; D],
+) -> T::Mask
+where
+    T: Real,
+    K: ConstraintKernel<T, D, M>,
+{
+    let zero = T::from_f64(0.0);
+    let (mut before, mut after) = ([zero; PAGE], [zero; PAGE]);
+    kernel.kinks(from, first, &mut before);
+    kernel.kinks(to, first, &mut after);
+    let mut changes = zero.lt(zero);
+    for i in 0..if K::KINKS.len() < PAGE { K::KINKS.len() } else { PAGE } {
+        let (was, is) = (before[i], after[i]);
+        let same = zero.lt(was * is).or(was.le(is).and(is.le(was)));
+        changes = changes.or(same.not());
+    }
+    changes
+}
+
+/// The first place on the way where the normal of an equation jumps, in this lane.
+#[cold]
+#[inline(never)]
+pub(crate) fn first_kink<T, K, const D: usize, const M: usize>(
+    kernel: &K,
+    lane: usize,
+    from: &[f64; D],
+    to: &[f64; D],
+) -> Option<Kink>
+where
+    T: Real,
+    K: ConstraintKernel<T, D, M>,
+{
+    let way = Way { kernel, lane, from, change: add_scaled(to, -1.0, from) };
+    let kinks = (0..K::KINKS.len()).filter_map(|number| way.kink::<T, M>(number));
+    kinks.min_by(|a, b| a.share.total_cmp(&b.share))
+}
+
+/// A straight way between two places.
+struct Way<'a, K, const D: usize> {
+    kernel: &'a K,
+    lane: usize,
+    from: &'a [f64; D],
+    change: [f64; D],
+}
+
+/// g as a length, and ∇g/|∇g|.
+type Side<const D: usize> = (f64, [f64; D]);
+
+impl<K, const D: usize> Way<'_, K, D> {
+    fn at(&self, share: f64) -> [f64; D] {
+        add_scaled(self.from, share, &self.change)
+    }
+
+    fn number<T: Real>(&self, x: T) -> f64 {
+        x.lanes().nth(self.lane).unwrap_or(f64::NAN)
+    }
+
+    /// The sign of an argument, −1, 0 or 1.
+    fn sign<T: Real, const M: usize>(&self, number: usize, share: f64) -> i8
+    where
+        K: ConstraintKernel<T, D, M>,
+    {
+        let mut found = [T::from_f64(0.0)];
+        self.kernel.kinks(&self.at(share).map(T::from_f64), number, &mut found);
+        let argument = self.number(found[0]);
+        i8::from(argument > 0.0) - i8::from(argument < 0.0)
+    }
+
+    fn side<T: Real, const M: usize>(&self, share: f64) -> [Side<D>; M]
+    where
+        K: ConstraintKernel<T, D, M>,
+    {
+        let (g, gradients) = self.kernel.value_and_jacobian(&self.at(share).map(T::from_f64));
+        std::array::from_fn(|equation| {
+            let gradient = gradients[equation].map(|x| self.number(x));
+            let length = dot(&gradient, &gradient).sqrt();
+            (self.number(g[equation]) / length, gradient.map(|x| x / length))
+        })
+    }
+
+    /// Where this argument changes its sign, if a normal jumps there.
+    fn kink<T: Real, const M: usize>(&self, number: usize) -> Option<Kink>
+    where
+        K: ConstraintKernel<T, D, M>,
+    {
+        let before = self.sign::<T, M>(number, 0.0);
+        if self.sign::<T, M>(number, 1.0) == before {
+            return None;
+        }
+        let (mut a, mut b) = (0.0, 1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (a + b);
+            *(if self.sign::<T, M>(number, middle) == before { &mut a } else { &mut b }) = middle;
+        }
+        let [start, last, first, end] = [0.0, a, b, 1.0].map(|share| self.side::<T, M>(share));
+        let length = dot(&self.change, &self.change).sqrt();
+        (0..M).find_map(|equation| {
+            let turn = distance(&start[equation].1, &last[equation].1)
+                + distance(&first[equation].1, &end[equation].1);
+            let smooth = (turn * turn).clamp(SMALLEST, LARGEST);
+            let jump = distance(&last[equation].1, &first[equation].1);
+            let gap = (last[equation].0 - first[equation].0).abs();
+            let jumps = jump > smooth || gap > smooth * length;
+            jumps.then(|| Kink {
+                argument: K::KINKS[number],
+                equation,
+                share: b,
+                place: self.at(b).to_vec(),
+                angle: 2.0 * (0.5 * jump).min(1.0).asin(),
+                gap,
+            })
+        })
+    }
+}
+
+fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    let difference = add_scaled(a, -1.0, b);
+    dot(&difference, &difference).sqrt()
+}

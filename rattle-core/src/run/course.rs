@@ -1,0 +1,58 @@
+//! What is looked at after each whole step: kinks, and with methods that have no structure, whether the step can be one of the motion.
+//!
+//! RATTLE and its relatives follow the root of their position equation and know where it ends. A power series or an explicit method
+//! knows nothing of the constraint on its way: near a singular point, where normals turn at once, it leads anywhere, and is
+//! projected from there. Its kinetic energy then comes from nowhere.
+
+use crate::error::StepFailure;
+use crate::motion::bodies::Saved;
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::motion::system::{BodiesOf, System};
+use crate::number::vector::dot;
+
+/// Kinetic energy that grows to more than so many times of what was there, and of what forces gave, comes from nowhere: accurate
+/// steps stay within a small part of 1.
+const FROM_NOWHERE: f64 = 4.0;
+
+/// Looks at a whole step of a method.
+#[inline(always)]
+pub(super) fn check<S: Method, Y: System<f64, D>, const D: usize>(
+    method: &S,
+    system: &Y,
+    before: &Saved<Y::Count, f64, D>,
+    now: &BodiesOf<Y, f64, D>,
+) -> Result<(), Failure> {
+    system.check_kinks(before, now)?;
+    if const { S::HAS_STRUCTURE } {
+        return Ok(());
+    }
+    system.check_normals(method.step_size(), before, now)?;
+    let (was, is) = (system.kinetic_energy(before), system.kinetic_energy(now));
+    if is > FROM_NOWHERE * was && !system.moves_with_time() {
+        return account(method.step_size(), system, before, now, [was, is]);
+    }
+    Ok(())
+}
+
+/// Compares the kinetic energies with what forces and constraints gave. Evaluates potentials, which may allocate.
+#[cold]
+#[inline(never)]
+fn account<Y: System<f64, D>, const D: usize>(
+    h: f64,
+    system: &Y,
+    before: &Saved<Y::Count, f64, D>,
+    now: &BodiesOf<Y, f64, D>,
+    [was, is]: [f64; 2],
+) -> Result<(), Failure> {
+    let given = (system.potential_energy(before) - system.potential_energy(now)).abs()
+        + (now.work - before.work).abs();
+    let from_nowhere = is > FROM_NOWHERE * (was + given);
+    if !from_nowhere {
+        return Ok(());
+    }
+    let energy = |body: usize| dot(&now.p.as_ref()[body], &system.velocity(now, body));
+    let bodies = 0..now.p.as_ref().len();
+    let body = bodies.fold(0, |most, body| if energy(body) > energy(most) { body } else { most });
+    Err(Failure { body, cause: StepFailure::EnergyFromNowhere { h, before: was, after: is, given } })
+}

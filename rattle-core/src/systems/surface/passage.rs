@@ -1,0 +1,55 @@
+//! Whether a step has passed a singular point: straight on, while the normal turned over.
+//!
+//! Where a smooth surface turns its normal over, the motion turns with it, or the normal turns on the way, as along a twisted strip.
+//! Through the apex of a cone the motion goes straight on, and the normal is the same until there, and the opposite from there on. So a
+//! part of the step at whose ends normals are opposed is halved; at a singular point one half always is again.
+
+use crate::error::StepFailure;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Body;
+use crate::motion::failure::Failure;
+use crate::number::real::Real;
+use crate::number::vector::dot;
+use std::array::from_fn;
+
+/// Halvings of a step: a singular point is passed within a sixteenth of it. A strip may twist four times in one.
+const HALVINGS: usize = 4;
+
+/// Looks for a singular point between two places of a body in a lane, a time h apart, at which normals are opposed.
+#[cold]
+#[inline(never)]
+pub(super) fn check<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
+    constraint: &K,
+    lane: usize,
+    h: f64,
+    body: usize,
+    ends: [Body<T, D>; 2],
+) -> Result<(), Failure> {
+    let number = |x: T| x.lanes().nth(lane).unwrap_or(f64::NAN);
+    let [from, to] = ends.map(|body| body.map(number));
+    // Hermite's cubic through places and velocities.
+    let place = |s: f64| -> [f64; D] {
+        let r = 1.0 - s;
+        let [a, b, c, d] = [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s];
+        from_fn(|i| a * from.q[i] + b * to.q[i] + c * from.p[i] + d * to.p[i])
+    };
+    let normal = |s: f64| {
+        let [gradient] = constraint.jacobian(&place(s).map(T::from_f64));
+        gradient.map(number)
+    };
+    let (mut start, mut end) = ((0.0, normal(0.0)), (1.0, normal(1.0)));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (start.0 + end.0);
+        let there = (middle, normal(middle));
+        if dot(&start.1, &there.1) <= 0.0 {
+            end = there;
+        } else if dot(&there.1, &end.1) <= 0.0 {
+            start = there;
+        } else {
+            return Ok(());
+        }
+    }
+    let (share, gradient) = if dot(&start.1, &start.1) < dot(&end.1, &end.1) { start } else { end };
+    let position = place(share).to_vec();
+    Err(Failure { body, cause: StepFailure::NoNormal { position, gradient: gradient.to_vec() } })
+}

@@ -1,0 +1,352 @@
+//! Kinks: where the normal of a constraint jumps no step leads across, and where only its curvature does, steps go on.
+//!
+//! | constraint | what happens where its argument changes sign | expected |
+//! |---|---|---|
+//! | roof, octahedron, cube, a step of a floor | the normal turns, or the surface ends | an error that names argument, place, step |
+//! | abs(x)^3, x abs(x), max(x, 0)^2, a capsule, c g with another c | the curvature or the scale jumps | goes on |
+//! | rods by sums of sides, in a chain, moving | as on surfaces | an error that names the link |
+//! | potentials abs(x) | the force jumps | goes on, energy to first order |
+
+mod common;
+use common::*;
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::Error;
+use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::ensemble::{Compensated, Double, Precision, Single};
+use rattle::error::StepFailure;
+use rattle::kernel::ConstraintKernel;
+use rattle::prelude::*;
+
+constraint! {
+    /// Two planes that meet in a ridge.
+    struct Roof { slope }
+    |x, _y, z| z + slope * abs(x)
+}
+constraint! {
+    /// The octahedron.
+    struct Octahedron { r }
+    |x, y, z| abs(x) + abs(y) + abs(z) - r
+}
+constraint! {
+    /// The cube.
+    struct Cube { r }
+    |x, y, z| max(abs(x), abs(y), abs(z)) - r
+}
+constraint! {
+    /// A floor with a step.
+    struct Stairs { height }
+    |x, _y, z| z - height * sign(x)
+}
+constraint! {
+    /// A plane that begins to rise.
+    struct Ramp { slope }
+    |x, y, z| { let across = x + y; if across < 1 { z } else { z - slope * (across - 1) } }
+}
+
+/// The step that failed, its argument, the share of the step and the angle by which the normal turns, in degrees.
+fn kink(error: Error) -> (u64, &'static str, f64, f64) {
+    match error {
+        Error::Step { step, cause: StepFailure::Kink { argument, share, angle, .. }, .. } => {
+            (step, argument, share, angle.to_degrees())
+        }
+        other => panic!("{other}"),
+    }
+}
+
+/// From the left, straight on without a force: the step in which x = 0 is crossed is known.
+#[test]
+fn the_step_across_a_ridge_is_an_error() {
+    for slope in [1e-3, 0.1, 0.5, 1.0, -0.5, 5.0] {
+        for h in [1e-4, 0.01, 0.033, 0.3] {
+            let scene = Scene::on(Roof { slope });
+            let start = State::at([-1.0, 0.0, -slope]).moving([0.7, 0.3, 0.7 * slope]);
+            let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+            let error = simulation.run(1_000_000).unwrap_err();
+            let text = error.to_string();
+            let (step, argument, share, angle) = kink(error);
+            let exact = 1.0 / (0.7 * h); // no whole number of steps
+            assert_eq!((step, argument), (exact.ceil() as u64, "x"), "slope {slope}, h = {h}");
+            assert!((share - exact.fract()).abs() < 1e-5, "{share} {}", exact.fract());
+            assert!((angle - 2.0 * slope.abs().atan().to_degrees()).abs() < 1e-9, "{angle}");
+            assert!(
+                text.contains("where `x` changes its sign") && text.contains("sqrt(x^2 + eps^2)"),
+                "{text}"
+            );
+            assert_eq!(simulation.steps(), step - 1, "the simulation is as before the step");
+            assert!(simulation.energy_error().abs() < 1e-12 && simulation.position().x < 0.0);
+        }
+    }
+}
+
+/// Flat sides, ways straight: until the error energy is kept to rounding, however the edges are met.
+fn ends_at_an_edge<C: Constraint<3, 1> + Copy + 'static>(surface: C, arguments: &[&str], degrees: f64) {
+    let (scene, mut random) = (Scene::on(surface), StdRng::seed_from_u64(4));
+    let mut ended = 0;
+    while ended < 200 {
+        let mut draw = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let Ok(start) = scene.project(&State::at(draw()).moving(draw())) else { continue };
+        let h = random.random_range(1e-3..0.1);
+        let Ok(mut simulation) = scene.simulate(start, Rattle::new(h)) else { continue };
+        let (_, argument, _, angle) = kink(simulation.run(1_000_000).unwrap_err());
+        assert!(arguments.contains(&argument), "{argument}");
+        assert!((angle - degrees).abs() < 0.1, "{angle}");
+        assert!(simulation.energy_error().abs() < 1e-12, "{:e}", simulation.energy_error());
+        ended += 1;
+    }
+}
+
+#[test]
+fn edges_of_polyhedra_are_errors() {
+    ends_at_an_edge(Octahedron { r: 1.0 }, &["x", "y", "z"], (1.0_f64 / 3.0).acos().to_degrees());
+    ends_at_an_edge(Cube { r: 1.0 }, &["abs(x) - abs(y)", "max(abs(x), abs(y)) - abs(z)"], 90.0);
+}
+
+#[test]
+fn steps_of_a_floor_and_branches_are_errors() {
+    let scene = Scene::on(Stairs { height: 0.01 });
+    let start = State::at([-1.0, 0.0, -0.01]).moving([1.0, 0.0, 0.0]);
+    let error = scene.simulate(start, Rattle::new(0.03)).unwrap().run(1000).unwrap_err();
+    assert!(error.to_string().contains("the surface goes on 2.0e-2 away"), "{error}");
+    assert_eq!(kink(error).0, 34);
+
+    let start = State::at([-1.0, 0.0, 0.0]).moving([1.0, 0.5, 0.0]);
+    let mut simulation = Scene::on(Ramp { slope: 0.2 }).simulate(start, Rattle::new(0.03)).unwrap();
+    let (step, argument, ..) = kink(simulation.run(1000).unwrap_err());
+    assert_eq!((step, argument), (45, "across - 1"));
+}
+
+fn roof_by<S: Method>(method: &S) {
+    let scene = Scene::on(Roof { slope: 0.5 });
+    let start = State::at([-1.0, 0.0, -0.5]).moving([1.0, 0.3, 0.5]);
+    let mut simulation = scene.simulate(scene.staggered(&start, method), method.clone()).unwrap();
+    let (_, argument, ..) = kink(simulation.run(100_000).unwrap_err());
+    let last = simulation.position().x;
+    assert!(argument == "x" && (-0.031..=1e-12).contains(&last), "{}: {argument}, x = {last}", method.name());
+}
+
+#[test]
+fn no_method_goes_across() {
+    let h = 0.03;
+    roof_by(&Rattle::new(h));
+    roof_by(&Rattle::new(h).solved_by(Broyden));
+    roof_by(&Rattle::new(h).guess(Extrapolated));
+    roof_by(&Shake::new(h));
+    roof_by(&SymplecticEuler::new(h));
+    roof_by(&PositionVerlet::new(h));
+    roof_by(&Geodesic::new(4, h));
+    roof_by(&Composition::new(SUZUKI_1990_ORDER_4, h));
+    roof_by(&Lobatto::<3>::new(h));
+    roof_by(&Variable::of(Rattle::new(h), 0.3));
+    roof_by(&Dop853::new(h));
+    roof_by(&Dop853::adaptive(h, 1e-10));
+    roof_by(&Taylor::new(8, h));
+    roof_by(&Taylor::adaptive(12, h, 1e-12));
+    roof_by(&Bdf2::new(h));
+}
+
+constraint! {
+    /// Continuous curvature.
+    struct Cubic {}
+    |x, _y, z| z - abs(x)^3
+}
+constraint! {
+    /// Curvature that changes its sign.
+    struct Wave {}
+    |x, _y, z| z - x * abs(x) / 2
+}
+constraint! {
+    /// Curvature that begins.
+    struct Gutter {}
+    |x, y, z| z - max(x, 0)^2 - max(-x - 1, 0)^2 + 0.1 * min(y, 0)^2
+}
+constraint! {
+    /// A cylinder with two half spheres. Away from the surface g itself jumps where they meet.
+    struct Capsule { half, r }
+    |x, y, z| {
+        if abs(z) < half { x^2 + y^2 - r^2 } else { norm(x, y, abs(z) - half) - r }
+    }
+}
+constraint! {
+    /// A paraboloid, with another factor on each side.
+    struct TwoScales {}
+    |x, y, z| { let g = z - (x^2 + y^2) / 2; if x < 0 { g } else { 10 * g } }
+}
+/// How often the first argument changed its sign in as many steps, and the largest energy error.
+fn goes_on<C: Constraint<3, 1>, S: Method>(
+    surface: C,
+    start: [[f64; 3]; 2],
+    method: S,
+    steps: u32,
+) -> (u32, f64) {
+    let scene = Scene::on(surface).with(Gravity { g: 1.0 });
+    let start = scene.project(&State::at(start[0]).moving(start[1])).unwrap();
+    let mut simulation = scene.simulate(start, method).unwrap();
+    let (mut crossed, mut energy, mut last) = (0, 0.0_f64, simulation.position().x);
+    for _ in 0..steps {
+        simulation.step().unwrap();
+        let now = simulation.position().x;
+        crossed += u32::from((now < 0.0) != (last < 0.0));
+        energy = energy.max(simulation.energy_error().abs());
+        last = now;
+    }
+    (crossed, energy)
+}
+
+#[test]
+fn where_only_the_curvature_jumps_steps_go_on() {
+    let start = [[-0.5, 0.1, 0.2], [0.3, 0.1, 0.0]];
+    for h in [1e-3, 0.01, 0.04] {
+        let steps = (200.0 / h) as u32;
+        let rows = [
+            ("cubic", goes_on(Cubic {}, start, Rattle::new(h), steps)),
+            ("gutter", goes_on(Gutter {}, start, Rattle::new(h), steps)),
+            (
+                "capsule",
+                goes_on(
+                    Capsule { half: 1.0, r: 0.5 },
+                    [[0.5, 0.0, 0.9], [0.0, 1.0, 0.6]],
+                    Rattle::new(h),
+                    steps,
+                ),
+            ),
+            ("two scales", goes_on(TwoScales {}, start, Rattle::new(h), steps)),
+            ("two scales, Lobatto", goes_on(TwoScales {}, start, Lobatto::<3>::new(h), steps)),
+        ];
+        for (name, (crossed, energy)) in rows {
+            println!("{name}, h = {h}: crossed {crossed} times, energy {energy:e}");
+            assert!(crossed > 10 && energy < 40.0 * h * h, "{name}: {crossed}, {energy:e}");
+        }
+        let (crossed, energy) =
+            goes_on(Wave {}, [[-0.5, 0.1, 0.0], [0.9, 0.1, 0.0]], Rattle::new(h), (2.0 / h) as u32);
+        assert!(crossed == 1 && energy < 10.0 * h * h, "{crossed}, {energy:e}");
+    }
+}
+
+constraint! {
+    /// A rod whose length is the sum of its sides.
+    struct Sides { length }
+    |a: [f64; 2], b: [f64; 2]| abs(a[0] - b[0]) + abs(a[1] - b[1]) - length
+}
+constraint! {
+    /// A roof that rises.
+    struct Lift { speed }
+    |x, y, t| y + abs(x) / 2 - speed * t
+}
+
+#[test]
+fn links_are_named() {
+    let scene = Scene::points(3).link(Sides { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
+    let start =
+        State::of([[0.0, 0.0], [0.5, 0.5], [0.91, 1.09]]).with_momenta([[0.0; 2], [0.1, -0.1], [-0.3, 0.3]]);
+    for h in [0.01, 0.07] {
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+        let error = simulation.run(10_000).unwrap_err();
+        let Error::Step { step, cause: StepFailure::Kink { argument, equation, .. }, .. } = &error else {
+            panic!("{error}")
+        };
+        let equation = equation.as_ref().unwrap();
+        assert_eq!((equation.link, equation.member, &equation.bodies[..]), ("Sides", 1, &[1, 2][..]));
+        assert_eq!((*argument, *step), ("a[0] - b[0]", (1.025 / h).ceil() as u64), "{error}");
+        assert!(error.to_string().contains("Sides 1 (bodies 1, 2) has a kink"), "{error}");
+        assert!(simulation.energy_error().abs() < 1e-14);
+    }
+    let lifted = Scene::points(1).link_moving(Lift { speed: 0.1 }, [[0]]);
+    let start = State::at([-1.0, -0.5]).moving([0.9, 0.55]);
+    let mut simulation = lifted.simulate(start, Rattle::new(0.01)).unwrap();
+    assert_eq!(kink(simulation.run(10_000).unwrap_err()).1, "x");
+}
+
+fn lanes<P: Precision>(precision: P, halvings: u32) {
+    let scene = Scene::on(Roof { slope: 0.5 });
+    let starts = (0..70).map(|i| {
+        let speed = if i % 7 == 3 { 0.3 + 0.01 * f64::from(i) } else { -1.0 };
+        scene.project(&State::at([-1.0, 0.0, -0.5]).moving([speed, 0.3, 0.5 * speed])).unwrap()
+    });
+    let starts: Vec<_> = starts.collect();
+    let mut ensemble =
+        scene.ensemble_in(precision, starts.clone(), Rattle::new(0.01)).unwrap().retry(halvings);
+    ensemble.run(2000);
+    assert_eq!(ensemble.failures().count(), 10);
+    for (i, error) in ensemble.failures() {
+        let mut alone = scene.simulate(starts[i].clone(), Rattle::new(0.01)).unwrap();
+        let (step, argument, ..) = kink(alone.run(2000).unwrap_err());
+        let (Error::Step { step: found, cause, .. } | Error::Retried { step: found, cause, .. }) = error
+        else {
+            panic!("{error}")
+        };
+        assert!(matches!(cause, StepFailure::Kink { argument: "x", .. }) && argument == "x", "{cause}");
+        assert_eq!(found, &step, "trajectory {i}");
+        let (state, own) = (ensemble.state(i), alone.position());
+        assert!(
+            distance(state.positions().next().unwrap(), own) < 1e-5,
+            "trajectory {i} rests before the step"
+        );
+        assert!(state.momenta().next().unwrap().norm() < 2.0);
+    }
+}
+
+#[test]
+fn lanes_end_as_simulations_do() {
+    lanes(Double, 0);
+    lanes(Double, 3);
+    lanes(Compensated, 0);
+    lanes(Single, 0);
+}
+
+#[test]
+fn lanes_go_on_where_only_the_curvature_jumps() {
+    let scene = Scene::on(Gutter {}).with(Gravity { g: 1.0 });
+    let start = |i: u32| State::at([-0.5, 0.01 * f64::from(i), 0.2]).moving([0.3, 0.1, 0.0]);
+    let starts = (0..70).map(|i| scene.project(&start(i)).unwrap());
+    let mut ensemble = scene.ensemble(starts, Rattle::new(0.02)).unwrap();
+    ensemble.run(10_000);
+    assert_eq!(ensemble.failures().count(), 0);
+}
+
+/// Twenty particles side by side, of which the seventh crosses.
+#[test]
+fn particles_in_tiles_are_looked_at() {
+    let scene = Scene::on(Roof { slope: 0.5 }).bodies(20);
+    let speed = |i: usize| if i == 7 { 1.0 } else { -0.1 };
+    let start =
+        State::of([[-1.0, 0.0, -0.5]; 20]).with_momenta((0..20).map(|i| [speed(i), 0.0, 0.5 * speed(i)]));
+    let error = scene.simulate(start, Rattle::new(0.03)).unwrap().run(1000).unwrap_err();
+    assert!(matches!(error, Error::Step { step: 34, body: 7, .. }), "{error}");
+    assert_eq!(kink(error).1, "x");
+}
+
+potential! {
+    /// A force that jumps at x = 0.
+    struct Slope { force }
+    |x, _y, _z| force * abs(x)
+}
+
+/// A jump of the force is crossed: the energy error is of first order in the step.
+#[test]
+fn kinks_of_potentials_are_no_errors() {
+    let worst = |h: f64| {
+        let scene = Scene::on(Sphere { r: 1.0 }).with(Slope { force: 1.0 });
+        let mut simulation =
+            scene.simulate(State::at([0.0, 0.0, 1.0]).moving([0.8, 0.4, 0.0]), Rattle::new(h)).unwrap();
+        let mut worst = 0.0_f64;
+        simulation.run_with((100.0 / h) as u64, |now| worst = worst.max(now.energy_error().abs())).unwrap();
+        worst / h
+    };
+    for h in [0.02, 0.01, 0.005] {
+        println!("h = {h}: energy error {:.2} h", worst(h));
+        assert!((0.01..10.0).contains(&worst(h)), "{}", worst(h));
+    }
+}
+
+/// What has no kinks has no list of them: nothing is compared. Roots of what cannot be negative are no kinks.
+#[test]
+fn smooth_constraints_have_no_list() {
+    fn listed<C: Constraint<3, 1>>(_: &C) -> usize {
+        C::Kernel::<f64>::KINKS.len()
+    }
+    assert_eq!(listed(&SURFACE), 0);
+    assert_eq!(listed(&TorusByDistance { major: 2.0, minor: 1.0 }), 0);
+    assert_eq!(listed(&Roof { slope: 0.5 }), 1);
+    assert_eq!(listed(&Octahedron { r: 0.5 }), 3);
+}

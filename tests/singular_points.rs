@@ -1,0 +1,234 @@
+//! Singular points on the way: RATTLE and its relatives end there, and methods that know nothing of the constraint are stopped.
+//!
+//! | way | without a look afterwards | expected |
+//! |---|---|---|
+//! | straight through the apex of a cone | on the other half, energy exact | no normal there, at the step across |
+//! | past the apex by a hundredth of a step | energies of 1e25 and more | an error, or an accurate way around |
+//! | a pinch | an energy of 0.3 becomes 1593 in one step | an error |
+//! | a force that is no number where SHAKE arrives | seen a step later | an error in the step that leads there |
+//! | a lane that fails at an apex, or where a force is no number | | rests where a simulation does |
+//! | long steps, twisted strips, starts from rest, springs | | no error |
+
+mod common;
+use common::distance;
+use rattle::Error;
+use rattle::bodies::One;
+use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::effect::Effects;
+use rattle::ensemble::{Compensated, Double, Precision, Single};
+use rattle::error::StepFailure;
+use rattle::potentials::Gravity;
+use rattle::prelude::*;
+use rattle::surfaces::{Helicoid, Lemniscate, Sphere};
+
+constraint! {
+    /// A double cone.
+    struct Cone {}
+    |x, y, z| x^2 + y^2 - z^2
+}
+
+/// What stopped a run of so long, if anything, and the largest energy error until then.
+fn run<C: Constraint<3, 1>, S: Method>(
+    surface: C,
+    g: f64,
+    start: [[f64; 3]; 2],
+    method: S,
+    time: f64,
+) -> (Option<StepFailure>, f64) {
+    let scene = Scene::on(surface).with(Gravity { g });
+    let start = scene.project(&State::at(start[0]).moving(start[1])).unwrap();
+    let mut simulation = scene.simulate(start, method.clone()).unwrap();
+    let mut energy = 0.0_f64;
+    let end = simulation.run_with((time / method.step_size()) as u64, |now| {
+        energy = energy.max(now.energy_error().abs());
+    });
+    let cause = end.err().map(|error| match error {
+        Error::Step { cause, .. } => cause,
+        other => panic!("{other}"),
+    });
+    (cause, energy)
+}
+
+fn through_the_apex<S: Method>(method: S) {
+    for g in [0.0, 1.0] {
+        let name = method.name();
+        let (cause, energy) = run(Cone {}, g, [[1.0, 0.0, 1.0], [-1.0, 0.0, -1.0]], method.clone(), 2.0);
+        let Some(StepFailure::NoNormal { position, gradient }) = cause else { panic!("{name}: {cause:?}") };
+        assert!(
+            position.iter().chain(&gradient).all(|x| x.abs() < 0.02),
+            "{name}: {position:?}, {gradient:?}"
+        );
+        assert!(energy < 1e-9, "{name}: {energy:e}");
+    }
+}
+
+#[test]
+fn an_apex_is_not_gone_through() {
+    for h in [0.1, 0.03, 0.01] {
+        through_the_apex(Dop853::new(h));
+        through_the_apex(Dop853::adaptive(h, 1e-10));
+        through_the_apex(Taylor::new(4, h));
+        through_the_apex(Taylor::new(10, h));
+        through_the_apex(Taylor::adaptive(12, h, 1e-12));
+        through_the_apex(Bdf2::new(h));
+    }
+}
+
+/// Whatever goes on has an energy of the size that it had: 2, or less than that.
+fn past_the_apex<S: Method>(method: &S, accurate: bool) -> bool {
+    let mut ended = false;
+    for g in [0.0, 1.0] {
+        for aside in [1e-6, 1e-4, 1e-3, 0.05] {
+            let start = [[1.0, 0.0, 1.0], [-1.0, aside, -1.0]];
+            let (cause, energy) = run(Cone {}, g, start, method.clone(), 2.0);
+            let most = if accurate { 1e-6 } else { 20.0 };
+            assert!(
+                energy < most,
+                "{}, h = {}, {aside} aside: {energy:e}",
+                method.name(),
+                method.step_size()
+            );
+            ended |= cause.is_some();
+        }
+    }
+    ended
+}
+
+#[test]
+fn past_an_apex_no_energy_comes_from_nowhere() {
+    for h in [0.1, 0.03] {
+        assert!(past_the_apex(&Dop853::new(h), false));
+        assert!(past_the_apex(&Taylor::new(4, h), false));
+        assert!(past_the_apex(&Taylor::new(10, h), false));
+        assert!(past_the_apex(&Bdf2::new(h), false));
+        past_the_apex(&Dop853::adaptive(h, 1e-10), true);
+        past_the_apex(&Taylor::adaptive(12, h, 1e-12), true);
+    }
+}
+
+#[test]
+fn a_pinch_gives_no_energy() {
+    let pinched = Lemniscate { a: 1.0, r: 0.25 };
+    for h in [0.1, 0.05, 0.03] {
+        for aside in [0.0, 1e-3, 1e-2] {
+            let start = [[0.5, 0.0, 0.2], [0.7, aside, 0.0]];
+            for (cause, energy) in [
+                run(pinched, 1.0, start, Taylor::new(4, h), 3.0),
+                run(pinched, 1.0, start, Taylor::new(10, h), 3.0),
+                run(pinched, 1.0, start, Dop853::new(h), 3.0),
+            ] {
+                assert!(energy < 20.0, "h = {h}, {aside} aside: {energy:e}, {cause:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_error_tells_where_the_energy_is_from() {
+    let start = [[1.0, 0.0, 1.0], [-1.0, 1e-3, -1.0]];
+    let (cause, _) = run(Cone {}, 0.0, start, Taylor::new(10, 0.1), 2.0);
+    let Some(cause @ StepFailure::EnergyFromNowhere { before, after, given, .. }) = cause else {
+        panic!("{cause:?}")
+    };
+    assert!(after > 4.0 * before && given == 0.0, "{cause}");
+    assert!(cause.to_string().contains("look for a singular point"), "{cause}");
+}
+
+/// Long steps that turn the normal over, a strip that twists, starts from rest, and turning points.
+#[test]
+fn what_is_smooth_goes_on() {
+    let around = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    for h in [1.0, 2.0, 3.0, 4.0] {
+        let (cause, energy) = run(Sphere { r: 1.0 }, 0.0, around, Taylor::new(40, h), 100.0);
+        assert!(cause.is_none() && energy < 1e-9, "h = {h}: {cause:?}, {energy:e}");
+        let (cause, energy) = run(Sphere { r: 1.0 }, 1.0, around, Taylor::adaptive(20, h, 1e-13), 100.0);
+        assert!(cause.is_none() && energy < 1e-9, "h = {h}: {cause:?}, {energy:e}");
+        let (cause, energy) =
+            run(Helicoid { c: 1.0 }, 0.0, [[0.0; 3], [0.0, 0.0, 1.0]], Dop853::new(h), 100.0);
+        assert!(cause.is_none() && energy < 1e-9, "h = {h}: {cause:?}, {energy:e}");
+    }
+    let at_rest = [[1.0, 0.0, 0.0], [0.0; 3]];
+    for (cause, _) in [
+        run(Sphere { r: 1.0 }, 1.0, at_rest, Dop853::new(0.1), 100.0),
+        run(Sphere { r: 1.0 }, 1.0, at_rest, Taylor::new(8, 0.1), 100.0),
+        run(Sphere { r: 1.0 }, 1.0, at_rest, Bdf2::new(0.1), 100.0),
+        run(Sphere { r: 1.0 }, 1.0, [[0.6, 0.0, 0.8], [0.0; 3]], Bdf2::new(0.01), 100.0),
+    ] {
+        assert_eq!(cause, None);
+    }
+}
+
+potential! {
+    /// No number beyond x = 0.
+    struct Edge {}
+    |x, _y, _z| sqrt(x)
+}
+
+fn ends_where_the_force_does<S: Method>(method: &S) {
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Edge {});
+    let start = scene.project(&State::at([0.3, 0.0, 1.0]).moving([-1.0, 0.2, 0.0])).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(&start, method), method.clone()).unwrap();
+    let error = simulation.run(1000).unwrap_err();
+    assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
+    assert!(simulation.position().x >= 0.0 && simulation.energy().is_finite(), "{error}");
+
+    let linked = Scene::points(2).link(rattle::links::Rod { length: 1.0 }, [[0, 1]]).with(Edge {});
+    let start = State::of([[0.3, 0.0, 0.0], [0.3, 0.0, 1.0]]).moving([-1.0, 0.0, 0.0]);
+    let mut simulation = linked.simulate(linked.staggered(&start, method), method.clone()).unwrap();
+    let error = simulation.run(1000).unwrap_err();
+    assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
+    assert!(simulation.energy().is_finite(), "{error}");
+}
+
+#[test]
+fn a_force_is_looked_at_in_the_step_that_leads_there() {
+    ends_where_the_force_does(&Rattle::new(0.03));
+    ends_where_the_force_does(&Shake::new(0.03));
+}
+
+/// A lane that fails, between two that go on, rests where a simulation does.
+fn rests<P: Precision, S: Method, C: Constraint<3, 1> + 'static, E: Effects<3> + 'static>(
+    precision: P,
+    method: &S,
+    scene: &Scene<C, E, One, 3>,
+    [fails, goes_on]: [State<3>; 2],
+) {
+    let [fails, goes_on] = [fails, goes_on].map(|start| scene.project(&start).unwrap());
+    let mut alone = scene.simulate(fails.clone(), method.clone()).unwrap();
+    let Err(Error::Step { step, .. }) = alone.run(100) else { panic!("no way") };
+    let mut ensemble =
+        scene.ensemble_in(precision, [goes_on.clone(), fails, goes_on], method.clone()).unwrap();
+    ensemble.run(100);
+    assert_eq!(ensemble.failures().map(|(i, _)| i).collect::<Vec<_>>(), [1]);
+    let Some(Error::Step { step: found, cause, .. }) = ensemble.failure(1) else { panic!("a step") };
+    let state = ensemble.state(1);
+    let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+    assert_eq!(*found, step, "{cause}");
+    assert!(q.iter().chain(p.iter()).all(|x| x.is_finite()), "{}: {q} {p}", method.name());
+    let off = distance(q, alone.position()).max(distance(p, alone.momentum()));
+    assert!(off < 1e-6, "{}: {q} {p}, {off:e}", method.name()); // of Single
+}
+
+#[test]
+fn a_lane_rests_in_its_last_good_state() {
+    let along = |v: f64| State::at([1.0, 0.0, 1.0]).moving([v, 0.0, v]);
+    let cone = Scene::on(Cone {});
+    let edge = Scene::on(Sphere { r: 1.0 }).with(Edge {});
+    for v in [1.0, 0.7] {
+        let pair = || [along(-v), along(v)];
+        rests(Double, &Rattle::new(0.125), &cone, pair());
+        rests(Compensated, &Rattle::new(0.125), &cone, pair());
+        rests(Single, &Rattle::new(0.125), &cone, pair());
+        rests(Double, &PositionVerlet::new(0.125), &cone, pair());
+        rests(Double, &Composition::new(SUZUKI_1990_ORDER_4, 0.125), &cone, pair());
+    }
+    for x in [0.3, 0.0] {
+        let pair = || [State::at([x, 0.0, 1.0]).moving([-1.0, 0.2, 0.0]), State::at([1.0, 0.0, 0.0])];
+        rests(Double, &Rattle::new(0.03), &edge, pair());
+        rests(Compensated, &Rattle::new(0.03), &edge, pair());
+        rests(Single, &Rattle::new(0.03), &edge, pair());
+        rests(Double, &PositionVerlet::new(0.03), &edge, pair());
+        rests(Double, &SymplecticEuler::new(0.03), &edge, pair());
+        rests(Double, &Composition::new(SUZUKI_1990_ORDER_4, 0.03), &edge, pair());
+    }
+}
