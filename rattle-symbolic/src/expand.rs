@@ -10,8 +10,8 @@ use crate::node::Id;
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
-use crate::syntax::{Item, Parameter};
-use proc_macro2::{Literal, TokenStream, TokenTree};
+use crate::syntax::{Item, Parameter, has_attribute};
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 /// The items for an input: always a struct that can be named, and an error for every mistake.
@@ -24,7 +24,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     let sizes = Sizes::of(&item, roots.len());
     if problems.any() || roots.is_empty() {
         let stub = which.stub(&item, &sizes);
-        let report = problems.report();
+        let report = reported(&item, problems);
         return quote!(#stub #report);
     }
     let routines = which.routines(graph, &roots, sizes.variables as u32);
@@ -95,6 +95,12 @@ impl Macro {
     }
 }
 
+/// What is wrong with an item, if it is there at all.
+fn reported(item: &Item, problems: Problems) -> TokenStream {
+    let (conditions, report) = (&item.conditions, problems.report());
+    if conditions.is_empty() { report } else { quote!(#conditions const _: () = { #report };) }
+}
+
 /// The user's struct.
 fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let Item { attributes, visibility, name, .. } = item;
@@ -104,29 +110,23 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
-        let documented = attributes.clone().into_iter().any(is_documentation);
         let note = format!("The parameter `{name}`.");
-        let note = if documented { TokenStream::new() } else { quote!(#[doc = #note]) };
+        let note = if has_attribute(attributes, "doc") { TokenStream::new() } else { quote!(#[doc = #note]) };
         quote!(#attributes #note #visibility #name: #shape)
     });
     quote! {
         #attributes
         #(#[doc = #documentation])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(
+            ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq
+        )]
         #visibility struct #name { #(#fields),* }
     }
 }
 
-/// Whether this is the bracket of `#[doc = …]`.
-fn is_documentation(token: TokenTree) -> bool {
-    let TokenTree::Group(group) = token else { return false };
-    let first = group.stream().into_iter().next();
-    first.is_some_and(|first| matches!(first, TokenTree::Ident(name) if name == "doc"))
-}
-
 fn array_type(shape: &[usize]) -> TokenStream {
     match shape.split_first() {
-        None => quote!(f64),
+        None => quote!(::core::primitive::f64),
         Some((&length, inner)) => {
             let (inner, length) = (array_type(inner), Literal::usize_unsuffixed(length));
             quote!([#inner; #length])

@@ -36,11 +36,15 @@ impl Kernel<'_> {
             Input::Parameter(k) => parameters.get(k as usize).cloned().unwrap_or_default(),
             _ => TokenStream::new(), // a kernel's fields depend on parameters only
         });
+        let conditions = &self.item.conditions;
+        // No other lint of the compiler's looks here, and a crate may forbid to allow one. Clippy's looks at numbers.
+        let quiet = if self.item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
         quote! {
-            #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
-            #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
+            #conditions
+            #quiet
+            #[allow(clippy::approx_constant)]
             const _: () = {
-                #[derive(Clone, Copy, Debug)]
+                #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
                 pub struct #kernel<T> { #declarations }
 
                 #[automatically_derived]
@@ -49,7 +53,7 @@ impl Kernel<'_> {
 
                     #[inline(always)]
                     fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
-                        __lane: impl Fn(usize) -> &'a Self,
+                        __lane: impl ::core::ops::Fn(::core::primitive::usize) -> &'a Self,
                     ) -> #kernel<T>
                     where
                         Self: 'a,
@@ -82,7 +86,7 @@ impl Kernel<'_> {
             #[inline(always)]
             fn map_kernel<T: ::rattle::real::Real, U: ::rattle::real::Real>(
                 __kernel: &#kernel<T>,
-                __number: impl Fn(&T) -> U,
+                __number: impl ::core::ops::Fn(&T) -> U,
             ) -> #kernel<U> {
                 #kernel { #fields }
             }
@@ -98,7 +102,7 @@ impl Kernel<'_> {
         let d = Literal::usize_unsuffixed(self.sizes.variables);
         quote! {
             #[inline(always)]
-            fn acts_along(&self) -> [bool; #d] {
+            fn acts_along(&self) -> [::core::primitive::bool; #d] {
                 [#(#acts),*]
             }
         }
@@ -114,11 +118,12 @@ impl Kernel<'_> {
         let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
         quote! {
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> usize {
+            fn kinks(&self, __q: &[T; #d], __found: &mut [T]) -> ::core::primitive::usize {
                 #statements
                 let __values = [#(#values),*];
-                let __count = if __found.len() < #count { __found.len() } else { #count };
-                __found[..__count].copy_from_slice(&__values[..__count]);
+                let __room = <[T]>::len(__found);
+                let __count = if __room < #count { __room } else { #count };
+                <[T]>::copy_from_slice(&mut __found[..__count], &__values[..__count]);
                 #count
             }
         }
@@ -137,8 +142,8 @@ impl Kernel<'_> {
         let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
         quote! {
             #[inline(always)]
-            fn series(&self) -> Option<usize> {
-                Some(#blocks)
+            fn series(&self) -> ::core::option::Option<::core::primitive::usize> {
+                ::core::option::Option::Some(#blocks)
             }
 
             #[inline(always)]

@@ -15,7 +15,7 @@ use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::parse::{ParseStream, Parser as _, Result};
 use syn::punctuated::Punctuated;
-use syn::{Attribute, LitInt, Path, Token, Visibility, braced, bracketed, token};
+use syn::{Attribute, LitInt, Meta, Path, Token, Visibility, braced, bracketed, token};
 
 /// The item, as far as it could be read.
 pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item> {
@@ -35,7 +35,9 @@ pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item
 }
 
 fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
-    let attributes = input.call(Attribute::parse_outer)?.into_iter().filter_map(underived).collect();
+    let attributes = input.call(Attribute::parse_outer)?;
+    let conditions = attributes.iter().filter_map(condition).collect();
+    let attributes = attributes.into_iter().filter_map(underived).collect();
     let visibility: Visibility = input.parse()?;
     if !input.peek(Token![struct]) {
         return Err(input.error("expected `pub struct Name { parameters }` before the expression"));
@@ -62,6 +64,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     }
     let mut item = Item {
         attributes,
+        conditions,
         visibility: visibility.into_token_stream(),
         name,
         parameters,
@@ -84,12 +87,18 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     Ok(item)
 }
 
-fn attributes(input: ParseStream) -> Result<TokenStream> {
-    Ok(input
-        .call(Attribute::parse_outer)?
-        .into_iter()
-        .map(|attribute| attribute.into_token_stream())
-        .collect())
+/// What of the attribute decides whether the struct is there.
+fn condition(attribute: &Attribute) -> Option<TokenStream> {
+    if attribute.path().is_ident("cfg") {
+        return Some(attribute.to_token_stream());
+    }
+    let list = attribute
+        .path()
+        .is_ident("cfg_attr")
+        .then(|| attribute.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated).ok())??;
+    let predicate = list.first()?;
+    let conditions: Vec<&Meta> = list.iter().skip(1).filter(|meta| meta.path().is_ident("cfg")).collect();
+    (!conditions.is_empty()).then(|| quote!(#[cfg_attr(#predicate, #(#conditions),*)]))
 }
 
 /// What every struct derives anyway.
@@ -133,7 +142,13 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
 }
 
 fn parameter(fields: ParseStream, problems: &mut Problems) -> Result<Parameter> {
-    let attributes = attributes(fields)?;
+    let attributes = fields.call(Attribute::parse_outer)?;
+    if let Some(attribute) = attributes.iter().find(|attribute| condition(attribute).is_some()) {
+        let message = "a formula has all of its parameters; put `cfg` before the struct, and write it once for each case";
+        problems.note_syntax(syn::Error::new_spanned(attribute, message));
+    }
+    let attributes = attributes.into_iter().filter(|attribute| condition(attribute).is_none());
+    let attributes = attributes.map(ToTokens::into_token_stream).collect();
     let visibility = match fields.parse()? {
         Visibility::Inherited => quote!(pub),
         given => given.into_token_stream(),
