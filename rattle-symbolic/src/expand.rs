@@ -4,6 +4,7 @@ use crate::emit::Emitter;
 use crate::formula::{self, Names};
 use crate::graph::Graph;
 use crate::kernel::Kernel;
+use crate::limits::TooLarge;
 use crate::lower::{Lowered, lower};
 use crate::macros::{Macro, Sizes};
 use crate::node::Id;
@@ -23,11 +24,15 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     which.check(&item, &mut problems);
     let sizes = Sizes::of(&item, roots.len());
     if problems.any() || roots.is_empty() {
-        let stub = which.stub(&item, &sizes);
-        let report = reported(&item, problems);
-        return quote!(#stub #report);
+        return which.refused(&item, &sizes, problems);
     }
-    let routines = which.routines(graph, &roots, sizes.variables as u32);
+    let routines = match which.routines(graph, &roots, sizes.variables as u32) {
+        Ok(routines) => routines,
+        Err(large) => {
+            problems.note_at(&item.name, large);
+            return which.refused(&item, &sizes, problems);
+        }
+    };
     let documentation = which.documentation(&item, &sizes, &routines, named);
     let structure = structure(&item, &documentation);
     let emitter = Emitter::new(&routines);
@@ -37,7 +42,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
 }
 
 impl Macro {
-    fn routines(self, graph: Graph, roots: &[Id], variables: u32) -> Routines {
+    fn routines(self, graph: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
         match self {
             Macro::Constraint => routine::constraint(graph, roots, variables),
             Macro::Potential => routine::potential(graph, roots[0], variables),
@@ -78,6 +83,12 @@ impl Macro {
             .collect();
         lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
         lines
+    }
+
+    /// What stands in for an item in which something is wrong, and what that is.
+    fn refused(self, item: &Item, sizes: &Sizes, problems: Problems) -> TokenStream {
+        let (stub, report) = (self.stub(item, sizes), reported(item, problems));
+        quote!(#stub #report)
     }
 
     /// The struct, and functions that only satisfy the compiler, so that no second wave of errors follows.

@@ -165,14 +165,17 @@ impl Kernel<'_> {
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {
-        let roots = self.routines.named(method.name).map_or(&[][..], |routine| &routine.roots);
+        let signature = method.signature();
+        let Some(routine) = self.routines.named(method.name) else {
+            return quote!(#signature { loop {} }); // a stub's, called by nobody
+        };
+        let roots = &routine.roots;
         let large = self.routines.operations(roots) > LARGE;
         let kernel = self.name();
         let arguments = method.arguments();
         let frame = Frame { kernel: &kernel, arguments: &arguments };
         let statements = self.emitter.body(roots, &which.spelling(self.sizes), large.then_some(&frame));
         let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
-        let signature = method.signature();
         let hint = if large {
             quote!(#[inline]) // a copy at each call would cost the compiler more than the call
         } else {

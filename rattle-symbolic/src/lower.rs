@@ -5,6 +5,7 @@
 use crate::arithmetic::{Arithmetic, Condition};
 use crate::call::{Callee, Exponent};
 use crate::graph::Graph;
+use crate::limits::{MOST, STEPS, TooLarge};
 use crate::macros::Expectation;
 use crate::names::{CONSTANTS, Role, Scope};
 use crate::node::{Comparison, Id, Input};
@@ -15,9 +16,6 @@ use crate::value::{Value, described};
 use proc_macro2::Ident;
 use std::rc::Rc;
 
-/// The size where an expression is no longer one: half a million operations.
-const LARGEST: usize = 1 << 19;
-
 struct Lowering<'a> {
     graph: &'a mut Graph,
     problems: &'a mut Problems,
@@ -25,6 +23,8 @@ struct Lowering<'a> {
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
     rounds: usize,
+    /// Expressions read so far, in every round of a loop.
+    steps: usize,
     /// Whether something could not be read, so that what seems unused may have been meant.
     unreadable: bool,
     exhausted: bool,
@@ -51,6 +51,7 @@ pub(crate) fn lower(
         scope: Scope::default(),
         named: Vec::new(),
         rounds: 0,
+        steps: 0,
         unreadable: false,
         exhausted: false,
     };
@@ -174,11 +175,7 @@ impl Lowering<'_> {
         let start = self.scope.len();
         for index in from..to {
             self.rounds += 1;
-            if self.exhausted || self.rounds > LARGEST {
-                if !self.exhausted {
-                    self.wrong(binder.from.extent.to(binder.to.extent), TOO_LARGE);
-                }
-                self.exhausted = true;
+            if self.exhausted(binder.from.extent.to(binder.to.extent)) {
                 break;
             }
             let value = Value::Number(self.graph.constant(index as f64));
@@ -211,6 +208,7 @@ impl Lowering<'_> {
 
     /// An exact constant of numbers and indices alone.
     fn ratio(&mut self, expr: &Expr) -> Option<Ratio> {
+        self.steps += 1;
         match &expr.kind {
             Kind::Number(_, digits) => Ratio::parse(digits),
             Kind::Name(name) => {
@@ -241,12 +239,26 @@ impl Lowering<'_> {
         }
     }
 
+    /// Whether this has become too much; noted once, where it did.
+    fn exhausted(&mut self, at: Extent) -> bool {
+        if self.exhausted {
+            return true;
+        }
+        let operations = self.graph.len();
+        self.exhausted = operations > MOST || self.steps + self.graph.steps() > STEPS;
+        if operations > MOST {
+            self.wrong(at, TooLarge { written: None, found: operations });
+        } else if self.exhausted {
+            let message =
+                format!("reading the expression takes more than {STEPS} steps; write it with shorter loops");
+            self.wrong(at, message);
+        }
+        self.exhausted
+    }
+
     fn expression(&mut self, expr: &Expr) -> Value {
-        if self.graph.len() > LARGEST {
-            if !self.exhausted {
-                self.wrong(expr.extent, TOO_LARGE);
-            }
-            self.exhausted = true;
+        self.steps += 1;
+        if self.exhausted(expr.extent) {
             return Value::Unknown;
         }
         match &expr.kind {
@@ -490,5 +502,3 @@ impl Lowering<'_> {
 fn parts<'a>(first: &'a Expr, rest: &'a [(Operator, Expr)]) -> impl Iterator<Item = &'a Expr> {
     std::iter::once(first).chain(rest.iter().map(|(_, part)| part))
 }
-
-const TOO_LARGE: &str = "the expression has more than half a million operations; write it with fewer terms";
