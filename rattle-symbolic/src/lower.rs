@@ -9,12 +9,15 @@ use crate::limits::{MOST, STEPS, TooLarge};
 use crate::macros::Expectation;
 use crate::names::{CONSTANTS, Role, Scope};
 use crate::node::{Comparison, Id, Input};
-use crate::problems::{Extent, Problems};
+use crate::problems::{Extent, Problems, rounded};
 use crate::ratio::Ratio;
 use crate::syntax::{Binder, Expr, Item, Kind, Let, Operator, UNKNOWN};
 use crate::value::{Value, described};
 use proc_macro2::Ident;
 use std::rc::Rc;
+
+/// Numbers from here on are no indices.
+const LARGE: f64 = (1_u64 << 62) as f64;
 
 struct Lowering<'a> {
     graph: &'a mut Graph,
@@ -28,6 +31,8 @@ struct Lowering<'a> {
     /// Whether something could not be read, so that what seems unused may have been meant.
     unreadable: bool,
     exhausted: bool,
+    /// What to say to who writes the time.
+    of_time: &'static str,
 }
 
 /// What an item comes to.
@@ -54,6 +59,7 @@ pub(crate) fn lower(
         steps: 0,
         unreadable: false,
         exhausted: false,
+        of_time: expected.of_time,
     };
     let roots = lowering.item(item, expected);
     Lowered { roots, named: lowering.named }
@@ -196,11 +202,18 @@ impl Lowering<'_> {
                 }
             },
             None => {
-                if !matches!(self.expression(expr), Value::Unknown) {
-                    let message =
-                        "expected a constant index: a whole number or the index of a `sum` or `for`";
-                    self.wrong(expr.extent, message);
-                }
+                let message = match self.expression(expr) {
+                    Value::Unknown => return None,
+                    Value::Number(id)
+                        if self.graph.number(id).is_some_and(|number| number.abs() >= LARGE) =>
+                    {
+                        let found = rounded(self.graph.number(id).unwrap_or(LARGE));
+                        format!("expected a whole number below {}, found {found}", rounded(LARGE))
+                    }
+                    _ => "expected a constant index: a whole number or the index of a `sum` or `for`"
+                        .to_owned(),
+                };
+                self.wrong(expr.extent, message);
                 None
             }
         }
@@ -308,7 +321,14 @@ impl Lowering<'_> {
             return Value::Number(self.graph.constant(*value));
         }
         self.unreadable = true;
-        self.scope.unknown(self.problems, at, &text, Callee::named(&text).is_some());
+        let about = match &text[..] {
+            _ if Callee::named(&text).is_some() => {
+                format!("; the function `{text}` needs its argument in parentheses")
+            }
+            "t" | "time" => format!("; {}", self.of_time),
+            _ => String::new(),
+        };
+        self.scope.unknown(self.problems, at, &text, &about);
         Value::Unknown
     }
 

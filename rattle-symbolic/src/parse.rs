@@ -8,9 +8,9 @@
 //! ```
 
 use crate::parse_expression::Parser;
-use crate::problems::Problems;
+use crate::problems::{Problems, shortened};
 use crate::syntax::{Item, Parameter, Shape, UNKNOWN, Variable};
-use crate::tokens::drain;
+use crate::tokens::{DEEPEST, drain, name, too_deep};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::parse::{ParseStream, Parser as _, Result};
@@ -19,6 +19,12 @@ use syn::{Attribute, LitInt, Meta, Path, Token, Visibility, braced, bracketed, t
 
 /// The item, as far as it could be read.
 pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item> {
+    if let Some(span) = too_deep(&tokens) {
+        let message =
+            format!("brackets nest more than {DEEPEST} deep here; give the inner part a name with `let`");
+        problems.note_syntax(syn::Error::new(span, message));
+        return None;
+    }
     let mut found = None;
     let parsed = (|input: ParseStream| {
         let result = item(input, problems);
@@ -43,7 +49,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
         return Err(input.error("expected `pub struct Name { parameters }` before the expression"));
     }
     input.parse::<Token![struct]>()?;
-    let name: Ident = input.parse()?;
+    let name = name(input)?;
     if input.peek(Token![<]) {
         problems
             .note_syntax(input.error("generics are not supported; the parameters of a formula are `f64`"));
@@ -125,7 +131,9 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
             Ok(parameter) => list.push(parameter),
             Err(error) => {
                 problems.note_syntax(error);
-                drain(fields);
+                while !fields.is_empty() && !fields.peek(Token![,]) {
+                    let _ = fields.parse::<TokenTree>();
+                }
             }
         }
         if fields.is_empty() {
@@ -153,7 +161,7 @@ fn parameter(fields: ParseStream, problems: &mut Problems) -> Result<Parameter> 
         Visibility::Inherited => quote!(pub),
         given => given.into_token_stream(),
     };
-    Ok(Parameter { attributes, visibility, name: fields.parse()?, shape: optional_shape(fields, problems) })
+    Ok(Parameter { attributes, visibility, name: name(fields)?, shape: optional_shape(fields, problems) })
 }
 
 fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable>> {
@@ -168,7 +176,7 @@ fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable
     input.parse::<Token![|]>()?;
     let mut list = Vec::new();
     while !input.peek(Token![|]) {
-        let name: Ident = input.parse()?;
+        let name = name(input)?;
         let shape = optional_shape(input, problems);
         list.push(Variable { name, shape });
         if input.peek(Token![,]) {
@@ -240,7 +248,8 @@ fn read_shape(input: ParseStream, shape: &mut Shape, problems: &mut Problems) ->
     shape[place] = length.base10_parse().unwrap_or(0);
     let size = shape[place..].iter().try_fold(1_usize, |size, &n| size.checked_mul(n)).unwrap_or(usize::MAX);
     if size == 0 || size > LARGEST {
-        let message = format!("expected a length from 1 up to {LARGEST} components in all, found `{length}`");
+        let found = shortened(&length.to_string());
+        let message = format!("expected a length from 1 up to {LARGEST} components in all, found `{found}`");
         return Err(syn::Error::new_spanned(length, message));
     }
     if !inside.is_empty() {

@@ -22,11 +22,39 @@ fn too_deep() {
         format!("y + {} x {}", "{ let a = x; a + ".repeat(300), "}".repeat(300)),
         format!("y + {} x", "if x < 1 { y } else ".repeat(1000)),
         format!("y + {}x{}", "sum(i in 0..2, ".repeat(300), ")".repeat(300)),
+        format!("y + {} x", "- ".repeat(100_000)),
+        format!("y + {} 2", "x ^ ".repeat(100_000)),
+        format!("y + x{}", ".sin()".repeat(100_000)),
+        format!("y + x{}", "[0]".repeat(100_000)),
+        format!("y + {} x", "if x < 1 { y } else ".repeat(100_000)),
+        format!("y + {} x", "sqrt ".repeat(100_000)),
+        format!("y + x {}", "= y ".repeat(100_000)),
+        format!("y + {}x{}", "2^(".repeat(300), ")".repeat(300)),
+        format!("y + {}x{}", "x[".repeat(300), "]".repeat(300)),
     ];
     for row in rows {
         let result = expanded(&row);
         assert!(result.contains("nested too deeply"), "{}: {}", &row[..40], &result[..result.len().min(400)]);
         assert!(result.contains("struct A"), "a stub stands in");
+    }
+}
+
+/// Brackets this deep would exhaust the stack of whoever looks into them.
+#[test]
+fn brackets_without_end() {
+    let n = 100_000;
+    for (open, close) in
+        [("(", ")"), ("[", "]"), ("{", "}"), ("sin(", ")"), ("x[", "]"), ("if ({", "}) < 1 { x } else { y }")]
+    {
+        let result = expanded(&format!("y + {}x{}", open.repeat(n), close.repeat(n)));
+        assert!(result.contains("brackets nest more than"), "{open}: {}", &result[..result.len().min(400)]);
+    }
+    for place in
+        ["#[doc{}] struct A { a } |x| a * x", "struct A { a: {} } |x| a * x", "struct A {} |x: {}| x"]
+    {
+        let input = place.replace("{}", &format!("{}f64{}", "[".repeat(n), "]".repeat(n)));
+        let result = expand(Macro::Constraint, input.parse().expect("tokens")).to_string();
+        assert!(result.contains("brackets nest more than"), "{place}");
     }
 }
 
