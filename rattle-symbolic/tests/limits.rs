@@ -58,6 +58,19 @@ fn brackets_without_end() {
     }
 }
 
+/// Thousands of mistakes are not all told, and what stands in for large systems is short.
+#[test]
+fn reports_are_short() {
+    let unknown: String = (0..5000).map(|i| format!(" + unknown{i} * u{i}(x)")).collect();
+    let lets: String = (0..5000).map(|i| format!("let known{i} = x; ")).collect();
+    let result = expanded(&format!("{{ {lets} y {unknown} }}"));
+    let told = result.matches("compile_error").count();
+    assert!(told == 100 && result.len() < 100_000, "{told} mistakes in {} characters", result.len());
+    let large = "struct A {} |x: [f64; 4096]| for i in 0..4096 { x[i] + unknown }";
+    let result = expand(Macro::Constraint, large.parse().expect("tokens")).to_string();
+    assert!(result.contains("unknown name `unknown`") && result.len() < 5000, "{}", result.len());
+}
+
 fn tokens(stream: TokenStream) -> usize {
     let own = |token| match token {
         TokenTree::Group(group) => 2 + tokens(group.stream()),
