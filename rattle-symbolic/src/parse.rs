@@ -152,7 +152,8 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
 fn parameter(fields: ParseStream, problems: &mut Problems) -> Result<Parameter> {
     let attributes = fields.call(Attribute::parse_outer)?;
     if let Some(attribute) = attributes.iter().find(|attribute| condition(attribute).is_some()) {
-        let message = "a formula has all of its parameters; put `cfg` before the struct, and write it once for each case";
+        let message = "a formula has all of its parameters; put `cfg` before the struct, \
+                       and write it once for each case";
         problems.note_syntax(syn::Error::new_spanned(attribute, message));
     }
     let attributes = attributes.into_iter().filter(|attribute| condition(attribute).is_none());

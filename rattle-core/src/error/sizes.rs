@@ -73,10 +73,11 @@ mod tests {
         };
         let space =
             "; `rattle::links` are for points in space, `rattle::links::planar` for points in the plane";
-        let plain = "2 bodies of 10 coordinates have 20: expected a constraint or potential of 20 variables, found one of 6";
+        let plain = "2 bodies of 10 coordinates have 20: expected a constraint or potential of 20 variables, \
+                     found one of 6";
         assert_eq!(message(6, false), format!("{plain}{space}"));
-        let moving = "2 bodies of 10 coordinates have 20, and the time is one more: expected a constraint or potential of 21 \
-                      variables, found one of 20";
+        let moving = "2 bodies of 10 coordinates have 20, and the time is one more: \
+                      expected a constraint or potential of 21 variables, found one of 20";
         assert_eq!(message(20, true), format!("{moving}{space}"));
     }
 }
