@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces, With};
 use crate::effect::moment::Moment;
 use crate::effect::one::Effect;
-use crate::error::{Error, NetworkMistake};
+use crate::error::{Error, NetworkMistake, expect_variables};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::Hold;
@@ -152,12 +152,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         constraint: G,
         members: impl IntoIterator<Item = [usize; A]>,
     ) -> Scene<Network<D>, E, N, D> {
-        const {
-            assert!(
-                K == A * D,
-                "a constraint on A bodies has A times as many variables as a body coordinates"
-            )
-        };
+        const { expect_variables(K, A, D, false) };
         let members = members.into_iter().collect();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
     }
@@ -167,12 +162,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self,
         links: impl IntoIterator<Item = (G, [usize; A])>,
     ) -> Scene<Network<D>, E, N, D> {
-        const {
-            assert!(
-                K == A * D,
-                "a constraint on A bodies has A times as many variables as a body coordinates"
-            )
-        };
+        const { expect_variables(K, A, D, false) };
         let (constraints, members) = links.into_iter().unzip();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(constraints, members)))
     }
@@ -186,10 +176,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         members: impl IntoIterator<Item = [usize; A]>,
     ) -> Scene<Network<D>, E, N, D> {
         const {
-            assert!(
-                A > 0 && K == A * D + 1,
-                "a moving constraint has the variables of its bodies, then the time"
-            )
+            assert!(A > 0, "a moving constraint is one of some body");
+            expect_variables(K, A, D, true)
         };
         let members = members.into_iter().collect();
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
@@ -204,12 +192,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         members: impl IntoIterator<Item = [usize; A]>,
         acting: [[bool; D]; A],
     ) -> Scene<Network<D>, E, N, D> {
-        const {
-            assert!(
-                K == A * D,
-                "a constraint on A bodies has A times as many variables as a body coordinates"
-            )
-        };
+        const { expect_variables(K, A, D, false) };
         let mut links = Links::<_, K, M, A, D>::new(vec![constraint], members.into_iter().collect());
         links.acting = Some(acting);
         self.network(|network| network.with(links))

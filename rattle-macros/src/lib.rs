@@ -25,6 +25,9 @@ use rattle_symbolic::{Macro, expand};
 /// a `#[derive(…)]` of your own, where these four do no harm. There are no generics: parameters are `f64` or
 /// arrays of `f64`.
 ///
+/// A `#[cfg(…)]` goes before the struct, and holds for all that is made for it; parameters have none. All functions
+/// together have at most 80 000 operations, which take the compiler about 10 s.
+///
 /// What is written refers to the crate as `::rattle`, so a dependency under another name in `Cargo.toml` is not
 /// found: with `other = { package = "rattle-rs", … }`, add `extern crate other as rattle;` to the root of the crate.
 ///

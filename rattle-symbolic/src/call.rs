@@ -4,7 +4,7 @@ use crate::arithmetic::Arithmetic;
 use crate::functions::{Binary, Function};
 use crate::graph::Graph;
 use crate::node::Id;
-use crate::problems::{Extent, nearest};
+use crate::problems::{Extent, nearest, rounded};
 use crate::ratio::Ratio;
 use crate::value::{Value, described};
 use proc_macro2::Ident;
@@ -234,11 +234,11 @@ impl Arithmetic<'_> {
         };
         let known = self.graph.number(x);
         let (y, real) = match exponent {
+            Exponent::Exact(ratio) if ratio.value().abs() > STEEPEST as f64 => {
+                let message = format!("the exponent is {ratio}, expected at most {STEEPEST}");
+                return self.wrong(exponent_at, message);
+            }
             Exponent::Exact(ratio) => {
-                if ratio.value().abs() > STEEPEST as f64 {
-                    let message = format!("the exponent is {ratio}, expected at most {STEEPEST}");
-                    return self.wrong(exponent_at, message);
-                }
                 if known == Some(0.0) && ratio.value() < 0.0 {
                     return self.wrong(base_at, "division by zero: this is 0 and the exponent negative");
                 }
@@ -263,6 +263,10 @@ impl Arithmetic<'_> {
             }
             Exponent::Value(Value::Unknown) => return Value::Unknown,
         };
+        if real.abs() > STEEPEST as f64 {
+            let message = format!("the exponent is {}, expected at most {STEEPEST}", rounded(real));
+            return self.wrong(exponent_at, message);
+        }
         if let Some(x) = known
             && real.is_finite()
             && !x.powf(real).is_finite()

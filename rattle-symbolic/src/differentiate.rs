@@ -12,7 +12,7 @@
 
 use crate::algebra::Scaled;
 use crate::functions::{Binary, Function};
-use crate::graph::Graph;
+use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Input, Node};
 use crate::rules::{derivative, derivatives};
 use std::collections::BTreeMap;
@@ -49,18 +49,20 @@ pub struct Calculus<'a> {
     /// The graph, to which derivatives are added.
     pub graph: &'a mut Graph,
     fault: Option<Fault>,
-    /// Derivatives by one variable, for the arms of branches.
-    slopes: BTreeMap<(u32, Id), Scaled>,
+    /// Derivatives by each variable, for the arms of branches.
+    slopes: BTreeMap<u32, BTreeMap<Id, Scaled>>,
+    /// Which variables each node is made of, as far as that was asked for.
+    made_of: Vec<Vec<u64>>,
 }
 
 impl<'a> Calculus<'a> {
     /// Derivatives in this graph.
     pub fn new(graph: &'a mut Graph) -> Self {
-        Calculus { graph, fault: None, slopes: BTreeMap::new() }
+        Calculus { graph, fault: None, slopes: BTreeMap::new(), made_of: Vec::new() }
     }
     /// The same with a wrong entry in the table: for tests of tests.
     pub fn with_fault(graph: &'a mut Graph, fault: Fault) -> Self {
-        Calculus { graph, fault: Some(fault), slopes: BTreeMap::new() }
+        Calculus { fault: Some(fault), ..Calculus::new(graph) }
     }
 
     /// The derivatives of Σ wᵢ rootᵢ by each of the variables.
@@ -82,11 +84,9 @@ impl<'a> Calculus<'a> {
                     }
                 }
                 Node::Select(..) => {
-                    let below = self.graph.reachable(&[id]);
-                    for &input in &below {
-                        let Node::Input(Input::Variable(k)) = *self.graph.node(input) else { continue };
+                    for k in self.variables_of(id) {
                         let Some(entry) = gradient.get_mut(k as usize) else { continue };
-                        let slope = self.slope(id, k, &below);
+                        let slope = self.slope(id, k);
                         entry.push(self.graph.product(&[adjoint, slope]));
                     }
                 }
@@ -121,10 +121,10 @@ impl<'a> Calculus<'a> {
         seed: impl Fn(&mut Graph, Input) -> Scaled,
         known: &mut BTreeMap<Id, Scaled>,
     ) {
-        for id in self.graph.reachable(roots) {
-            if known.contains_key(&id) || !self.graph.moving(id) {
-                continue;
-            }
+        let graph = &*self.graph;
+        let open = |id: &Id| graph.moving(*id) && !known.contains_key(id);
+        let children = |id: Id| graph.node(id).children().into_iter().filter(open).collect();
+        for id in found_from(roots.iter().copied().filter(open), children) {
             let of = |child: &Id| known.get(child).copied().unwrap_or(Scaled::ZERO);
             let tangent = match *self.graph.node(id) {
                 Node::Input(input) => seed(self.graph, input),
@@ -157,17 +157,36 @@ impl<'a> Calculus<'a> {
         self.ruled(Rule::Branch, selected.into())
     }
 
-    /// The derivative of a branch by one variable; `below` is all that it is made of.
-    fn slope(&mut self, id: Id, variable: u32, below: &[Id]) -> Scaled {
-        let slope_of = |&node: &Id| Some((node, *self.slopes.get(&(variable, node))?));
-        let mut known: BTreeMap<Id, Scaled> = below.iter().filter_map(slope_of).collect();
+    /// The variables that a node is made of, ascending.
+    fn variables_of(&mut self, id: Id) -> Vec<u32> {
+        for node in self.made_of.len()..=id.index() {
+            let mut set: Vec<u64> = Vec::new(); // a bit for each
+            let node = self.graph.node(Id(node as u32));
+            if let Node::Input(Input::Variable(k)) = *node {
+                set.resize(k as usize / 64 + 1, 0);
+                set[k as usize / 64] = 1 << (k % 64);
+            }
+            for child in node.children() {
+                let other = &self.made_of[child.index()];
+                set.resize(set.len().max(other.len()), 0);
+                set.iter_mut().zip(other).for_each(|(own, other)| *own |= other);
+            }
+            self.made_of.push(set);
+        }
+        let set = &self.made_of[id.index()];
+        (0..64 * set.len() as u32).filter(|k| set[*k as usize / 64] >> (k % 64) & 1 == 1).collect()
+    }
+
+    /// The derivative of a branch by one variable.
+    fn slope(&mut self, id: Id, variable: u32) -> Scaled {
+        let mut known = self.slopes.remove(&variable).unwrap_or_default();
         let seed = move |_: &mut Graph, input| match input {
             Input::Variable(k) if k == variable => Scaled::ONE,
             _ => Scaled::ZERO,
         };
         self.sweep(&[id], seed, &mut known);
         let slope = known.get(&id).copied().unwrap_or(Scaled::ZERO);
-        self.slopes.extend(known.into_iter().map(|(node, slope)| ((variable, node), slope)));
+        self.slopes.insert(variable, known);
         slope
     }
 

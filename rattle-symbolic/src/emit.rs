@@ -11,7 +11,7 @@
 //! Which product that is depends on the sum alone, so that functions with common parts agree bit for bit.
 
 use crate::functions::Function;
-use crate::graph::Graph;
+use crate::graph::{Graph, found_from};
 use crate::node::{Comparison, Id, Input, Node};
 use crate::routine::Routines;
 use proc_macro2::{Ident, Literal, Span, TokenStream};
@@ -143,14 +143,7 @@ impl<'a> Emitter<'a> {
 
     /// The nodes that the roots need, ascending.
     fn reachable(&self, roots: &[Id]) -> Vec<Id> {
-        let mut needed: BTreeSet<Id> = roots.iter().copied().collect();
-        let mut found = Vec::new();
-        while let Some(id) = needed.pop_last() {
-            needed.extend(self.operands(id)); // smaller ones
-            found.push(id);
-        }
-        found.reverse();
-        found
+        found_from(roots.iter().copied(), |id| self.operands(id))
     }
 
     /// A root, after its statements.
@@ -237,34 +230,33 @@ impl<'a> Emitter<'a> {
         frame: &Frame,
     ) -> TokenStream {
         let chapters: Vec<&[(Vec<Id>, TokenStream)]> = statements.chunks(CHAPTER).collect();
-        // By chapter: what it computes, what it reads, and what later ones still read.
-        let mut read_later: BTreeSet<Id> = results.iter().copied().collect();
+        // By chapter: what it computes and what it reads; and which chapter is the last to read something.
+        let mut last: BTreeMap<Id, usize> = BTreeMap::new();
         let mut plan = Vec::with_capacity(chapters.len());
-        for chapter in chapters.iter().rev() {
+        for (place, chapter) in chapters.iter().enumerate() {
             let defined: BTreeSet<Id> = chapter.iter().flat_map(|(ids, _)| ids.iter().copied()).collect();
             let operands = defined.iter().flat_map(|&id| self.operands(id));
             let read: BTreeSet<Id> = operands.filter(|id| !defined.contains(id)).collect();
-            let after = read_later.clone();
-            read_later.retain(|id| !defined.contains(id));
-            read_later.extend(&read);
-            plan.push((defined, read, after));
+            last.extend(read.iter().map(|&id| (id, place)));
+            plan.push((defined, read));
         }
-        plan.reverse();
+        last.extend(results.iter().map(|&id| (id, usize::MAX)));
         let Frame { kernel, arguments } = frame;
         let (names, types): (Vec<_>, Vec<_>) = arguments.iter().map(|(name, form)| (name, form)).unzip();
         let mut slots: BTreeMap<Id, usize> = BTreeMap::new();
         let mut free: BTreeSet<usize> = BTreeSet::new();
         let mut texts = Vec::with_capacity(chapters.len());
-        for (chapter, (defined, read, after)) in chapters.into_iter().zip(plan) {
+        for (place, (chapter, (defined, read))) in chapters.into_iter().zip(plan).enumerate() {
+            let read_later = |id: &Id| last.get(id).is_some_and(|&last| last > place);
             let given = read.iter().map(|&id| match slots.get(&id) {
                 Some(&slot) => load(id, slot),
                 None => self.given(id, spelling, &quote!(__kernel)),
             });
             let given: Vec<TokenStream> = given.collect();
-            let finished: Vec<Id> = slots.keys().copied().filter(|id| !after.contains(id)).collect();
-            free.extend(finished.iter().filter_map(|id| slots.remove(id)));
+            let finished = read.iter().filter(|id| !read_later(id));
+            free.extend(finished.filter_map(|id| slots.remove(id)));
             let mut stores = Vec::new();
-            for &id in defined.intersection(&after) {
+            for &id in defined.iter().filter(|id| read_later(id)) {
                 let slot = free.pop_first().unwrap_or(slots.len());
                 slots.insert(id, slot);
                 let (name, slot) = (temporary(id), Literal::usize_unsuffixed(slot));

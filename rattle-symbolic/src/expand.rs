@@ -4,14 +4,15 @@ use crate::emit::Emitter;
 use crate::formula::{self, Names};
 use crate::graph::Graph;
 use crate::kernel::Kernel;
+use crate::limits::TooLarge;
 use crate::lower::{Lowered, lower};
 use crate::macros::{Macro, Sizes};
 use crate::node::Id;
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{self, Routines};
-use crate::syntax::{Item, Parameter};
-use proc_macro2::{Literal, TokenStream, TokenTree};
+use crate::syntax::{Item, Parameter, has_attribute};
+use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 /// The items for an input: always a struct that can be named, and an error for every mistake.
@@ -23,11 +24,15 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     which.check(&item, &mut problems);
     let sizes = Sizes::of(&item, roots.len());
     if problems.any() || roots.is_empty() {
-        let stub = which.stub(&item, &sizes);
-        let report = problems.report();
-        return quote!(#stub #report);
+        return which.refused(&item, &sizes, problems);
     }
-    let routines = which.routines(graph, &roots, sizes.variables as u32);
+    let routines = match which.routines(graph, &roots, sizes.variables as u32) {
+        Ok(routines) => routines,
+        Err(large) => {
+            problems.note_at(&item.name, large);
+            return which.refused(&item, &sizes, problems);
+        }
+    };
     let names = Names::of(&item, named);
     let documentation = which.documentation(&item, &sizes, &routines, &names);
     let kinks = kinks(&routines, &names);
@@ -39,7 +44,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
 }
 
 impl Macro {
-    fn routines(self, graph: Graph, roots: &[Id], variables: u32) -> Routines {
+    fn routines(self, graph: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
         match self {
             Macro::Constraint => routine::constraint(graph, roots, variables),
             Macro::Potential => routine::potential(graph, roots[0], variables),
@@ -81,6 +86,12 @@ impl Macro {
         lines
     }
 
+    /// What stands in for an item in which something is wrong, and what that is.
+    fn refused(self, item: &Item, sizes: &Sizes, problems: Problems) -> TokenStream {
+        let (stub, report) = (self.stub(item, sizes), reported(item, problems));
+        quote!(#stub #report)
+    }
+
     /// The struct, and functions that only satisfy the compiler, so that no second wave of errors follows.
     fn stub(self, item: &Item, sizes: &Sizes) -> TokenStream {
         let structure = structure(item, &[]);
@@ -96,11 +107,22 @@ impl Macro {
     }
 }
 
-/// What changes sign where the equations are not smooth, as text.
+/// So many kinks are named one by one.
+const MOST_NAMED: usize = 64;
+
+/// What changes sign where the equations are not smooth, as text; of few.
 fn kinks(routines: &Routines, names: &Names) -> Vec<String> {
     let long = "an argument of abs, sign, min, max or if";
     let text = |&kink: &Id| formula::formula(&routines.gradients.0, kink.into(), names);
-    routines.kinks.iter().map(|kink| text(kink).unwrap_or_else(|| long.to_owned())).collect()
+    let few = routines.kinks.len() <= MOST_NAMED;
+    let named = |kink: &Id| if few { text(kink) } else { None };
+    routines.kinks.iter().map(|kink| named(kink).unwrap_or_else(|| long.to_owned())).collect()
+}
+
+/// What is wrong with an item, if it is there at all.
+fn reported(item: &Item, problems: Problems) -> TokenStream {
+    let (conditions, report) = (&item.conditions, problems.report());
+    if conditions.is_empty() { report } else { quote!(#conditions const _: () = { #report };) }
 }
 
 /// The user's struct.
@@ -112,29 +134,23 @@ fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let fields = item.parameters.iter().enumerate().filter(first).map(|(_, parameter)| {
         let (attributes, visibility, name) = (&parameter.attributes, &parameter.visibility, &parameter.name);
         let shape = array_type(&parameter.shape);
-        let documented = attributes.clone().into_iter().any(is_documentation);
         let note = format!("The parameter `{name}`.");
-        let note = if documented { TokenStream::new() } else { quote!(#[doc = #note]) };
+        let note = if has_attribute(attributes, "doc") { TokenStream::new() } else { quote!(#[doc = #note]) };
         quote!(#attributes #note #visibility #name: #shape)
     });
     quote! {
         #attributes
         #(#[doc = #documentation])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(
+            ::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug, ::core::cmp::PartialEq
+        )]
         #visibility struct #name { #(#fields),* }
     }
 }
 
-/// Whether this is the bracket of `#[doc = …]`.
-fn is_documentation(token: TokenTree) -> bool {
-    let TokenTree::Group(group) = token else { return false };
-    let first = group.stream().into_iter().next();
-    first.is_some_and(|first| matches!(first, TokenTree::Ident(name) if name == "doc"))
-}
-
 fn array_type(shape: &[usize]) -> TokenStream {
     match shape.split_first() {
-        None => quote!(f64),
+        None => quote!(::core::primitive::f64),
         Some((&length, inner)) => {
             let (inner, length) = (array_type(inner), Literal::usize_unsuffixed(length));
             quote!([#inner; #length])

@@ -90,7 +90,7 @@ fn chain(first: &Expr, rest: &[(Operator, Expr)]) -> (String, Tightness) {
     for (operator, operand) in rest {
         let (operand, tightness) = text(operand);
         let operand = if tightness <= own { format!("({operand})") } else { operand };
-        result = format!("{result} {} {operand}", operator.symbol());
+        result.extend([" ", operator.symbol(), " ", &operand]);
     }
     (result, own)
 }
@@ -235,7 +235,7 @@ fn node(
         }
         Node::Sum(ref terms) => {
             let mut text = String::new();
-            for &(bits, term) in terms {
+            for &(bits, term) in terms.iter().take(LONGEST) {
                 let (inner, tightness) = of(term)?;
                 let factor = f64::from_bits(bits);
                 let sign = match (text.is_empty(), factor < 0.0) {
@@ -244,7 +244,7 @@ fn node(
                     (false, true) => " - ",
                     (false, false) => " + ",
                 };
-                text = format!("{text}{sign}{}", multiple(factor.abs(), &inner, tightness));
+                text.extend([sign, &multiple(factor.abs(), &inner, tightness)]);
             }
             (text, sum)
         }

@@ -13,7 +13,8 @@
 use crate::functions::{Binary, Function};
 use crate::node::{Comparison, Id, Input, Node};
 use crate::operation::{Number, operation};
-use std::collections::HashMap;
+use std::cell::Cell;
+use std::collections::{BTreeSet, HashMap};
 
 /// A set of expressions that share their common parts.
 #[derive(Clone, Default, Debug)]
@@ -22,6 +23,7 @@ pub struct Graph {
     moving: Vec<bool>,
     depth: Vec<u32>,
     number: Vec<Option<f64>>,
+    steps: Cell<usize>,
     index: HashMap<Node, Id>, // looked up, never iterated: its order cannot reach the output
 }
 
@@ -40,6 +42,7 @@ impl Graph {
     }
     /// The operation of a node.
     pub fn node(&self, id: Id) -> &Node {
+        self.count(1);
         &self.nodes[id.index()]
     }
     /// Whether the node depends on more than parameters.
@@ -64,8 +67,16 @@ impl Graph {
     pub(crate) fn find(&self, node: &Node) -> Option<Id> {
         self.index.get(node).copied()
     }
+    /// How often a node was made, found or looked at: what it took so far, by count.
+    pub fn steps(&self) -> usize {
+        self.steps.get()
+    }
+    fn count(&self, steps: usize) {
+        self.steps.set(self.steps.get() + steps);
+    }
     /// All nodes the roots are computed from, themselves included, children first.
     pub fn reachable(&self, roots: &[Id]) -> Vec<Id> {
+        self.count(self.len());
         let mut seen = vec![false; self.len()];
         for root in roots {
             seen[root.index()] = true;
@@ -80,6 +91,12 @@ impl Graph {
         (0..self.len() as u32).map(Id).filter(|id| seen[id.index()]).collect()
     }
 
+    /// How many of the nodes that the roots are computed from are operations which parameters do not settle.
+    pub fn operations(&self, roots: &[Id]) -> usize {
+        let counts = |id: &Id| self.moving(*id) && !matches!(self.node(*id), Node::Input(_));
+        self.reachable(roots).iter().filter(|id| counts(id)).count()
+    }
+
     /// The values of the roots: the reference that generated code is held against.
     pub fn evaluate<N: Number>(&self, roots: &[Id], input: impl Fn(Input) -> N) -> Vec<N> {
         let mut values = vec![N::from_f64(0.0); self.len()];
@@ -90,6 +107,7 @@ impl Graph {
     }
 
     pub(crate) fn insert(&mut self, node: Node) -> Id {
+        self.count(1);
         if let Some(&id) = self.index.get(&node) {
             return id;
         }
@@ -208,6 +226,19 @@ impl Graph {
         let folded = operation(self.as_constant(a)?, self.as_constant(b)?)?;
         Some(self.constant(folded))
     }
+}
+
+/// The nodes come upon from these by way of `next`, which gives smaller ones; ascending. It takes as long as they are
+/// many, however large the graph is.
+pub(crate) fn found_from(start: impl IntoIterator<Item = Id>, next: impl Fn(Id) -> Vec<Id>) -> Vec<Id> {
+    let mut open: BTreeSet<Id> = start.into_iter().collect();
+    let mut found = Vec::new();
+    while let Some(id) = open.pop_last() {
+        open.extend(next(id));
+        found.push(id);
+    }
+    found.reverse();
+    found
 }
 
 /// a + b where no rounding happens.

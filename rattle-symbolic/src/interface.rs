@@ -78,7 +78,7 @@ impl Method {
         let arguments = self.arguments().into_iter().map(|(name, form)| quote!(#name: #form));
         let result = self.result.tokens();
         quote! {
-            fn #name<const FIRST: bool>(
+            fn #name<const FIRST: ::core::primitive::bool>(
                 &self, #(#arguments,)* __order: &mut ::rattle::series::Order<'_, T, FIRST>,
             ) -> #result
         }

@@ -38,11 +38,15 @@ impl Kernel<'_> {
             Input::Parameter(k) => parameters.get(k as usize).cloned().unwrap_or_default(),
             _ => TokenStream::new(), // a kernel's fields depend on parameters only
         });
+        let conditions = &self.item.conditions;
+        // No other lint of the compiler's looks here, and a crate may forbid to allow one. Clippy's looks at numbers.
+        let quiet = if self.item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
         quote! {
-            #[allow(clippy::all, clippy::pedantic, clippy::nursery, clippy::restriction)]
-            #[allow(unused_variables, unreachable_pub, non_camel_case_types, missing_docs)]
+            #conditions
+            #quiet
+            #[allow(clippy::approx_constant)]
             const _: () = {
-                #[derive(Clone, Copy, Debug)]
+                #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
                 pub struct #kernel<T> { #declarations }
 
                 #[automatically_derived]
@@ -51,7 +55,7 @@ impl Kernel<'_> {
 
                     #[inline(always)]
                     fn kernel_of_lanes<'a, T: ::rattle::real::Real>(
-                        __lane: impl Fn(usize) -> &'a Self,
+                        __lane: impl ::core::ops::Fn(::core::primitive::usize) -> &'a Self,
                     ) -> #kernel<T>
                     where
                         Self: 'a,
@@ -84,7 +88,7 @@ impl Kernel<'_> {
             #[inline(always)]
             fn map_kernel<T: ::rattle::real::Real, U: ::rattle::real::Real>(
                 __kernel: &#kernel<T>,
-                __number: impl Fn(&T) -> U,
+                __number: impl ::core::ops::Fn(&T) -> U,
             ) -> #kernel<U> {
                 #kernel { #fields }
             }
@@ -100,7 +104,7 @@ impl Kernel<'_> {
         let d = Literal::usize_unsuffixed(self.sizes.variables);
         quote! {
             #[inline(always)]
-            fn acts_along(&self) -> [bool; #d] {
+            fn acts_along(&self) -> [::core::primitive::bool; #d] {
                 [#(#acts),*]
             }
         }
@@ -113,16 +117,19 @@ impl Kernel<'_> {
         };
         let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
-        let (d, texts) = (Literal::usize_unsuffixed(self.sizes.variables), self.kinks);
+        let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        let texts = self.kinks;
         quote! {
-            const KINKS: &'static [&'static str] = &[#(#texts),*];
+            const KINKS: &'static [&'static ::core::primitive::str] = &[#(#texts),*];
 
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __first: usize, __found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], __first: ::core::primitive::usize, __found: &mut [T]) {
                 #statements
                 let __values = [#(#values),*];
-                for (__found, &__value) in __found.iter_mut().zip(__values.iter().skip(__first)) {
-                    *__found = __value;
+                let mut __i: ::core::primitive::usize = 0;
+                while __i < <[T]>::len(__found) && __first + __i < #count {
+                    __found[__i] = __values[__first + __i];
+                    __i += 1;
                 }
             }
         }
@@ -141,8 +148,8 @@ impl Kernel<'_> {
         let (signature, blocks) = (method.series_signature(), Literal::usize_unsuffixed(blocks));
         quote! {
             #[inline(always)]
-            fn series(&self) -> Option<usize> {
-                Some(#blocks)
+            fn series(&self) -> ::core::option::Option<::core::primitive::usize> {
+                ::core::option::Option::Some(#blocks)
             }
 
             #[inline(always)]
@@ -164,14 +171,17 @@ impl Kernel<'_> {
     }
 
     fn function(&self, method: &Method, which: Macro) -> TokenStream {
-        let roots = self.routines.named(method.name).map_or(&[][..], |routine| &routine.roots);
+        let signature = method.signature();
+        let Some(routine) = self.routines.named(method.name) else {
+            return quote!(#signature { loop {} }); // a stub's, called by nobody
+        };
+        let roots = &routine.roots;
         let large = self.routines.operations(roots) > LARGE;
         let kernel = self.name();
         let arguments = method.arguments();
         let frame = Frame { kernel: &kernel, arguments: &arguments };
         let statements = self.emitter.body(roots, &which.spelling(self.sizes), large.then_some(&frame));
         let result = method.result.filled(&mut roots.iter().map(|&root| self.emitter.result(root)));
-        let signature = method.signature();
         let hint = if large {
             quote!(#[inline]) // a copy at each call would cost the compiler more than the call
         } else {

@@ -26,7 +26,7 @@
 //! names  parse  graph  interface
 //! value  parse_expression  macros  operation
 //! syntax  node
-//! problems  tokens  ratio  functions
+//! problems  tokens  ratio  functions  limits
 //! ```
 //!
 //! Mistakes are found by `parse` and `lower`. A new function of the language is a row in `functions`. Neither tokens nor
@@ -37,6 +37,7 @@ pub use expand::expand;
 pub use macros::Macro;
 
 mod expand;
+mod limits;
 
 // Reading: tokens to a graph.
 mod macros;

@@ -5,18 +5,19 @@
 use crate::arithmetic::{Arithmetic, Condition};
 use crate::call::{Callee, Exponent};
 use crate::graph::Graph;
+use crate::limits::{MOST, STEPS, TooLarge};
 use crate::macros::Expectation;
 use crate::names::{CONSTANTS, Role, Scope};
 use crate::node::{Comparison, Id, Input};
-use crate::problems::{Extent, Problems};
+use crate::problems::{Extent, Problems, rounded};
 use crate::ratio::Ratio;
 use crate::syntax::{Binder, Expr, Item, Kind, Let, Operator, UNKNOWN};
 use crate::value::{Value, described};
 use proc_macro2::Ident;
 use std::rc::Rc;
 
-/// The size where an expression is no longer one: half a million operations.
-const LARGEST: usize = 1 << 19;
+/// Numbers from here on are no indices.
+const LARGE: f64 = (1_u64 << 62) as f64;
 
 struct Lowering<'a> {
     graph: &'a mut Graph,
@@ -25,9 +26,13 @@ struct Lowering<'a> {
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
     rounds: usize,
+    /// Expressions read so far, in every round of a loop.
+    steps: usize,
     /// Whether something could not be read, so that what seems unused may have been meant.
     unreadable: bool,
     exhausted: bool,
+    /// What to say to who writes the time.
+    of_time: &'static str,
 }
 
 /// What an item comes to.
@@ -51,8 +56,10 @@ pub(crate) fn lower(
         scope: Scope::default(),
         named: Vec::new(),
         rounds: 0,
+        steps: 0,
         unreadable: false,
         exhausted: false,
+        of_time: expected.of_time,
     };
     let roots = lowering.item(item, expected);
     Lowered { roots, named: lowering.named }
@@ -174,11 +181,7 @@ impl Lowering<'_> {
         let start = self.scope.len();
         for index in from..to {
             self.rounds += 1;
-            if self.exhausted || self.rounds > LARGEST {
-                if !self.exhausted {
-                    self.wrong(binder.from.extent.to(binder.to.extent), TOO_LARGE);
-                }
-                self.exhausted = true;
+            if self.exhausted(binder.from.extent.to(binder.to.extent)) {
                 break;
             }
             let value = Value::Number(self.graph.constant(index as f64));
@@ -199,11 +202,18 @@ impl Lowering<'_> {
                 }
             },
             None => {
-                if !matches!(self.expression(expr), Value::Unknown) {
-                    let message =
-                        "expected a constant index: a whole number or the index of a `sum` or `for`";
-                    self.wrong(expr.extent, message);
-                }
+                let message = match self.expression(expr) {
+                    Value::Unknown => return None,
+                    Value::Number(id)
+                        if self.graph.number(id).is_some_and(|number| number.abs() >= LARGE) =>
+                    {
+                        let found = rounded(self.graph.number(id).unwrap_or(LARGE));
+                        format!("expected a whole number below {}, found {found}", rounded(LARGE))
+                    }
+                    _ => "expected a constant index: a whole number or the index of a `sum` or `for`"
+                        .to_owned(),
+                };
+                self.wrong(expr.extent, message);
                 None
             }
         }
@@ -211,6 +221,7 @@ impl Lowering<'_> {
 
     /// An exact constant of numbers and indices alone.
     fn ratio(&mut self, expr: &Expr) -> Option<Ratio> {
+        self.steps += 1;
         match &expr.kind {
             Kind::Number(_, digits) => Ratio::parse(digits),
             Kind::Name(name) => {
@@ -241,12 +252,26 @@ impl Lowering<'_> {
         }
     }
 
+    /// Whether this has become too much; noted once, where it did.
+    fn exhausted(&mut self, at: Extent) -> bool {
+        if self.exhausted {
+            return true;
+        }
+        let operations = self.graph.len();
+        self.exhausted = operations > MOST || self.steps + self.graph.steps() > STEPS;
+        if operations > MOST {
+            self.wrong(at, TooLarge { written: None, found: operations });
+        } else if self.exhausted {
+            let message =
+                format!("reading the expression takes more than {STEPS} steps; write it with shorter loops");
+            self.wrong(at, message);
+        }
+        self.exhausted
+    }
+
     fn expression(&mut self, expr: &Expr) -> Value {
-        if self.graph.len() > LARGEST {
-            if !self.exhausted {
-                self.wrong(expr.extent, TOO_LARGE);
-            }
-            self.exhausted = true;
+        self.steps += 1;
+        if self.exhausted(expr.extent) {
             return Value::Unknown;
         }
         match &expr.kind {
@@ -296,7 +321,14 @@ impl Lowering<'_> {
             return Value::Number(self.graph.constant(*value));
         }
         self.unreadable = true;
-        self.scope.unknown(self.problems, at, &text, Callee::named(&text).is_some());
+        let about = match &text[..] {
+            _ if Callee::named(&text).is_some() => {
+                format!("; the function `{text}` needs its argument in parentheses")
+            }
+            "t" | "time" => format!("; {}", self.of_time),
+            _ => String::new(),
+        };
+        self.scope.unknown(self.problems, at, &text, &about);
         Value::Unknown
     }
 
@@ -490,5 +522,3 @@ impl Lowering<'_> {
 fn parts<'a>(first: &'a Expr, rest: &'a [(Operator, Expr)]) -> impl Iterator<Item = &'a Expr> {
     std::iter::once(first).chain(rest.iter().map(|(_, part)| part))
 }
-
-const TOO_LARGE: &str = "the expression has more than half a million operations; write it with fewer terms";

@@ -27,18 +27,25 @@ pub(crate) struct Expectation {
     pub(crate) every_variable: bool,
     /// What the expression is, for messages.
     pub(crate) noun: &'static str,
+    /// What to say to who writes the time into it.
+    pub(crate) of_time: &'static str,
 }
 
 impl Macro {
     /// What lowering must know of the macro.
     pub(crate) fn expectation(self) -> Expectation {
-        let equations = Expectation { several: true, every_variable: true, noun: "this equation" };
-        let energy = |noun| Expectation { several: false, every_variable: false, noun };
+        let equations =
+            |of_time| Expectation { several: true, every_variable: true, noun: "this equation", of_time };
+        let energy = |noun, of_time| Expectation { several: false, every_variable: false, noun, of_time };
+        let forces = "potentials know no time; a force that does implements `Effect`";
         match self {
-            Macro::Constraint | Macro::PhaseConstraint => equations,
-            Macro::Potential => energy("the potential"),
-            Macro::Hamiltonian => energy("the Hamiltonian"),
-            Macro::PairPotential => Expectation { every_variable: true, ..energy("the potential") },
+            Macro::Constraint => {
+                equations("a moving constraint, for `link_moving`, has the time as its last variable")
+            }
+            Macro::PhaseConstraint => equations("constraints on phase space know no time"),
+            Macro::Potential => energy("the potential", forces),
+            Macro::Hamiltonian => energy("the Hamiltonian", "Hamiltonians know no time"),
+            Macro::PairPotential => Expectation { every_variable: true, ..energy("the potential", forces) },
         }
     }
 

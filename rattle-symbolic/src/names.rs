@@ -59,6 +59,9 @@ pub(crate) struct Scope {
 pub(crate) const CONSTANTS: [(&str, f64, &str); 2] =
     [("pi", std::f64::consts::PI, "the circle number"), ("e", std::f64::consts::E, "Euler's number")];
 
+/// So many names are listed where one is unknown.
+const LISTED: usize = 24;
+
 impl Scope {
     pub(crate) fn len(&self) -> usize {
         self.bindings.len()
@@ -145,8 +148,11 @@ impl Scope {
         Some(binding)
     }
 
-    /// Reports a name that is not in scope.
-    pub(crate) fn unknown(&mut self, problems: &mut Problems, at: Extent, name: &str, is_function: bool) {
+    /// Reports a name that is not in scope, with what is known about it.
+    pub(crate) fn unknown(&mut self, problems: &mut Problems, at: Extent, name: &str, about: &str) {
+        if problems.full() {
+            return;
+        }
         let known: Vec<String> = self.bindings.iter().map(|binding| binding.name.to_string()).collect();
         let mut listed = HashSet::new(); // a name that is taken twice is one
         let known: Vec<&str> = known
@@ -157,13 +163,17 @@ impl Scope {
             .collect();
         let near = if name == "π" { Some("pi") } else { nearest(name, known.iter().copied()) };
         let advice = match near {
-            _ if is_function => format!("; the function `{name}` needs its argument in parentheses"),
+            _ if !about.is_empty() => about.to_owned(),
             Some(near) => {
                 self.find(near);
                 format!("; did you mean `{near}`?")
             }
             None => String::new(),
         };
-        problems.note(at, format!("unknown name `{name}`, expected one of {}{advice}", known.join(", ")));
+        let listed = match known.len() > LISTED {
+            true => format!("{}, …", known[..LISTED].join(", ")),
+            false => known.join(", "),
+        };
+        problems.note(at, format!("unknown name `{name}`, expected one of {listed}{advice}"));
     }
 }

@@ -8,17 +8,23 @@
 //! ```
 
 use crate::parse_expression::Parser;
-use crate::problems::Problems;
+use crate::problems::{Problems, shortened};
 use crate::syntax::{Item, Parameter, Shape, UNKNOWN, Variable};
-use crate::tokens::drain;
+use crate::tokens::{DEEPEST, drain, name, too_deep};
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::{ToTokens, quote};
 use syn::parse::{ParseStream, Parser as _, Result};
 use syn::punctuated::Punctuated;
-use syn::{Attribute, LitInt, Path, Token, Visibility, braced, bracketed, token};
+use syn::{Attribute, LitInt, Meta, Path, Token, Visibility, braced, bracketed, token};
 
 /// The item, as far as it could be read.
 pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item> {
+    if let Some(span) = too_deep(&tokens) {
+        let message =
+            format!("brackets nest more than {DEEPEST} deep here; give the inner part a name with `let`");
+        problems.note_syntax(syn::Error::new(span, message));
+        return None;
+    }
     let mut found = None;
     let parsed = (|input: ParseStream| {
         let result = item(input, problems);
@@ -35,13 +41,15 @@ pub(crate) fn parse(tokens: TokenStream, problems: &mut Problems) -> Option<Item
 }
 
 fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
-    let attributes = input.call(Attribute::parse_outer)?.into_iter().filter_map(underived).collect();
+    let attributes = input.call(Attribute::parse_outer)?;
+    let conditions = attributes.iter().filter_map(condition).collect();
+    let attributes = attributes.into_iter().filter_map(underived).collect();
     let visibility: Visibility = input.parse()?;
     if !input.peek(Token![struct]) {
         return Err(input.error("expected `pub struct Name { parameters }` before the expression"));
     }
     input.parse::<Token![struct]>()?;
-    let name: Ident = input.parse()?;
+    let name = name(input)?;
     if input.peek(Token![<]) {
         problems
             .note_syntax(input.error("generics are not supported; the parameters of a formula are `f64`"));
@@ -62,6 +70,7 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     }
     let mut item = Item {
         attributes,
+        conditions,
         visibility: visibility.into_token_stream(),
         name,
         parameters,
@@ -84,12 +93,18 @@ fn item(input: ParseStream, problems: &mut Problems) -> Result<Item> {
     Ok(item)
 }
 
-fn attributes(input: ParseStream) -> Result<TokenStream> {
-    Ok(input
-        .call(Attribute::parse_outer)?
-        .into_iter()
-        .map(|attribute| attribute.into_token_stream())
-        .collect())
+/// What of the attribute decides whether the struct is there.
+fn condition(attribute: &Attribute) -> Option<TokenStream> {
+    if attribute.path().is_ident("cfg") {
+        return Some(attribute.to_token_stream());
+    }
+    let list = attribute
+        .path()
+        .is_ident("cfg_attr")
+        .then(|| attribute.parse_args_with(Punctuated::<Meta, Token![,]>::parse_terminated).ok())??;
+    let predicate = list.first()?;
+    let conditions: Vec<&Meta> = list.iter().skip(1).filter(|meta| meta.path().is_ident("cfg")).collect();
+    (!conditions.is_empty()).then(|| quote!(#[cfg_attr(#predicate, #(#conditions),*)]))
 }
 
 /// What every struct derives anyway.
@@ -116,7 +131,9 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
             Ok(parameter) => list.push(parameter),
             Err(error) => {
                 problems.note_syntax(error);
-                drain(fields);
+                while !fields.is_empty() && !fields.peek(Token![,]) {
+                    let _ = fields.parse::<TokenTree>();
+                }
             }
         }
         if fields.is_empty() {
@@ -133,12 +150,19 @@ fn parameters(fields: ParseStream, problems: &mut Problems) -> Vec<Parameter> {
 }
 
 fn parameter(fields: ParseStream, problems: &mut Problems) -> Result<Parameter> {
-    let attributes = attributes(fields)?;
+    let attributes = fields.call(Attribute::parse_outer)?;
+    if let Some(attribute) = attributes.iter().find(|attribute| condition(attribute).is_some()) {
+        let message = "a formula has all of its parameters; put `cfg` before the struct, \
+                       and write it once for each case";
+        problems.note_syntax(syn::Error::new_spanned(attribute, message));
+    }
+    let attributes = attributes.into_iter().filter(|attribute| condition(attribute).is_none());
+    let attributes = attributes.map(ToTokens::into_token_stream).collect();
     let visibility = match fields.parse()? {
         Visibility::Inherited => quote!(pub),
         given => given.into_token_stream(),
     };
-    Ok(Parameter { attributes, visibility, name: fields.parse()?, shape: optional_shape(fields, problems) })
+    Ok(Parameter { attributes, visibility, name: name(fields)?, shape: optional_shape(fields, problems) })
 }
 
 fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable>> {
@@ -153,7 +177,7 @@ fn variables(input: ParseStream, problems: &mut Problems) -> Result<Vec<Variable
     input.parse::<Token![|]>()?;
     let mut list = Vec::new();
     while !input.peek(Token![|]) {
-        let name: Ident = input.parse()?;
+        let name = name(input)?;
         let shape = optional_shape(input, problems);
         list.push(Variable { name, shape });
         if input.peek(Token![,]) {
@@ -225,7 +249,8 @@ fn read_shape(input: ParseStream, shape: &mut Shape, problems: &mut Problems) ->
     shape[place] = length.base10_parse().unwrap_or(0);
     let size = shape[place..].iter().try_fold(1_usize, |size, &n| size.checked_mul(n)).unwrap_or(usize::MAX);
     if size == 0 || size > LARGEST {
-        let message = format!("expected a length from 1 up to {LARGEST} components in all, found `{length}`");
+        let found = shortened(&length.to_string());
+        let message = format!("expected a length from 1 up to {LARGEST} components in all, found `{found}`");
         return Err(syn::Error::new_spanned(length, message));
     }
     if !inside.is_empty() {

@@ -10,9 +10,9 @@
 //! parentheses or its own `let`, not the whole expression.
 
 use crate::functions::Function;
-use crate::problems::{Extent, Problems};
+use crate::problems::{Extent, Problems, shortened};
 use crate::syntax::{Binder, Expr, Kind, Let, Operator};
-use crate::tokens::{drain, error, found, invisible, is_invisible, starts_operand};
+use crate::tokens::{self, drain, error, found, invisible, is_invisible, starts_operand};
 use proc_macro2::{Ident, Span};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser as _, Result};
@@ -309,6 +309,7 @@ impl<'p> Parser<'p> {
         let at = self.problems.extent(literal.span());
         let value = digits.parse::<f64>().unwrap_or(f64::INFINITY);
         if !value.is_finite() {
+            let digits = shortened(&digits);
             self.problems
                 .note(at, format!("`{digits}` is too large for `f64`; the largest is about 1.8e308"));
             return Ok(self.make(Kind::Wrong, at));
@@ -336,6 +337,9 @@ impl<'p> Parser<'p> {
             let message = "there are no paths here; functions and constants are called by name, as in `sin(x)` and `pi`";
             return Err(syn::Error::new_spanned(&name, message));
         }
+        if input.peek(Token![!]) && !input.peek(Token![!=]) {
+            return self.foreign(&name, start, input);
+        }
         if !input.peek(token::Paren) {
             return match starts_operand(input) && Function::named(&name.to_string()).is_some() {
                 true => self.bare_call(name, start, input),
@@ -347,6 +351,19 @@ impl<'p> Parser<'p> {
         }
         let (arguments, end) = self.arguments(input)?;
         Ok(self.make(Kind::Call(name, arguments), start.to(end)))
+    }
+
+    /// `name!(…)`, of which nobody knows what it stands for.
+    fn foreign(&mut self, name: &Ident, start: Extent, input: ParseStream) -> Result<Expr> {
+        let bang: Token![!] = input.parse()?;
+        let extent = start.to(self.problems.extent(bang.span));
+        let advice = "write what it stands for, or make it a parameter";
+        self.problems
+            .note(extent, format!("`{name}!` is a macro, and none is expanded in a formula; {advice}"));
+        if input.cursor().any_group().is_some() {
+            input.parse::<proc_macro2::TokenTree>()?;
+        }
+        Ok(self.make(Kind::Wrong, extent))
     }
 
     /// `sqrt x` is a slip for `sqrt(x)`.
@@ -510,10 +527,10 @@ impl<'p> Parser<'p> {
         if input.peek(Token![mut]) {
             return Err(error(input, "`mut` has no meaning in a formula; leave it out"));
         }
-        if !input.peek(syn::Ident) {
+        if !input.peek(Ident::peek_any) && !input.peek(Token![_]) {
             return Err(error(input, "expected a name after `let`"));
         }
-        *name = Some(input.parse()?);
+        *name = Some(tokens::name(input)?);
         if input.peek(Token![:]) {
             return Err(error(input, "`let` takes no type here; write `let a = …;`"));
         }

@@ -35,6 +35,9 @@ impl Problems {
     }
     /// Notes a problem; the same one at the same place (in every round of a loop) counts once.
     pub(crate) fn note(&mut self, at: Extent, message: impl Display) {
+        if self.full() {
+            return;
+        }
         let tokens: TokenStream = [at.start, at.end]
             .map(|span| proc_macro2::TokenTree::from(Ident::new("here", span)))
             .into_iter()
@@ -53,6 +56,10 @@ impl Problems {
         self.extents += 1;
         self.found.entry((self.extents, error.to_string())).or_insert(error);
     }
+    /// Whether so much is wrong that nobody reads on.
+    pub(crate) fn full(&self) -> bool {
+        self.found.len() >= 100
+    }
     /// Whether anything was found.
     pub(crate) fn any(&self) -> bool {
         !self.found.is_empty()
@@ -65,6 +72,19 @@ impl Problems {
         });
         all.map(|all| all.to_compile_error()).unwrap_or_default()
     }
+}
+
+/// A text of the user's, for a message: of a long one the beginning.
+pub(crate) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(24) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    }
+}
+
+/// A number for a message: a large one with its exponent.
+pub(crate) fn rounded(number: f64) -> String {
+    if number.abs() < 1e16 { number.to_string() } else { format!("{number:e}") }
 }
 
 /// The candidate that `name` is most likely a slip of.

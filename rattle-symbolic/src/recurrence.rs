@@ -15,6 +15,7 @@ use crate::graph::Graph;
 use crate::node::{Comparison, Id, Node};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
+use std::collections::BTreeSet;
 
 /// Products in a block, as in `rattle_core::series`.
 const WIDTH: usize = 8;
@@ -35,11 +36,11 @@ impl Series {
         let reachable = graph.reachable(roots);
         let mut writer = Writer { graph, reachable: &reachable, products: 0, lines: Vec::new() };
         let still = |id: &Id| !graph.moving(*id);
-        let read = |id: &Id| {
-            roots.contains(id)
-                || reachable.iter().any(|&by| graph.moving(by) && graph.node(by).children().contains(id))
-        };
-        let given = reachable.iter().copied().filter(still).filter(read);
+        let mut read: BTreeSet<Id> = roots.iter().copied().collect();
+        for &id in reachable.iter().filter(|&&id| graph.moving(id)) {
+            read.extend(graph.node(id).children());
+        }
+        let given = read.iter().copied().filter(still);
         let given: Vec<TokenStream> = given.map(|id| emitter.given(id, spelling, &quote!(self))).collect();
         for &id in reachable.iter().filter(|&&id| graph.moving(id)) {
             writer.line(id, spelling);

@@ -8,9 +8,11 @@ use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
 use crate::functions::Function;
 use crate::graph::Graph;
+use crate::limits::{MOST, TooLarge};
 use crate::node::{Id, Input, Node};
 use crate::parity::of_square;
 use crate::schedule::schedule;
+use std::collections::BTreeSet;
 
 /// A function to generate: its results, in the order in which it returns them.
 #[derive(Clone, Debug)]
@@ -43,6 +45,8 @@ pub struct Routines {
     pub graph: Graph,
     /// The functions.
     pub list: Vec<Routine>,
+    /// Operations of all of them, and a sixteenth of their results.
+    size: usize,
     /// The gradient of each equation, for the documentation: in a graph of sums and products.
     pub(crate) gradients: (Graph, Vec<Scaled>),
     /// What changes sign where equations are not smooth, in the same graph.
@@ -53,18 +57,33 @@ impl Routines {
     /// No function at all.
     pub(crate) fn empty() -> Self {
         let gradients = (Graph::new(), Vec::new());
-        Routines { graph: Graph::new(), list: Vec::new(), gradients, kinks: Vec::new() }
+        Routines { graph: Graph::new(), list: Vec::new(), size: 0, gradients, kinks: Vec::new() }
     }
 
-    fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) {
-        let roots = schedule(source, roots, &mut self.graph);
-        self.list.push(Routine { name, roots });
+    fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) -> Result<(), TooLarge> {
+        self.add_beside(name, source, &[], roots)
     }
 
     /// A function that shares what it can with `others`, as if one function had the results of both.
-    fn add_beside(&mut self, name: &'static str, source: &Graph, others: &[Scaled], roots: &[Scaled]) {
+    fn add_beside(
+        &mut self,
+        name: &'static str,
+        source: &Graph,
+        others: &[Scaled],
+        roots: &[Scaled],
+    ) -> Result<(), TooLarge> {
         let both = schedule(source, &[others, roots].concat(), &mut self.graph);
-        self.list.push(Routine { name, roots: both[others.len()..].to_vec() });
+        let roots = both[others.len()..].to_vec();
+        self.size += self.operations(&roots) + roots.len() / 16;
+        self.list.push(Routine { name, roots });
+        self.room(0)
+    }
+
+    /// Whether there is room for so many results.
+    fn room(&self, results: usize) -> Result<(), TooLarge> {
+        let found = self.size + results / 16;
+        let written = self.list.first().map(|value| self.operations(&value.roots));
+        if found > MOST { Err(TooLarge { written, found }) } else { Ok(()) }
     }
 
     /// The last function again, with the results from `skip` on.
@@ -80,11 +99,14 @@ impl Routines {
         self.list.iter().find(|routine| routine.name == name)
     }
 
+    /// How many steps it took to differentiate and to schedule; see [`Graph::steps`].
+    pub fn steps(&self) -> usize {
+        self.graph.steps() + self.gradients.0.steps()
+    }
+
     /// How many operations the roots take per call: all but inputs and what parameters settle.
     pub fn operations(&self, roots: &[Id]) -> usize {
-        let graph = &self.graph;
-        let counts = |id: &Id| graph.moving(*id) && !matches!(graph.node(*id), Node::Input(_));
-        graph.reachable(roots).iter().filter(|id| counts(id)).count()
+        self.graph.operations(roots)
     }
 }
 
@@ -106,30 +128,31 @@ fn unit(k: u32) -> impl Fn(&mut Graph, Input) -> Scaled {
 }
 
 /// Everything about equations in so many variables.
-pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
+pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
     let values = scaled(roots);
     let kinks = kinks(&mut source, roots);
+    let (d, m) = (variables as usize, roots.len());
+    routines.add("value", &source, &values)?;
+    routines.room(d * m)?;
     let mut calculus = Calculus::new(&mut source);
     let jacobian: Vec<Scaled> =
         roots.iter().flat_map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
+    routines.add("value_and_jacobian", calculus.graph, &[&values[..], &jacobian].concat())?;
     let products = calculus.tangents(&jacobian, along);
     let speed = calculus.tangents(&values, along);
     let acceleration = calculus.tangents(&speed, along);
-    routines.add("value", &source, &values);
-    routines.add("value_and_jacobian", &source, &[&values[..], &jacobian].concat());
-    let (d, m) = (variables as usize, roots.len());
     let both = routines.list.last().map_or(0, |last| routines.operations(&last.roots));
     let large = both + m * d > LARGE;
     if !large {
         routines.rest("jacobian", m);
     }
-    routines.add("hessian_vector", &source, &products);
-    routines.add("jet", &source, &[values, speed, acceleration].concat());
+    routines.add("hessian_vector", &source, &products)?;
+    routines.add("jet", &source, &[values, speed, acceleration].concat())?;
     // One sweep over all operations for each column, and as many entries.
     if d * both + m * d * d <= 4 * LARGE {
         let hessian = hessian(&mut Calculus::new(&mut source), &jacobian, variables);
-        routines.add("hessian", &source, &hessian);
+        routines.add("hessian", &source, &hessian)?;
     }
     if !large {
         let mut calculus = Calculus::new(&mut source);
@@ -137,12 +160,12 @@ pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
             (0..).zip(roots).map(|(i, &root)| (weight(&mut calculus, i), root)).collect();
         let weighted = calculus.gradient(&weights, variables);
         let weighted = calculus.tangents(&weighted, along);
-        routines.add("weighted_hessian_vector", &source, &weighted);
+        routines.add("weighted_hessian_vector", &source, &weighted)?;
     }
-    routines.add("kinks", &source, &scaled(&kinks));
+    routines.add("kinks", &source, &scaled(&kinks))?;
     routines.gradients = (source, jacobian);
     routines.kinks = kinks;
-    routines
+    Ok(routines)
 }
 
 fn weight(calculus: &mut Calculus, i: u32) -> Scaled {
@@ -164,6 +187,7 @@ fn hessian(calculus: &mut Calculus, jacobian: &[Scaled], variables: u32) -> Vec<
 /// Where the equations are not smooth: what changes sign there. (What is under a square root does not, where g is a number.)
 fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let mut list = Vec::new();
+    let mut listed = BTreeSet::new();
     for id in graph.reachable(roots) {
         let kink = match *graph.node(id) {
             Node::Call(Function::Abs | Function::Cbrt | Function::Sign, a) => a,
@@ -172,7 +196,7 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
             Node::Select(_, a, b, ..) => graph.sub(a, b),
             _ => continue,
         };
-        if graph.moving(kink) && !list.contains(&kink) {
+        if graph.moving(kink) && listed.insert(kink) {
             list.push(kink);
         }
     }
@@ -180,32 +204,34 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
 }
 
 /// U and ∇U.
-pub fn potential(mut source: Graph, root: Id, variables: u32) -> Routines {
+pub fn potential(mut source: Graph, root: Id, variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
+    routines.add("value", &source, &[root.into()])?;
     let gradient = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
-    routines.add("value", &source, &[root.into()]);
-    routines.add_beside("gradient", &source, &[root.into()], &gradient);
+    routines.add_beside("gradient", &source, &[root.into()], &gradient)?;
     routines.gradients = (source, gradient);
-    routines
+    Ok(routines)
 }
 
 /// H, ∂H/∂q and ∂H/∂p, and ∇²H v.
-pub fn hamiltonian(mut source: Graph, root: Id, variables: u32) -> Routines {
+pub fn hamiltonian(mut source: Graph, root: Id, variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
+    routines.add("value", &source, &[root.into()])?;
     let mut calculus = Calculus::new(&mut source);
     let gradient = calculus.gradient(&[(Scaled::ONE, root)], variables);
+    routines.add("gradients", calculus.graph, &gradient)?;
     let product = calculus.tangents(&gradient, along);
-    routines.add("value", &source, &[root.into()]);
-    routines.add("gradients", &source, &gradient);
-    routines.add("hessian_vector", &source, &product);
+    routines.add("hessian_vector", &source, &product)?;
     routines.gradients = (source, gradient);
-    routines
+    Ok(routines)
 }
 
 /// g(q, p), ∂g/∂q and ∂g/∂p, and ∇²g v: first all rows by q, then all by p.
-pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Routines {
+pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
     let values = scaled(roots);
+    routines.add("value", &source, &values)?;
+    routines.room(variables as usize * roots.len())?;
     let mut calculus = Calculus::new(&mut source);
     let rows: Vec<Vec<Scaled>> =
         roots.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
@@ -215,19 +241,18 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Rout
         .into_iter()
         .flat_map(|part| rows.iter().flat_map(move |row| row[part.clone()].to_vec()))
         .collect();
-    let products = calculus.tangents(&jacobians, along);
-    routines.add("value", &source, &values);
-    routines.add("value_and_jacobians", &source, &[&values[..], &jacobians].concat());
+    routines.add("value_and_jacobians", calculus.graph, &[&values[..], &jacobians].concat())?;
     routines.rest("jacobians", roots.len());
-    routines.add("hessian_vector", &source, &products);
-    routines
+    let products = calculus.tangents(&jacobians, along);
+    routines.add("hessian_vector", &source, &products)?;
+    Ok(routines)
 }
 
 /// U and dU/ds at s = r².
-pub fn pair(mut source: Graph, root: Id) -> Routines {
+pub fn pair(mut source: Graph, root: Id) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
     let square = of_square(&mut source, root);
-    routines.add("value", &square.graph, &[square.value.into()]);
-    routines.add("slope", &square.graph, &[square.slope]);
-    routines
+    routines.add("value", &square.graph, &[square.value.into()])?;
+    routines.add("slope", &square.graph, &[square.slope])?;
+    Ok(routines)
 }

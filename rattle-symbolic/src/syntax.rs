@@ -1,17 +1,36 @@
 //! What the parser gives: the expression as it is written.
 
 use crate::problems::Extent;
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, TokenStream, TokenTree};
 
 /// A whole macro input.
 #[derive(Debug)]
 pub(crate) struct Item {
     pub(crate) attributes: TokenStream,
+    /// Those of the attributes that may leave the struct out, and with it all that is made for it.
+    pub(crate) conditions: TokenStream,
     pub(crate) visibility: TokenStream,
     pub(crate) name: Ident,
     pub(crate) parameters: Vec<Parameter>,
     pub(crate) variables: Vec<Variable>,
     pub(crate) body: Option<Expr>,
+}
+
+impl Item {
+    /// Whether its struct or a parameter must not be used any more.
+    pub(crate) fn is_deprecated(&self) -> bool {
+        let parameters = self.parameters.iter().map(|parameter| &parameter.attributes);
+        parameters.chain([&self.attributes]).any(|attributes| has_attribute(attributes, "deprecated"))
+    }
+}
+
+/// Whether one of the attributes is `#[name …]`.
+pub(crate) fn has_attribute(attributes: &TokenStream, name: &str) -> bool {
+    attributes.clone().into_iter().any(|token| {
+        let TokenTree::Group(group) = token else { return false };
+        let first = group.stream().into_iter().next();
+        first.is_some_and(|first| matches!(first, TokenTree::Ident(own) if own == name))
+    })
 }
 
 /// A field of the struct.

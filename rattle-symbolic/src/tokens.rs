@@ -1,13 +1,45 @@
 //! Tokens that are read ahead: what comes next, and what is left.
 
-use proc_macro2::{Delimiter, Ident, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
-use syn::{Lit, token};
+use syn::{Lit, Token, token};
+
+/// Brackets nest no deeper, since `syn` looks into them by recursion.
+pub(crate) const DEEPEST: usize = 500;
+
+/// A bracket that is nested too deeply.
+pub(crate) fn too_deep(tokens: &TokenStream) -> Option<Span> {
+    let mut open = vec![tokens.clone().into_iter()];
+    while let Some(innermost) = open.last_mut() {
+        match innermost.next() {
+            Some(TokenTree::Group(group)) if open.len() > DEEPEST => return Some(group.span_open()),
+            Some(TokenTree::Group(group)) => open.push(group.stream().into_iter()),
+            Some(_) => {}
+            None => drop(open.pop()),
+        }
+    }
+    None
+}
 
 /// Whether an operand may begin here.
 pub(crate) fn starts_operand(input: ParseStream) -> bool {
     input.peek(Lit) || input.peek(Ident::peek_any) || input.peek(token::Paren)
+}
+
+/// A name, where one must come next.
+pub(crate) fn name(input: ParseStream) -> syn::Result<Ident> {
+    if input.peek(Token![_]) {
+        return Err(error(input, "`_` is no name; write `_z` for what nothing depends on"));
+    }
+    if input.peek(syn::Ident) || !input.peek(Ident::peek_any) {
+        return input.parse();
+    }
+    let word = input.fork().call(Ident::parse_any)?;
+    let raw = !["self", "Self", "super", "crate"].iter().any(|own| word == own);
+    let advice =
+        if raw { format!("write `r#{word}` or choose another name") } else { "choose another name".into() };
+    Err(error(input, format!("`{word}` is a keyword of Rust; {advice}")))
 }
 
 /// A problem at the next token; `syn`'s own puts "unexpected end of input" before it.

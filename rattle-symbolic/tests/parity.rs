@@ -104,7 +104,7 @@ fn random_functions() {
             continue;
         }
         let all = g.reachable(&[root]);
-        let routines = pair(g.clone(), root);
+        let routines = pair(g.clone(), root).expect("small");
         let [value, slope] = ["value", "slope"].map(|name| routines.named(name).expect("written").roots[0]);
         let target = &routines.graph;
         let has_root = target

@@ -2,6 +2,7 @@
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
+use crate::error::expect_variables;
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::over::Over;
 use crate::kernel::series::Order;
@@ -24,12 +25,7 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     type Acting<T: Real> = ActsAmong<P::Kernel<T>, K, A>;
 
     fn acting<T: Real>(&self) -> Self::Acting<T> {
-        const {
-            assert!(
-                K == A * D,
-                "a potential over A bodies has A times as many variables as a body coordinates"
-            )
-        };
+        const { expect_variables(K, A, D, false) };
         ActsAmong { kernels: self.potentials.iter().map(P::kernel).collect(), members: self.members.clone() }
     }
 

@@ -3,12 +3,14 @@
 mod network;
 mod numbers;
 mod phase;
+mod sizes;
 mod start;
 mod step;
 
 pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
 pub use phase::PhaseMistake;
+pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
 pub use step::StepFailure;
 

@@ -21,6 +21,26 @@ constraint! {
     pub struct Arity {}
     |x, y| sin(x, y) + atan2(x) + min(x) + y.hypot() + exp()
 }
+constraint! {
+    pub struct Keywords { type, r#fn, self }
+    |x| x + r#fn
+}
+constraint! {
+    pub struct Nameless {}
+    |x, _| { let in = x; x + in }
+}
+potential! {
+    pub struct Timed {}
+    |x| x * sin(t)
+}
+constraint! {
+    pub struct Moved {}
+    |x, y| x - y * time
+}
+potential! {
+    pub struct Foreign {}
+    |x| x * include_str!("factor.txt") + concat![1, 2] + u
+}
 
 fn main() {
     // The stubs stand in, so that these lines are not reported as well.

@@ -23,6 +23,10 @@ constraint! {
     pub struct Unused { r }
     |x, y, z| { let f = x; [1, r, y] }
 }
+constraint! {
+    pub struct Conditional { #[cfg(unix)] r, #[cfg_attr(unix, cfg(unix))] s }
+    |x| x - r - s
+}
 
 fn main() {
     let _ = Single { r: 1.0, list: Default::default(), n: [1.0; 2], c: Default::default(), last: 1.0 } .clone();
