@@ -167,14 +167,14 @@ potential! {
 fn ends_where_the_force_does<S: Method>(method: &S) {
     let scene = Scene::on(Sphere { r: 1.0 }).with(Edge {});
     let start = scene.project(&State::at([0.3, 0.0, 1.0]).moving([-1.0, 0.2, 0.0])).unwrap();
-    let mut simulation = scene.simulate(scene.staggered(&start, method), method.clone()).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(&start, method).unwrap(), method.clone()).unwrap();
     let error = simulation.run(1000).unwrap_err();
     assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
     assert!(simulation.position().x >= 0.0 && simulation.energy().is_finite(), "{error}");
 
     let linked = Scene::points(2).link(rattle::links::Rod { length: 1.0 }, [[0, 1]]).with(Edge {});
     let start = State::of([[0.3, 0.0, 0.0], [0.3, 0.0, 1.0]]).moving([-1.0, 0.0, 0.0]);
-    let mut simulation = linked.simulate(linked.staggered(&start, method), method.clone()).unwrap();
+    let mut simulation = linked.simulate(linked.staggered(&start, method).unwrap(), method.clone()).unwrap();
     let error = simulation.run(1000).unwrap_err();
     assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
     assert!(simulation.energy().is_finite(), "{error}");
