@@ -119,7 +119,7 @@ fn steps_of_a_floor_and_branches_are_errors() {
 fn roof_by<S: Method>(method: &S) {
     let scene = Scene::on(Roof { slope: 0.5 });
     let start = State::at([-1.0, 0.0, -0.5]).moving([1.0, 0.3, 0.5]);
-    let mut simulation = scene.simulate(scene.staggered(&start, method), method.clone()).unwrap();
+    let mut simulation = scene.simulate(scene.staggered(&start, method).unwrap(), method.clone()).unwrap();
     let (_, argument, ..) = kink(simulation.run(100_000).unwrap_err());
     let last = simulation.position().x;
     assert!(argument == "x" && (-0.031..=1e-12).contains(&last), "{}: {argument}, x = {last}", method.name());
