@@ -147,3 +147,59 @@ fn a_million_scenes_stay_on_their_sheets() {
         (0..1000_u64).into_par_iter().map(|seed| among_shells(1000 + seed, 1000, Rattle::new).wrong).sum();
     assert_eq!(wrong, 0);
 }
+
+/// Random motion among three shells, by a method that does not follow its root.
+fn among_three<S: Method>(
+    seed: u64,
+    runs: u32,
+    steps: std::ops::Range<f64>,
+    method: impl Fn(f64) -> S,
+) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for _ in 0..runs {
+        let gap = 10_f64.powf(random.random_range(-3.5..-2.0));
+        let h = random.random_range(steps.clone());
+        let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+        let q = vector().normalize();
+        let p = 1.5 * vector().cross(&q);
+        let scene = Scene::on(ThreeShells { gap }).with(Gravity { g: 1.0 });
+        let mut simulation = scene.simulate(State::at(q).moving(p), method(h)).unwrap();
+        let failure = simulation.run(60).err();
+        let off = (simulation.position().norm() - 1.0).abs();
+        match failure {
+            _ if off > 0.5 * gap => {
+                outcome.wrong += 1;
+                println!("gap {gap:e}, h = {h}: {off:e} after {} steps, {failure:?}", simulation.steps());
+            }
+            None => outcome.right += 1,
+            Some(Error::Step { .. }) => outcome.refused += 1,
+            Some(other) => panic!("{other}"),
+        }
+    }
+    println!("{outcome:?}");
+    outcome
+}
+
+constraint! {
+    /// Spheres of radius 1, and nearly.
+    #[derive(Clone, Copy)]
+    struct ThreeShells { gap }
+    |x, y, z| {
+        let off = sqrt(x^2 + y^2 + z^2) - 1;
+        off * (off - gap) * (off + gap)
+    }
+}
+
+#[test]
+fn methods_that_follow_no_root_say_where_they_left_it() {
+    let check = |outcome: Outcome, right: u32| {
+        assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+    };
+    check(among_three(11, 200, 0.05..0.8, Lobatto::<3>::new), 75);
+    check(among_three(12, 100, 0.05..1.0, Lobatto::<5>::new), 50);
+    check(among_three(13, 100, 0.05..1.0, Lobatto::<7>::new), 50);
+    check(among_three(14, 200, 0.02..0.5, |h| Taylor::new(3, h)), 100);
+    check(among_three(15, 200, 0.05..0.8, |h| Taylor::new(6, h)), 110);
+    check(among_three(16, 100, 0.05..0.8, Dop853::new), 65);
+}

@@ -296,6 +296,19 @@ pub enum StepFailure {
         /// The momentum there.
         momentum: Vec<f64>,
     },
+    /// A step that did not follow its root has ended on another sheet of the constraint, which lies close by.
+    #[error(
+        "a step h = {h:.3e} ends at q = {position:?}, {off:.1e} beside the sheet that it began on; try a smaller step, or Rattle, \
+         which follows its sheet"
+    )]
+    OtherSheet {
+        /// The step size.
+        h: f64,
+        /// How far beside it.
+        off: f64,
+        /// Where.
+        position: Vec<f64>,
+    },
     /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing of the constraint.
     #[error(
         "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \

@@ -67,6 +67,7 @@ where
 {
     type Memory<T: Real> = G::Memory<T>;
     type Need = (Steps, WithCollocation);
+    const FOLLOWS_ROOTS: bool = false;
 
     fn step_size(&self) -> f64 {
         self.h

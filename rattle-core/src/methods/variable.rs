@@ -111,6 +111,7 @@ impl<B: Method> Variable<B> {
 impl<B: Method> Method for Variable<B> {
     type Memory<T: Real> = Vec<T>;
     type Need = (B::Need, Steps, WithRates);
+    const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()

@@ -65,6 +65,10 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// it passed a singular point, and whether its energy comes from anywhere.
     const HAS_STRUCTURE: bool = true;
 
+    /// Whether a step follows the root of its constraints from its start: one that does not may end on another sheet, and is looked
+    /// at afterwards where others are near.
+    const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
+
     /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble are compiled for
     /// methods of that kind alone.
     const SPLITTING: Splitting = Splitting::Not;

@@ -205,6 +205,22 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
+    /// Looks whether a step of length h, after so many, that did not follow the root of its constraint has ended on another
+    /// sheet. A system that cannot tell says nothing.
+    ///
+    /// # Errors
+    /// [`StepFailure::OtherSheet`](crate::error::StepFailure::OtherSheet).
+    #[inline(always)]
+    fn check_sheets(
+        &self,
+        _steps: u64,
+        _h: f64,
+        _before: &Saved<Self::Count, T, D>,
+        _now: &mut BodiesOf<Self, T, D>,
+    ) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

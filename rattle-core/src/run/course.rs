@@ -1,4 +1,4 @@
-//! What is looked at after each whole step: kinks, and with methods that have no structure, whether the step can be one of the motion.
+//! What is looked at after each whole step: kinks, sheets where a method does not follow its root, and with methods that have no structure, whether the step can be one of the motion.
 //!
 //! RATTLE and its relatives follow the root of their position equation and know where it ends. A power series or an explicit method
 //! knows nothing of the constraint on its way: near a singular point, where normals turn at once, it leads anywhere, and is
@@ -20,10 +20,14 @@ const FROM_NOWHERE: f64 = 4.0;
 pub(super) fn check<S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,
     system: &Y,
+    steps: u64,
     before: &Saved<Y::Count, f64, D>,
-    now: &BodiesOf<Y, f64, D>,
+    now: &mut BodiesOf<Y, f64, D>,
 ) -> Result<(), Failure> {
     system.check_kinks(before, now)?;
+    if const { !S::FOLLOWS_ROOTS } {
+        system.check_sheets(steps, method.step_size(), before, now)?;
+    }
     if const { S::HAS_STRUCTURE } {
         return Ok(());
     }

@@ -340,7 +340,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
-        match stepped.and_then(|()| check(&self.method, &self.system, &self.before, &self.bodies)) {
+        let look = |()| check(&self.method, &self.system, self.steps, &self.before, &mut self.bodies);
+        match stepped.and_then(look) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
@@ -420,7 +421,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.memory = self.method.memory(system, &self.bodies);
-        Ok(check(&self.method, &self.system, &self.before, &self.bodies)?)
+        Ok(check(&self.method, &self.system, self.steps, &self.before, &mut self.bodies)?)
     }
 
     /// Takes the step just made, in so many parts, back, compares, and makes it again.

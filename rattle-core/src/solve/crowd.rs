@@ -10,14 +10,14 @@
 //! near in a small region only, which a body is through between two times, are not seen.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::lanes::Lane;
+use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
 
 /// After so many steps it is asked again.
 pub(crate) const EVERY: u64 = 64;
 
 /// At so many places it is asked at first, and again.
-const AT_FIRST: u64 = 24;
+const AT_FIRST: u64 = 48;
 const AGAIN: u64 = 6;
 
 /// It is asked as far as so many times what the constraint takes a body back in a step, and what its forces push it, …
@@ -31,10 +31,15 @@ pub(crate) const PATH: f64 = 0.05;
 const RISES: f64 = 0.5;
 
 /// The shares of the reach, from −1 to 1, at which it is asked after so many steps: pseudo-random, since multiples of any
-/// number, and of the golden ratio too, may all meet the same phase of a wave.
+/// number, and of the golden ratio too, may all meet the same phase of a wave. Each third one is of any size down to 1e-4,
+/// for two or three sheets much closer than the reach.
 pub(crate) fn shares(steps: u64) -> impl Iterator<Item = f64> {
     let (first, number) = if steps == 0 { (0, AT_FIRST) } else { (AT_FIRST + steps / EVERY * AGAIN, AGAIN) };
-    (first..first + number).map(|n| mixed(n) as f64 / (1_u64 << 63) as f64 - 1.0)
+    (first..first + number).map(|n| {
+        let share = mixed(n) as f64 / (1_u64 << 63) as f64 - 1.0;
+        let small = 1e-4_f64.powf(share.abs()).copysign(share);
+        if n % 3 == 2 { small } else { share }
+    })
 }
 
 /// The n-th number of the generator SplitMix64 (Steele, Lea, Flood 2014).
@@ -50,7 +55,7 @@ const fn mixed(n: u64) -> u64 {
 #[inline(always)]
 pub(crate) fn rises<S, K, const D: usize>(constraint: &K, q: &[S; D], n: &[S; D], square: S, shift: S) -> S
 where
-    S: Lane,
+    S: Real,
     K: ConstraintKernel<S, D, 1>,
 {
     let (_, [gradient]) = constraint.value_and_jacobian(&add_scaled(q, shift, n));

@@ -237,7 +237,8 @@ fn operations(links: &Links) -> usize {
 
 #[test]
 fn operations_are_linear_in_the_links() {
-    let families: [(&str, fn(usize) -> Links); 7] = [
+    type Family = (&'static str, fn(usize) -> Links);
+    let families: [Family; 7] = [
         ("star", |n| (0..n).map(|i| [0, i + 1]).collect()),
         ("path", |n| (0..n).map(|i| [i, i + 1]).collect()),
         ("binary tree", |n| (0..n).map(|i| [i / 2, i + 1]).collect()),

@@ -16,6 +16,7 @@ mod passage;
 pub(crate) mod position;
 mod room;
 mod series;
+mod sheets;
 mod start;
 pub(crate) mod step;
 mod system;

@@ -216,6 +216,16 @@ where
         Ok(())
     }
 
+    fn check_sheets(
+        &self,
+        steps: u64,
+        h: f64,
+        before: &Saved<N, T, D>,
+        now: &mut BodiesOf<N, T, F, D>,
+    ) -> Result<(), Failure> {
+        self.check_each(steps, h, before, now)
+    }
+
     fn equations(&self) -> usize {
         self.count.number()
     }
