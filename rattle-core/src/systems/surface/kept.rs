@@ -6,7 +6,7 @@ use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::solve::aim::{Aim, Pace};
-use crate::systems::surface::around::Crowd;
+use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;

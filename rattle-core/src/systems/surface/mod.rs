@@ -6,6 +6,7 @@
 
 mod around;
 pub(crate) mod collocation;
+mod crowd;
 pub(crate) mod diagnosis;
 pub(crate) mod equation;
 mod hold;

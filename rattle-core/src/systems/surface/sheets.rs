@@ -14,7 +14,7 @@ use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::crowd::{EVERY as SHARES_EVERY, PATH, REACH, rises, shares};
-use crate::systems::surface::around::EVERY;
+use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;

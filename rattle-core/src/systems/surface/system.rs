@@ -19,7 +19,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{dot, scaled};
 use crate::solve::aim::{Aim, Pace};
-use crate::systems::surface::around::Crowd;
+use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
@@ -31,7 +31,7 @@ use crate::systems::surface::step::drift;
 use crate::systems::surface::step::project;
 use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
-use crate::systems::surface::tiles::{entry, may_go_in_tiles};
+use crate::systems::surface::tiles::{entry, may_go_in_tiles, tiles_of};
 
 impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
@@ -72,7 +72,7 @@ where
         let normal = self.count.each(Normal::new([T::from_f64(0.0); D]));
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
-        let (pace, crowd) = (Pace::unknown(), Crowd::of(self.count.number()));
+        let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
         let kept = Kept { normal, force, aim, pace, crowd, of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);

@@ -40,7 +40,7 @@ use std::array::from_fn;
 use std::ops::Range;
 
 /// From so many bodies on it pays.
-pub(super) const MANY: usize = 8;
+const MANY: usize = 8;
 
 /// Newton steps of a body by itself before it is left to be moved alone.
 pub(crate) const CORRECTIONS: usize = 3;
@@ -190,7 +190,7 @@ fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
 }
 
 /// Bodies in tiles of 64, 24 or 16 lanes. More widths would pay by a tenth and take a second each to compile.
-pub(super) fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
+fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
     let mut first = 0;
     std::iter::from_fn(move || {
         let left = number - first;
@@ -202,6 +202,11 @@ pub(super) fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
         let next = first + left.min(most);
         (left > 0).then(|| std::mem::replace(&mut first, next)..next)
     })
+}
+
+/// How many tiles so many bodies go in.
+pub(super) fn tiles_of(bodies: usize) -> usize {
+    if bodies < MANY { 0 } else { tiles(bodies).count() }
 }
 
 #[inline(always)]

@@ -1,0 +1,49 @@
+//! Which bodies other sheets are near to, and when that is asked again: see [`crate::solve::crowd`].
+
+use crate::solve::crowd::EVERY as SHARES_EVERY;
+
+/// After so many drifts it is asked again: for one step of a tile that has to be gone on from, it is asked more often than
+/// where a stretch can be gone through again.
+pub(super) const EVERY: u64 = 16;
+
+/// Which bodies of a simulation are to be moved one by one, since other sheets are near.
+#[derive(Debug, Clone)]
+pub(crate) struct Crowd {
+    /// A bit for each body of a tile.
+    tiles: Vec<u64>,
+    drifts: u64,
+    longest: f64,
+    /// Whether one was, when it was last asked after a step that did not follow its root.
+    pub(super) near: bool,
+}
+
+impl Crowd {
+    /// Room for so many tiles, of which nothing is known.
+    pub(super) fn of(tiles: usize) -> Self {
+        Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, near: false }
+    }
+
+    /// Nothing is known any more.
+    pub(super) fn forget(&mut self) {
+        (self.drifts, self.longest) = (0, 0.0);
+    }
+
+    /// Before a drift of length h: if it is time to ask, after how many steps of [`shares`], and for which length.
+    pub(super) fn turn(&mut self, h: f64) -> Option<(u64, f64)> {
+        let (now, longer) = (self.drifts, h.abs() > self.longest);
+        self.drifts += 1;
+        self.longest = self.longest.max(h.abs());
+        let turn = if longer { 0 } else { now / EVERY * SHARES_EVERY };
+        (longer || now % EVERY == 0).then_some((turn, self.longest))
+    }
+
+    /// Notes which bodies of a tile are in a crowd.
+    pub(super) fn note(&mut self, tile: usize, bodies: u64) {
+        self.tiles[tile] = bodies;
+    }
+
+    /// The bodies of a tile that are to be moved one by one.
+    pub(super) fn of_tile(&self, tile: usize) -> u64 {
+        self.tiles[tile]
+    }
+}
