@@ -13,14 +13,15 @@ pub(crate) struct Crowd {
     tiles: Vec<u64>,
     drifts: u64,
     longest: f64,
-    /// Whether one was, when it was last asked after a step that did not follow its root.
+    /// How far it was last asked after a step that did not follow its root, and whether a sheet was near.
+    pub(super) asked: f64,
     pub(super) near: bool,
 }
 
 impl Crowd {
     /// Room for so many tiles, of which nothing is known.
     pub(super) fn of(tiles: usize) -> Self {
-        Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, near: false }
+        Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, asked: 0.0, near: false }
     }
 
     /// Nothing is known any more.

@@ -16,6 +16,13 @@ use crate::systems::surface::position::{Departure, Landing};
 /// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
 const LARGE: f64 = 1e6;
 
+/// Slopes that differ by more than this factor are asked to be followed in shorter parts.
+const STEADY: f64 = 2.0;
+
+/// Where h·κ·|v| is more than one part of so many, the steps before say little of what another guess, or a solve without
+/// slopes, is usually off by.
+const SMOOTH: f64 = 10.0;
+
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
 pub(crate) struct Attempt<T: Real, const D: usize> {
@@ -59,6 +66,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         equation: &(impl Equation<T, D> + ?Sized),
         aim: &Aim<T>,
         weights: [f64; 2],
+        from_state: bool,
     ) -> Attempt<T, D> {
         let landing = match X::KIND {
             Kind::Newton => self.solve(equation, |_| ()),
@@ -71,7 +79,10 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         };
         let trusted = self.turns_little(2.0).and(trusted);
-        let certain = trusted.and(self.is_as_usual(&landing, aim, weights));
+        let mut certain = trusted.and(self.is_as_usual(&landing, aim, weights));
+        if X::KIND != Kind::Newton || !from_state {
+            certain = certain.and(self.turns_little(SMOOTH));
+        }
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
@@ -88,8 +99,9 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         if !within_reach.all() {
             return Err(FailureAt::of(self.body, within_reach).too_long(self));
         }
+        let steady = trusted.and(is_steady(landing.slopes[1], self.square()));
         let look =
-            |rounding| trusted.and(self.confirms(equation, landing.multiplier, landing.slopes[0], rounding));
+            |rounding| steady.and(self.confirms(equation, landing.multiplier, landing.slopes[0], rounding));
         let mut rounding = self.rounding();
         let mut certain = certain.or(look(rounding));
         if !certain.all() {
@@ -113,7 +125,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     #[cold]
     #[inline(never)]
     pub(crate) fn land(&self, equation: &dyn Equation<T, D>) -> Result<Landing<T, D>, Failure> {
-        let attempt = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
+        let attempt = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2], true);
         self.look_again(equation, &attempt).map(|(landing, _)| landing)
     }
 
@@ -132,17 +144,22 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         if with_slope {
             let [slope, _] = landing.slopes;
             let confirmed = self.confirms(equation, landing.multiplier, slope, self.rounding());
-            certain = certain.or(trusted.and(confirmed));
+            certain = certain.or(trusted.and(is_steady(landing.slopes[1], self.square())).and(confirmed));
         }
         if certain.all() {
             return Ok((landing, certain.not()));
         }
-        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
+        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2], true);
         own.certain = own.certain.or(certain);
         let (found, _) = self.look_again(equation, &own)?;
         let rounding = self.with_noise(self.rounding(), equation, landing.multiplier);
         let certain = certain.or(trusted.and(is_same(&found, landing.multiplier, rounding)));
         Ok((landing.or(certain, found), certain.not()))
+    }
+
+    /// The slope of g along its normal where the step begins.
+    fn square(&self) -> T {
+        dot(&self.normal.gradient, &self.normal.gradient)
     }
 
     /// The rounding of Λ by that of positions, or of a surface of the size of its radius of curvature.
@@ -200,7 +217,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let (path, push) = (&self.path, &self.push);
         let path_and_push = dot(path, path) + dot(push, push);
         let mut course = Course::start();
-        let mut arrived: Option<Landing<T, D>> = None;
+        let (mut arrived, mut slope_before): (Option<Landing<T, D>>, T) = (None, self.square());
         let reached = follow(|part| {
             let (s, length) = (part.end, part.length);
             let free = add_scaled(&scaled(s, path), s * s, push);
@@ -208,7 +225,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let landing = on_the_way.solve(equation, |_| ());
             let path_square = length * length * path_and_push;
             let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
-            let (end, [slope, _]) = (landing.multiplier - on_the_way.guess, landing.slopes);
+            let (end, [slope, last]) = (landing.multiplier - on_the_way.guess, landing.slopes);
+            trusted = trusted.and(is_steady(last, slope_before));
             // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving
             // would never end.
             for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
@@ -219,6 +237,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 trusted = trusted.and(grows_to(inside, end, share, powers, rounding));
             }
             course.note(trusted, self.guess, part, landing.multiplier);
+            slope_before = T::select(trusted, last, slope_before);
             arrived = Some(match arrived.take() {
                 Some(before) => landing.or(trusted, before),
                 None => landing,
@@ -251,6 +270,12 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let upright = T::from_f64(0.0).lt(landing.slopes[1]);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }
+}
+
+/// Whether a slope differs by less than a factor from that where a way began: on its way to the next root it turns over.
+fn is_steady<T: Real>(slope: T, before: T) -> T::Mask {
+    let most = T::from_f64(STEADY);
+    slope.le(most * before).and(before.le(most * slope))
 }
 
 /// Whether another solve found the same root, but for rounding.

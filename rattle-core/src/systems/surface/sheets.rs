@@ -5,15 +5,14 @@
 //! place, each of which lands as a step of RATTLE does and is looked at inside. On another sheet one arrives beside
 //! it, and only a way across is left.
 
-use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::{Count, Saved};
+use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::crowd::{EVERY as SHARES_EVERY, PATH, REACH, rises, shares};
+use crate::solve::crowd::{EVERY as SHARES_EVERY, rises, shares};
 use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -33,11 +32,12 @@ const THERE: f64 = 65536.0;
 /// A way of which less than this part leads along the sheet leads across.
 const ACROSS: f64 = 1e-3;
 
-/// No farther is looked than this part of the radius in which the path is bent, where any surface turns.
-const OF_RADIUS: f64 = 0.1;
+/// It is asked as far as so many times what a step may have led astray.
+const FARTHER: f64 = 4.0;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// Now and then looks around each body; and while one is near other sheets, whether all are still on their own.
+    /// Now and then, and after a step that may have led farther astray than was asked for, looks around each body; and while one is
+    /// near other sheets, whether all are still on their own.
     #[inline(always)]
     pub(super) fn check_each<T, const D: usize>(
         &self,
@@ -51,10 +51,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
-        if steps.is_multiple_of(EVERY) {
-            let from = before.q.as_ref().iter().enumerate(); // the sheet that is the right one
-            now.kept.crowd.near =
-                from.fold(false, |near, (body, q)| near || self.is_near_others(steps, h, q, now, body));
+        let bodies = 0..self.count.number();
+        let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
+        let turn = steps.is_multiple_of(EVERY);
+        if turn || !(astray <= now.kept.crowd.asked) {
+            self.ask(if turn { steps } else { 0 }, FARTHER * astray, before, now);
         }
         if now.kept.crowd.near {
             for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
@@ -64,36 +65,43 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         Ok(())
     }
 
-    /// Whether other sheets are near a place of a body, a step before now.
-    fn is_near_others<T, const D: usize>(
+    /// Notes whether other sheets are as near as this to a body where the step began.
+    #[cold]
+    #[inline(never)]
+    fn ask<T, const D: usize>(
         &self,
         steps: u64,
-        h: f64,
-        q: &[T; D],
-        now: &BodiesOf<N, T, F, D>,
-        body: usize,
-    ) -> bool
-    where
+        reach: f64,
+        before: &Saved<N, T, D>,
+        now: &mut BodiesOf<N, T, F, D>,
+    ) where
         T: Real,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
-        let p = &now.p.as_ref()[body];
-        let Normal { gradient, inverse_square } = Normal::new(Equation::gradient(&self.constraint, q));
-        let force = now.kept.force.as_ref()[body].components();
-        let [bend] = self.constraint.jet(q, p).2;
-        let [pushed, path] = [0.5 * REACH * h * h, REACH * PATH * h].map(T::from_f64);
-        let free = path * path * dot(p, p) + pushed * pushed * dot(&force, &force);
-        let reach = pushed * bend.abs() * inverse_square + (free * inverse_square).sqrt();
-        let most = T::from_f64(OF_RADIUS) * dot(p, p) / bend.abs(); // infinite where the path is straight
-        let reach = T::select(most.le(reach), most, reach);
-        let square = dot(&gradient, &gradient);
-        let plain = |share: f64| {
-            let rises = rises(&self.constraint, q, &gradient, square, T::from_f64(share) * reach);
-            T::from_f64(0.0).le(rises).all()
+        let is_near = |q: &[T; D]| {
+            let [n] = self.constraint.jacobian(q);
+            let square = dot(&n, &n);
+            let shift = T::from_f64(reach) / square.sqrt();
+            let plain = |share: f64| {
+                let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
+                T::from_f64(0.0).le(rises).all()
+            };
+            !shares(steps / EVERY * SHARES_EVERY).all(plain)
         };
-        !shares(steps / EVERY * SHARES_EVERY).all(plain)
+        now.kept.crowd.near = before.q.as_ref().iter().any(is_near);
+        now.kept.crowd.asked = reach;
     }
+}
+
+/// How far a step of length h may have led astray: by how much more than its momenta say. Of a right step that is some part of
+/// h³; a sheet that was passed over makes it as large as the sheets are apart.
+#[inline(always)]
+fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> f64 {
+    let half = T::from_f64(-0.5 * h);
+    let way = add_scaled(&now.q, T::from_f64(-1.0), &before.q);
+    let off = add_scaled(&way, half, &sum(&before.p, &now.p));
+    off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
 }
 
 /// Walks from one place towards another. An error where that is not reached.

@@ -87,7 +87,8 @@ where
     W: Witness<T>,
 {
     let departure = departure(kick, h, lambda, constraint, bodies, body);
-    let attempt = departure.attempt::<X>(constraint, &bodies.kept.aim.as_ref()[body], weights);
+    let aim = &bodies.kept.aim.as_ref()[body];
+    let attempt = departure.attempt::<X>(constraint, aim, weights, lambda.is_none());
     if !attempt.certain.all() {
         let way = (X::KIND, lambda.is_none());
         let copy = attempt; // what is given away by reference would else be kept in memory by all steps
