@@ -304,6 +304,37 @@ fn lanes_go_on_where_only_the_curvature_jumps() {
     assert_eq!(ensemble.failures().count(), 0);
 }
 
+/// The rounding of g, be it in single precision or in short ways, is no gap.
+#[test]
+fn rounding_is_no_jump() {
+    let scene = Scene::on(Tilted {}).with(Gravity { g: 1.0 });
+    let start = |i: u32| State::at([-0.5, 0.01 * f64::from(i), 0.3]).moving([0.3, 0.1, 0.0]);
+    let starts = || (0..70).map(|i| scene.project(&start(i)).unwrap());
+    for h in [0.02, 0.003] {
+        let mut ensemble = scene.ensemble_in(Single, starts(), Rattle::new(h)).unwrap();
+        ensemble.run(5_000);
+        assert_eq!(ensemble.failures().next().map(|(_, failure)| failure.to_string()), None);
+        assert_eq!(ensemble.failures().count(), 0);
+    }
+    let mut random = StdRng::seed_from_u64(1);
+    let seam = scene.project(&State::at([0.0, 0.3, 0.3])).unwrap().positions().next().unwrap();
+    for _ in 0..300 {
+        let slow = State::at(seam).moving([(); 3].map(|()| random.random_range(-1e-7..1e-7)));
+        let slow = Scene::on(Tilted {}).project(&slow).unwrap();
+        Scene::on(Tilted {}).simulate(slow, Rattle::new(1e-3)).unwrap().run(20).unwrap();
+    }
+}
+
+constraint! {
+    /// Half a plane that goes over into a half of a cylinder, tilted.
+    struct Tilted {}
+    |x, y, z| {
+        let u = 0.8 * x + 0.36 * y + 0.48 * z;
+        let v = 0.6 * z - 0.8 * y;
+        max(u, 0)^2 + (v - 1)^2 - 1
+    }
+}
+
 /// Twenty particles side by side, of which the seventh crosses.
 #[test]
 fn particles_in_tiles_are_looked_at() {

@@ -134,6 +134,44 @@ fn moves<S: Method>(seed: u64, runs: u32, method: impl Fn(f64) -> S) -> Outcome 
     outcome
 }
 
+/// The same in lanes: eight trajectories from one place.
+fn moves_in_lanes(seed: u64, runs: u32) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for run in 0..runs {
+        let (surface, q) = surface(&mut random);
+        let s = [0; 3].map(|_| random.random_range(-1.0..1.0));
+        let scene = Scene::on(surface).with(Spring { s });
+        let h = size(&mut random, -2.5, 0.0);
+        let starts = (0..8).filter_map(|_| scene.project(&State::at(q).moving(vector(&mut random))).ok());
+        let starts: Vec<_> = starts.collect();
+        let Ok(mut ensemble) = scene.ensemble(starts, Rattle::new(h)) else { continue };
+        let places = |ensemble: &Ensemble<3>| -> Vec<_> {
+            (0..ensemble.len()).map(|i| ensemble.state(i).positions().next().unwrap()).collect()
+        };
+        let mut judged = vec![true; ensemble.len()];
+        for _ in 0..20 {
+            let from = places(&ensemble);
+            ensemble.run(1);
+            for (i, (from, to)) in from.into_iter().zip(places(&ensemble)).enumerate() {
+                let failed = ensemble.failure(i).is_some();
+                outcome.refused += u32::from(judged[i] && failed);
+                judged[i] &= !failed && to.norm() < 20.0;
+                if judged[i] {
+                    outcome.steps += 1;
+                    judged[i] = leads(&surface, from, to, 64) || leads(&surface, from, to, 4096);
+                    if !judged[i] {
+                        outcome.wrong += 1;
+                        println!("seed {seed}, run {run}, trajectory {i}: {surface:?}, h = {h}");
+                    }
+                }
+            }
+        }
+    }
+    println!("{outcome:?} in lanes");
+    outcome
+}
+
 fn all_methods(seed: u64, runs: u32) -> [Outcome; 5] {
     [
         moves(seed, runs, Rattle::new),
@@ -149,6 +187,19 @@ fn each_step_stays_on_its_sheet() {
     for outcome in all_methods(100, 500) {
         assert!(outcome.wrong == 0 && outcome.steps >= 3000, "{outcome:?}");
     }
+}
+
+#[test]
+fn each_step_of_lanes_stays_on_its_sheet() {
+    let outcome = moves_in_lanes(200, 200);
+    assert!(outcome.wrong == 0 && outcome.steps >= 20_000, "{outcome:?}");
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn each_step_of_many_lanes() {
+    let blocks = (0..100_u64).into_par_iter();
+    assert_eq!(blocks.map(|block| moves_in_lanes(3000 + block, 200).wrong).sum::<u32>(), 0);
 }
 
 #[test]

@@ -114,3 +114,26 @@ fn a_hundred_thousand_chains_keep_them() {
         .sum();
     assert_eq!(wrong, 0);
 }
+
+constraint! {
+    /// Two bodies at a distance of 1, of which the equation is no number where they are farther than 1.01 apart.
+    struct Short {}
+    |x1, y1, x2, y2| 1 - sqrt(1.0201 - (x2 - x1)^2 - (y2 - y1)^2) / sqrt(0.0201)
+}
+
+/// Where a guess lies beyond where an equation is a number, its root is followed in parts that do not.
+#[test]
+fn a_guess_beyond_the_domain_is_followed() {
+    let mut followed = 0;
+    for speed in [0.5, 1.0, 1.5, 2.0, 2.5] {
+        let scene = Scene::points(2).link(Short {}, [[0, 1]]).pin(0, [0.0, 0.0]);
+        let start = State::of([[0.0, 0.0], [1.0, 0.0]]).with_momenta([[0.0, 0.0], [0.0, speed]]);
+        let mut simulation = scene.simulate(start, Rattle::new(0.25)).unwrap();
+        if simulation.run(20).is_ok() {
+            assert!((simulation.positions().nth(1).unwrap().norm() - 1.0).abs() < 1e-12);
+            followed += simulation.counts().followed;
+        }
+        println!("{speed}: {} steps, {:?}", simulation.steps(), simulation.counts());
+    }
+    assert!(followed > 0);
+}

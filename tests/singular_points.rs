@@ -232,3 +232,18 @@ fn a_lane_rests_in_its_last_good_state() {
         rests(Double, &Composition::new(SUZUKI_1990_ORDER_4, 0.03), &edge, pair());
     }
 }
+
+/// Near rest the kinetic energy of a step is less than the rounding of the potential energy: it does not come from nowhere.
+#[test]
+fn small_motion_near_rest_is_no_energy_from_nowhere() {
+    let bottom = |angle: f64| [angle.sin(), 0.0, -angle.cos()];
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 9.81 });
+    for angle in [0.0, 1e-9, 1e-7, 1e-5] {
+        let start = || State::at(bottom(angle));
+        for h in [1e-4, 0.01] {
+            scene.simulate(start(), Dop853::new(h)).unwrap().run(500).unwrap();
+            scene.simulate(start(), Taylor::new(8, h)).unwrap().run(500).unwrap();
+            scene.simulate(start(), Bdf2::new(h)).unwrap().run(500).unwrap();
+        }
+    }
+}

@@ -13,7 +13,7 @@
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot};
+use crate::number::vector::{add_scaled, dot, largest};
 
 /// Arguments that are compared at a time.
 const PAGE: usize = 32;
@@ -102,6 +102,9 @@ where
     kinks.min_by(|a, b| a.share.total_cmp(&b.share))
 }
 
+/// A gap of less than so many roundings is none.
+const ROUNDINGS: f64 = 64.0;
+
 /// A straight way between two places.
 struct Way<'a, K, const D: usize> {
     kernel: &'a K,
@@ -161,13 +164,16 @@ impl<K, const D: usize> Way<'_, K, D> {
         }
         let [start, last, first, end] = [0.0, a, b, 1.0].map(|share| self.side::<T, M>(share));
         let length = dot(&self.change, &self.change).sqrt();
+        let size = largest(self.from).max(length);
         (0..M).find_map(|equation| {
             let turn = distance(&start[equation].1, &last[equation].1)
                 + distance(&first[equation].1, &end[equation].1);
-            let smooth = (turn * turn).clamp(SMALLEST, LARGEST);
+            let smooth = (turn * turn).clamp(SMALLEST.max(ROUNDINGS * T::EPSILON), LARGEST);
+            // The rounding of g, as where the way begins, on the surface.
+            let rounding = ROUNDINGS * (T::EPSILON * size + start[equation].0.abs());
             let jump = distance(&last[equation].1, &first[equation].1);
             let gap = (last[equation].0 - first[equation].0).abs();
-            let jumps = jump > smooth || gap > smooth * length;
+            let jumps = jump > smooth || gap > smooth * length + rounding;
             jumps.then(|| Kink {
                 argument: K::KINKS[number],
                 equation,

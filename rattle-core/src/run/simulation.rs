@@ -1,6 +1,6 @@
 //! A scene under way.
 
-use crate::error::Error;
+use crate::error::{Error, StepFailure};
 use crate::methods::able::view;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
@@ -379,7 +379,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 self.put_back();
             }
         }
-        if let Trouble::Failed(failure) = &mut trouble {
+        if let Trouble::Failed(failure) = &mut trouble
+            && !matches!(failure.cause, StepFailure::StepTooLong { .. } | StepFailure::OutOfScale { .. })
+        {
             self.look_for_kinks(failure);
         }
         Err(trouble.told(self.steps + 1, self.time(), most))

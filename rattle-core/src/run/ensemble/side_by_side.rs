@@ -98,7 +98,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         let end = self.steps + steps;
         while self.steps < end {
             let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
-            let leg = LEG.min(stop - self.steps);
+            let leg = (LEG - self.steps % LEG).min(stop - self.steps);
             if !self.leg(leg) {
                 for _ in 0..leg {
                     self.leg(1); // who cannot take it ends
@@ -117,7 +117,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     fn leg(&mut self, steps: u64) -> bool {
         let before = (self.engine.lanes(), self.engine.laws().clone(), self.copy_of);
-        let (end, mut together, mut apart) = (self.steps + steps, self.moving, Vec::new());
+        let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
+        let (mut apart, mut fails) = (Vec::new(), false);
         loop {
             let crowded = (0..E::WIDTH).find(|&lane| together[lane] && self.crowded[lane]);
             let Stuck { lane, failure } = if let Some(lane) = crowded {
@@ -132,16 +133,17 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             self.crowded[lane] |= failure.is_none();
             match self.by_itself(lane, failure, steps) {
                 Ok(body) => apart.push((lane, body)),
-                Err(_) if steps > 1 => {
-                    self.engine.keep(before.0);
-                    *self.engine.laws() = before.1;
-                    self.copy_of = before.2;
-                    return false;
-                }
+                Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
                 Err(failure) => self.end(lane, failure),
             }
             together[lane] = false;
             self.stand_in(&together);
+        }
+        if fails {
+            self.engine.keep(before.0);
+            *self.engine.laws() = before.1;
+            (self.copy_of, self.steps) = (before.2, now);
+            return false;
         }
         if !apart.is_empty() {
             *self.engine.laws() = before.1;
@@ -167,7 +169,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     fn end(&mut self, lane: usize, failure: Error) {
         let body = self.engine.body(lane);
         self.ended.push(Ended { lane, steps: self.steps, body, failure });
-        self.moving[lane] = false;
+        (self.moving[lane], self.crowded[lane]) = (false, false);
     }
 
     /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often halved as is

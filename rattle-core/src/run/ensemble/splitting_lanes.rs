@@ -187,7 +187,7 @@ where
                     stride(&mut desk, &laws, parts)?;
                 }
                 now = stop;
-                if now % EVERY == 0 {
+                if now % EVERY == 0 || (now == end && written.is_some()) {
                     desk.block.look_around(now, &laws, parts)?;
                 }
             }

@@ -53,11 +53,9 @@ impl<const D: usize> Flight<'_, D> {
         room.measure_noise(m);
         self.add_noise(room);
         for row in 0..m {
-            // By the normal at the start: that at the guess may be none.
-            let square: f64 =
-                self.rows().blocks_of(row).map(|(b, _)| dot(&self.blocks[b], &self.blocks[b])).sum();
-            room.noise[row] +=
-                LITTLE_OFF * room.off[row].abs() * (room.lengths[row] / square.sqrt()).min(1.0);
+            // By the normal at the start: that at the guess may be none, and the guess out of where g is a number.
+            let off = room.off[row].abs() * (room.lengths[row] / self.steepness(row)).min(1.0);
+            room.noise[row] += if off.is_finite() { LITTLE_OFF * off } else { 0.0 };
         }
     }
 
@@ -212,8 +210,14 @@ impl<const D: usize> Flight<'_, D> {
             }
         }
         for row in 0..m {
-            room.noise[row] += NOISY * room.dx[row] / room.lengths[row];
+            room.noise[row] += NOISY * room.dx[row] / self.steepness(row);
         }
+    }
+
+    /// |∇gᵢ| where the step begins.
+    fn steepness(&self, row: usize) -> f64 {
+        let blocks = self.rows().blocks_of(row);
+        blocks.map(|(block, _)| dot(&self.blocks[block], &self.blocks[block])).sum::<f64>().sqrt()
     }
 }
 
@@ -230,7 +234,8 @@ impl<const D: usize> Room<D> {
 
     fn measure_noise(&mut self, equations: usize) {
         for row in 0..equations {
-            self.noise[row] = self.rounding(row);
+            let rounding = self.rounding(row);
+            self.noise[row] = if rounding.is_finite() { rounding } else { 0.0 };
         }
     }
 

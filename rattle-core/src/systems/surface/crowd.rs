@@ -6,6 +6,9 @@ use crate::solve::crowd::EVERY as SHARES_EVERY;
 /// where a stretch can be gone through again.
 pub(super) const EVERY: u64 = 16;
 
+/// It is asked for steps so much longer than the longest one.
+const LONGER: f64 = 1.25;
+
 /// Which bodies of a simulation are to be moved one by one, since other sheets are near.
 #[derive(Debug, Clone)]
 pub(crate) struct Crowd {
@@ -24,16 +27,13 @@ impl Crowd {
         Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, asked: 0.0, near: false }
     }
 
-    /// Nothing is known any more.
-    pub(super) fn forget(&mut self) {
-        (self.drifts, self.longest) = (0, 0.0);
-    }
-
     /// Before a drift of length h: if it is time to ask, after how many steps of [`shares`], and for which length.
     pub(super) fn turn(&mut self, h: f64) -> Option<(u64, f64)> {
         let (now, longer) = (self.drifts, h.abs() > self.longest);
         self.drifts += 1;
-        self.longest = self.longest.max(h.abs());
+        if longer {
+            self.longest = LONGER * h.abs(); // steps may grow a little each time
+        }
         let turn = if longer { 0 } else { now / EVERY * SHARES_EVERY };
         (longer || now % EVERY == 0).then_some((turn, self.longest))
     }

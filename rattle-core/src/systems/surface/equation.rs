@@ -2,6 +2,8 @@
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;
+use crate::number::vector::{add_scaled, dot};
+use crate::solve::aim::SHIFTS;
 
 /// g(q) = 0. Steps that find their root at once are compiled for each surface; what is rarely done is compiled once,
 /// and given a
@@ -41,4 +43,25 @@ impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K
         let [bend] = self.jet(q, p).2;
         bend
     }
+}
+
+/// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no straight line along the normal where the place
+/// is moved by some roundings of this size.
+#[cold]
+#[inline(never)]
+pub(crate) fn rounding_of<T: Real, const D: usize>(
+    equation: &dyn Equation<T, D>,
+    q: &[T; D],
+    n: &[T; D],
+    size: T,
+) -> T {
+    let over = T::from_f64(1.0) / dot(n, n);
+    let unit = T::from_f64(T::EPSILON) * size * over.sqrt();
+    let off = |share: f64| {
+        let shift = T::from_f64(share) * unit;
+        equation.value(&add_scaled(q, shift, n)) * over - shift
+    };
+    let middle = off(0.0);
+    let most = |most: T, share: f64| most.max((off(share) - middle).abs());
+    SHIFTS.into_iter().fold(T::from_f64(0.0), most)
 }

@@ -7,10 +7,10 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::{Aim, INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, grows_to};
+use crate::solve::aim::{Aim, INSIDE, LITTLE, NOISY, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root};
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::equation::Equation;
+use crate::systems::surface::equation::{Equation, rounding_of};
 use crate::systems::surface::position::{Departure, Landing};
 
 /// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
@@ -180,15 +180,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         if (T::from_f64(LITTLE) * rounding).le((multiplier - self.guess).abs()).all() {
             return rounding;
         }
-        let (n, over) = (&self.normal.gradient, self.normal.inverse_square);
-        let unit = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free)) * over.sqrt();
-        let off = |share: f64| {
-            let shift = T::from_f64(share) * unit;
-            equation.value(&add_scaled(self.q, shift, n)) * over - shift
-        };
-        let middle = off(0.0);
-        let most = |most: T, share: f64| most.max((off(share) - middle).abs());
-        rounding + T::from_f64(NOISY) * SHIFTS.into_iter().fold(T::from_f64(0.0), most)
+        let size = largest(self.q).max(largest(&self.free));
+        rounding + T::from_f64(NOISY) * rounding_of(equation, self.q, &self.normal.gradient, size)
     }
 
     /// What the guess is off by after the share `s` of the step, if Λ is guessed to be this there.

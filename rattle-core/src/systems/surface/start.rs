@@ -9,8 +9,10 @@ use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::finite;
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
+use crate::solve::aim::NOISY;
 use crate::solve::nearing::Nearing;
 use crate::solve::root::straight;
+use crate::systems::surface::equation::rounding_of;
 use crate::systems::surface::normal::Normal;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
@@ -47,7 +49,8 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     // away.
     let of_path = 1e-12 * path.min(singular);
     let tolerance = (START_TOLERANCE * size).max(16.0 * noise).max(of_path);
-    if distance > tolerance {
+    let of_g = || NOISY * length * rounding_of(constraint, &body.q, &gradient, largest(&body.q));
+    if distance > tolerance && distance > of_g() {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
     let scale = largest(&body.p).max(f64::MIN_POSITIVE); // squares of momenta may leave the floats

@@ -81,7 +81,6 @@ where
 
     fn refresh(&self, bodies: &mut BodiesOf<N, T, F, D>) {
         bodies.kept.aim.as_mut().fill(Aim::unknown());
-        bodies.kept.crowd.forget();
         if !self.fuse_normals(bodies) {
             for (normal, q) in bodies.kept.normal.as_mut().iter_mut().zip(bodies.q.as_ref()) {
                 let [gradient] = self.constraint.jacobian(q);
