@@ -184,7 +184,7 @@ def pinch(angle):
         "lemniscate surface, straight to its pinch"
         if straight
         else f"lemniscate surface, past its pinch ({angle:g} rad beside), h = 0.01",
-        "The normal is zero where the two halves meet, so that no motion leads on from there."
+        "The normal is zero where the two halves meet: no force is defined there, and more than one path leads on."
         if straight
         else "The curvature is without bound near the pinch, and so is the energy that a step can make.",
         [f**2 + Z**2 - sympy.Rational(1, 16)],
@@ -221,7 +221,7 @@ def cone(beside):
         "cone, straight to its apex"
         if straight
         else f"cone, past its apex at a distance of {beside:g}, h = 0.01",
-        "The normal is zero at the apex, so that no motion leads on from there."
+        "The normal is zero at the apex: no force is defined there, and every line of the cone leads on."
         if straight
         else "The exact path, straight on the unrolled cone, turns within a distance of a tenth of a step.",
         [Z**2 - X**2 - Y**2],

@@ -77,12 +77,12 @@ def project(case, q, v):
 
 
 def tolerances(case, q, v, relative):
-    """Relative to the lengths of the case; SciPy takes no relative tolerance below 100 roundings."""
-    relative = max(relative * min(1.0, case.length / np.max(np.abs(q))), 2.3e-14)
-    speed = max(1.0, np.max(np.abs(v)))
-    return relative, np.concatenate(
-        [np.full(len(q), relative * case.length), np.full(len(v), relative * speed)]
-    )
+    """Relative to the length of the case where that is above rounding; SciPy takes no rtol below 100 roundings."""
+    farthest = np.max(np.abs(q))
+    length = max(relative * case.length, 8 * np.finfo(float).eps * farthest)
+    speed = length / case.length * max(1.0, np.max(np.abs(v)))
+    rtol = max(relative * min(1.0, case.length / farthest), 2.3e-14)
+    return rtol, np.concatenate([np.full(len(q), length), np.full(len(v), speed)])
 
 
 def scipy_ode(method, relative=None, projected=False):
@@ -129,7 +129,7 @@ def ida(case, q, v, record):
     y0 = np.concatenate([q, v, multiplier * unit])
     yp0 = np.concatenate([v, first, np.zeros(len(unit))])
     rtol, atol = tolerances(case, q, v, 1e-8)
-    atol = np.concatenate([atol, np.full(len(unit), rtol * max(1.0, np.max(np.abs(multiplier * unit))))])
+    atol = np.concatenate([atol, np.full(len(unit), 1e-8 * max(1.0, np.max(np.abs(multiplier * unit))))])
     solver = IDA(
         residual, rtol=rtol, atol=atol, algebraic_idx=list(range(2 * n, len(y0))), max_num_steps=10_000
     )
