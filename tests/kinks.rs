@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::ensemble::{Compensated, Double, Precision, Single};
+use rattle::ensemble::{Double, Precision, Single};
 use rattle::error::StepFailure;
 use rattle::kernel::ConstraintKernel;
 use rattle::prelude::*;
@@ -287,7 +287,6 @@ fn lanes<P: Precision>(precision: P, halvings: u32) {
 fn lanes_end_as_simulations_do() {
     lanes(Double, 0);
     lanes(Double, 3);
-    lanes(Compensated, 0);
     lanes(Single, 0);
 }
 
