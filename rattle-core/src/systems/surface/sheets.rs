@@ -54,7 +54,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
         let turn = steps.is_multiple_of(EVERY);
-        if turn || !(astray <= now.kept.crowd.asked) {
+        if turn || astray > now.kept.crowd.asked || astray.is_nan() {
             self.ask(if turn { steps } else { 0 }, FARTHER * astray, before, now);
         }
         if now.kept.crowd.near {
