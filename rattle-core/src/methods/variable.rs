@@ -50,6 +50,10 @@ const REST: f64 = 0.1;
 /// four times as close as with as many steps of one length. But the change of R takes two steps of RATTLE at each step: it pays
 /// where the steps of `base` cost more than that, and where motion is gentle for long and then violent.
 ///
+/// On chaotic motion nothing but symmetry keeps the energy, which may wander: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the tube of a
+/// lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5 ‰; with steps
+/// of one length, 0.02, it was 7, 12 and 13 ‰. With τ far too long for a close passage energy is lost without a word.
+///
 /// ```
 /// # use rattle::{Lobatto, Variable};
 /// let method = Variable::of(Lobatto::<3>::new(0.05), 0.3); // steps of 0.05; shorter where momenta turn within 0.3

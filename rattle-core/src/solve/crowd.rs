@@ -1,10 +1,10 @@
 //! Whether other sheets are near: what is asked of many bodies at a time, where no step of a single one is looked at.
 //!
-//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what
-//! the constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So it is
-//! asked whether it rises, to both sides of a body, as far as that may be: at places
-//! that have no period. On `sin(k(|q| − 1))` two of three places between sheets say that it does not. A body where
-//! it does not is moved by itself, where each step is looked at (see [`crate::solve::aim`]).
+//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what the
+//! constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So it is
+//! asked whether g rises, to both sides of a body, as far as that may be, at places without a period. On `sin(k(|q| − 1))` two
+//! of three places between sheets say that it does not. A body where it does not is moved by itself, where each step is
+//! looked at (see [`crate::solve::aim`]).
 //!
 //! It is asked at many places where a body starts and at some now and then, so that it costs a few percent: sheets that are
 //! near in a small region only, which a body is through between two times, are not seen.
