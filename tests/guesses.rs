@@ -57,7 +57,7 @@ fn extrapolated_stages_take_fewer_iterations() {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
-        assert!(pure <= 18.0, "h = {h}: {pure}"); // as many iterations as end below half a rounding
+        assert!(pure <= 19.0, "h = {h}: {pure}"); // 18 for iterations that end below half a rounding, and a look for other sheets
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
 }

@@ -279,8 +279,9 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         for i in 0..L {
             let (way, pushed) = (at(way, i), laws.kick(i, &at(q, i), push, [S::default(); D]));
             let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
-            let free = path * path * dot(&way, &way) + dot(&pushed, &pushed);
-            furthest[i] = reach.multiply_add(back, (free / square[i]).sqrt());
+            let along = path * path * dot(&way, &way);
+            let free = ((along + dot(&pushed, &pushed)) / square[i]).sqrt();
+            furthest[i] = (reach * back).min((along / square[i]).sqrt()) + free;
         }
         let mut least = *square;
         for share in shares(steps) {

@@ -74,12 +74,18 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
 
     /// The body of a lane.
     fn body(&self, lane: usize) -> Body<f64, D>;
-    /// Where the body of a lane is after so many steps, each in so many equal parts, by itself: each is looked at, and sums are
-    /// compensated.
+    /// Where a body that obeys what a lane does is after so many steps, each in so many equal parts, by itself: each is looked at,
+    /// and sums are compensated.
     ///
     /// # Errors
     /// Says why it cannot be moved.
-    fn by_itself(&self, lane: usize, steps: u64, parts: u32) -> Result<Body<f64, D>, Failure>;
+    fn by_itself(
+        &self,
+        lane: usize,
+        body: &Body<f64, D>,
+        steps: u64,
+        parts: u32,
+    ) -> Result<Body<f64, D>, Failure>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.

@@ -36,8 +36,9 @@ pub(crate) struct SideBySide<E, const D: usize> {
     moving: [bool; LANES],
     copy_of: [usize; LANES],
     ended: Vec<Ended<D>>,
-    /// By lane: whether it goes by itself, since other sheets are near; and when that ends.
+    /// By lane: whether it goes by itself, since other sheets are near, and where it is then; and when that ends.
     crowded: [bool; LANES],
+    own: Vec<(usize, Body<f64, D>)>,
     crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
@@ -71,6 +72,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             copy_of: from_fn(|lane| if lane < number { lane } else { 0 }),
             ended: Vec::new(),
             crowded: [false; LANES],
+            own: Vec::new(),
             crowded_until: 0,
             halvings: 0,
         }
@@ -85,8 +87,17 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         Ok(())
     }
 
-    /// Writes those that go on no more.
-    fn write_ended(&self, Page { times, positions, momenta }: Page<'_, D>) {
+    /// Where a trajectory is.
+    fn body(&self, lane: usize) -> Body<f64, D> {
+        let own = self.own.iter().find(|own| own.0 == lane);
+        own.map_or_else(|| self.engine.body(lane), |own| own.1)
+    }
+
+    /// Writes those that go by themselves, and those that go on no more.
+    fn write_apart(&self, Page { times, positions, momenta }: Page<'_, D>) {
+        for &(lane, Body { q, p, .. }) in &self.own {
+            (positions[lane], momenta[lane]) = (q.into(), p.into());
+        }
         for &Ended { lane, body: Body { q, p, .. }, .. } in &self.ended {
             times[lane] = self.time(lane).0;
             (positions[lane], momenta[lane]) = (q.into(), p.into());
@@ -149,6 +160,10 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             *self.engine.laws() = before.1;
             for (lane, body) in apart {
                 self.engine.set(lane, &body);
+                self.own.retain(|own| own.0 != lane);
+                if self.crowded[lane] {
+                    self.own.push((lane, body));
+                }
             }
             self.stand_in(&self.moving.clone());
         }
@@ -167,16 +182,18 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
 
     /// Has a trajectory rest where it is.
     fn end(&mut self, lane: usize, failure: Error) {
-        let body = self.engine.body(lane);
+        let body = self.body(lane);
         self.ended.push(Ended { lane, steps: self.steps, body, failure });
         (self.moving[lane], self.crowded[lane]) = (false, false);
+        self.own.retain(|own| own.0 != lane);
     }
 
     /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often halved as is
     /// allowed.
     #[cold]
     fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Body<f64, D>, Error> {
-        let moved = |parts: u32| self.engine.by_itself(lane, steps, parts);
+        let body = self.body(lane);
+        let moved = |parts: u32| self.engine.by_itself(lane, &body, steps, parts);
         let mut failure = match failure.map_or_else(|| moved(1), Err) {
             Ok(body) => return Ok(body),
             Err(failure) => failure,
@@ -222,7 +239,7 @@ impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
         if let Some(onlooker) = onlooker
             && *written
         {
-            group.write_ended(onlooker.now.page());
+            group.write_apart(onlooker.now.page());
             onlooker.show(*group);
         }
         let (from, stop) = (*now, onlooker.as_ref().map_or(*end, |onlooker| onlooker.next.min(*end)));
@@ -255,6 +272,7 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
             if self.steps / CROWDED >= self.crowded_until {
                 self.crowded_until = self.steps / CROWDED + 1;
                 self.crowded.fill(false);
+                self.own.clear();
             }
             if self.crowded.contains(&true) || self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
                 self.go_on(stretch, onlooker.as_deref_mut());
@@ -268,7 +286,7 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
     }
 
     fn state(&self, trajectory: usize) -> State<D> {
-        let body = self.ended(trajectory).map_or_else(|| self.engine.body(trajectory), |ended| ended.body);
+        let body = self.ended(trajectory).map_or_else(|| self.body(trajectory), |ended| ended.body);
         let mut state = State::at(body.q);
         (state.time, state.time_low) = self.time(trajectory);
         state.bodies[0] = body;
@@ -294,7 +312,7 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
         let (starts, passed) = (&self.start_time[..], passed(self.steps, self.h));
         let stayed = self.engine.go(&mut Look(Some(Written { page, starts, passed })));
         debug_assert!(stayed.is_ok(), "no step is taken that could fail");
-        self.write_ended(Page { times, positions, momenta });
+        self.write_apart(Page { times, positions, momenta });
     }
 
     fn moving(&self) -> &[bool] {

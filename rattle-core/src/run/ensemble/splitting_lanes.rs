@@ -96,7 +96,13 @@ where
         Body { q, q_low, p, p_low }.map(Lane::to_f64)
     }
 
-    fn by_itself(&self, lane: usize, steps: u64, parts: u32) -> Result<Body<f64, D>, Failure> {
+    fn by_itself(
+        &self,
+        lane: usize,
+        body: &Body<f64, D>,
+        steps: u64,
+        parts: u32,
+    ) -> Result<Body<f64, D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         let share = |x: f64| x / f64::from(parts);
@@ -106,7 +112,7 @@ where
             after: share(after),
         };
         let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
-        by_itself::<S, _, D>(&system, &stages, steps, parts, &self.body(lane))
+        by_itself::<S, _, D>(&system, &stages, steps, parts, body)
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {

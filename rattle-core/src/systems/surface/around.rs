@@ -37,9 +37,10 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
         for l in 0..number {
             let (p, f) = (at(&p, l), at(&force, l));
             let [bend] = constraint.jet(&at(&q, l), &p).2;
-            let free = path * path * dot(&p, &p) + pushed * pushed * dot(&f, &f);
+            let along = path * path * dot(&p, &p);
+            let free = Real::sqrt((along + pushed * pushed * dot(&f, &f)) * inverse_square[l]);
             let back = pushed * bend.abs() * inverse_square[l];
-            furthest[l] = back + Real::sqrt(free * inverse_square[l]);
+            furthest[l] = Real::min(back, Real::sqrt(along * inverse_square[l])) + free;
             square[l] = Fused(1.0) / inverse_square[l];
         }
         let mut least = square;

@@ -19,10 +19,6 @@ const LARGE: f64 = 1e6;
 /// Slopes that differ by more than this factor are asked to be followed in shorter parts.
 const STEADY: f64 = 2.0;
 
-/// Where h·κ·|v| is more than one part of so many, the steps before say little of what another guess, or a solve without
-/// slopes, is usually off by.
-const SMOOTH: f64 = 10.0;
-
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
 pub(crate) struct Attempt<T: Real, const D: usize> {
@@ -66,7 +62,6 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         equation: &(impl Equation<T, D> + ?Sized),
         aim: &Aim<T>,
         weights: [f64; 2],
-        from_state: bool,
     ) -> Attempt<T, D> {
         let landing = match X::KIND {
             Kind::Newton => self.solve(equation, |_| ()),
@@ -79,10 +74,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         };
         let trusted = self.turns_little(2.0).and(trusted);
-        let mut certain = trusted.and(self.is_as_usual(&landing, aim, weights));
-        if X::KIND != Kind::Newton || !from_state {
-            certain = certain.and(self.turns_little(SMOOTH));
-        }
+        let certain = trusted.and(self.is_as_usual(&landing, aim, weights));
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
@@ -125,7 +117,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     #[cold]
     #[inline(never)]
     pub(crate) fn land(&self, equation: &dyn Equation<T, D>) -> Result<Landing<T, D>, Failure> {
-        let attempt = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2], true);
+        let attempt = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
         self.look_again(equation, &attempt).map(|(landing, _)| landing)
     }
 
@@ -149,7 +141,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         if certain.all() {
             return Ok((landing, certain.not()));
         }
-        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2], true);
+        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
         own.certain = own.certain.or(certain);
         let (found, _) = self.look_again(equation, &own)?;
         let rounding = self.with_noise(self.rounding(), equation, landing.multiplier);

@@ -32,6 +32,9 @@ const THERE: f64 = 65536.0;
 /// A way of which less than this part leads along the sheet leads across.
 const ACROSS: f64 = 1e-3;
 
+/// No farther is asked than this part of the radius in which a path is bent, where any surface turns.
+const OF_RADIUS: f64 = 0.1;
+
 /// It is asked as far as so many times what a step may have led astray.
 const FARTHER: f64 = 4.0;
 
@@ -53,9 +56,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
-        let turn = steps.is_multiple_of(EVERY);
-        if turn || astray > now.kept.crowd.asked || astray.is_nan() {
-            self.ask(if turn { steps } else { 0 }, FARTHER * astray, before, now);
+        let asked = now.kept.crowd.asked;
+        if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
+            let as_at_first = astray > FARTHER * asked; // as far as a sheet that was passed over may be
+            let reach = (FARTHER * astray).max(0.5 * asked);
+            self.ask(if as_at_first { 0 } else { steps }, reach, before, now);
         }
         if now.kept.crowd.near {
             for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
@@ -79,17 +84,19 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
-        let is_near = |q: &[T; D]| {
-            let [n] = self.constraint.jacobian(q);
-            let square = dot(&n, &n);
+        let is_near = |(q, p): (&[T; D], &[T; D])| {
+            let ([_], [n]) = self.constraint.value_and_jacobian(q);
+            let [bend] = self.constraint.jet(q, p).2;
+            let (square, most) = (dot(&n, &n), T::from_f64(OF_RADIUS) * dot(p, p) / bend.abs());
             let shift = T::from_f64(reach) / square.sqrt();
+            let shift = T::select(most.le(shift), most, shift); // not where the path is straight, or none
             let plain = |share: f64| {
                 let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
                 T::from_f64(0.0).le(rises).all()
             };
-            !shares(steps / EVERY * SHARES_EVERY).all(plain)
+            !shares(steps * (SHARES_EVERY / EVERY)).all(plain)
         };
-        now.kept.crowd.near = before.q.as_ref().iter().any(is_near);
+        now.kept.crowd.near = before.q.as_ref().iter().zip(before.p.as_ref()).any(is_near);
         now.kept.crowd.asked = reach;
     }
 }

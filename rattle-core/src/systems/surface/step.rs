@@ -88,7 +88,7 @@ where
 {
     let departure = departure(kick, h, lambda, constraint, bodies, body);
     let aim = &bodies.kept.aim.as_ref()[body];
-    let attempt = departure.attempt::<X>(constraint, aim, weights, lambda.is_none());
+    let attempt = departure.attempt::<X>(constraint, aim, weights);
     if !attempt.certain.all() {
         let way = (X::KIND, lambda.is_none());
         let copy = attempt; // what is given away by reference would else be kept in memory by all steps
