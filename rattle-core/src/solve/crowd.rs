@@ -27,6 +27,9 @@ pub(crate) const REACH: f64 = 2.0;
 /// the next step. Twice that is the most that is asked for the constraint's sake: farther no surface rises where steps are long.
 pub(crate) const PATH: f64 = 0.05;
 
+/// √3, by which a length may be larger than its largest coordinate in space.
+pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
+
 /// g rises along the normal by at least this part of what it does at the body.
 const RISES: f64 = 0.5;
 

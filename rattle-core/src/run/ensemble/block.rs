@@ -26,7 +26,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
-use crate::solve::crowd::{PATH, REACH, rises, shares};
+use crate::solve::crowd::{PATH, REACH, ROOT_3, rises, shares};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
@@ -279,9 +279,10 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         for i in 0..L {
             let (way, pushed) = (at(way, i), laws.kick(i, &at(q, i), push, [S::default(); D]));
             let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
-            let along = path * path * dot(&way, &way);
-            let free = ((along + dot(&pushed, &pushed)) / square[i]).sqrt();
-            furthest[i] = (reach * back).min((along / square[i]).sqrt()) + free;
+            // Lengths by their largest coordinate: roots take long.
+            let over = S::from_f64(ROOT_3) * largest(&at(normal, i)) / square[i];
+            let along = over * path * largest(&way);
+            furthest[i] = (reach * back).min(along) + along + over * largest(&pushed);
         }
         let mut least = *square;
         for share in shares(steps) {

@@ -5,9 +5,9 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::number::vector::dot;
+use crate::number::vector::largest;
 use crate::number::vectors::{LANES, at};
-use crate::solve::crowd::{PATH, REACH, rises, shares};
+use crate::solve::crowd::{PATH, REACH, ROOT_3, rises, shares};
 use crate::systems::surface::tile::{Number, Tile, gathered};
 
 /// Asks at most [`LANES`] bodies, before a step of length h.
@@ -34,18 +34,18 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
         let ((normal, inverse_square), force) = (bodies.normals::<LANES>(), bodies.forces::<LANES>());
         let [pushed, path] = [REACH * 0.5 * h * h, REACH * PATH * h].map(Fused);
         let (mut square, mut furthest) = ([Fused(0.0); LANES], [Fused(0.0); LANES]);
-        for l in 0..number {
+        for l in 0..LANES {
             let (p, f) = (at(&p, l), at(&force, l));
             let [bend] = constraint.jet(&at(&q, l), &p).2;
-            let along = path * path * dot(&p, &p);
-            let free = Real::sqrt((along + pushed * pushed * dot(&f, &f)) * inverse_square[l]);
+            let over = Fused(ROOT_3) * largest(&at(&normal, l)) * inverse_square[l];
+            let along = over * path * largest(&p);
             let back = pushed * bend.abs() * inverse_square[l];
-            furthest[l] = Real::min(back, Real::sqrt(along * inverse_square[l])) + free;
+            furthest[l] = Real::min(back, along) + along + over * pushed * largest(&f);
             square[l] = Fused(1.0) / inverse_square[l];
         }
         let mut least = square;
         for share in shares(turn) {
-            for l in 0..number {
+            for l in 0..LANES {
                 let shift = Fused(share) * furthest[l];
                 let rises = rises(&constraint, &at(&q, l), &at(&normal, l), square[l], shift);
                 least[l] = Real::select(rises.le(least[l]), rises, least[l]);

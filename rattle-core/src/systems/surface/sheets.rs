@@ -18,6 +18,7 @@ use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
+use std::array::from_fn;
 
 /// Ways that are walked at most.
 const MOST_WAYS: usize = 256;
@@ -28,6 +29,9 @@ const SMALLEST_SHARE: f64 = 1.0 / 1024.0;
 /// One is there within so many roundings of the size of places, or of the way: the rounding of g may be some thousand of
 /// that of places.
 const THERE: f64 = 65536.0;
+
+/// Parts of the step that a walk goes by way of.
+const BENDS: u32 = 8;
 
 /// A way of which less than this part leads along the sheet leads across.
 const ACROSS: f64 = 1e-3;
@@ -63,8 +67,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             self.ask(if as_at_first { 0 } else { steps }, reach, before, now);
         }
         if now.kept.crowd.near {
-            for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
-                check_walk(&self.constraint, body, h, from, to)?;
+            for body in 0..self.count.number() {
+                check_walk(&self.constraint, body, h, &before.body(body), &now.body(body))?;
             }
         }
         Ok(())
@@ -111,39 +115,63 @@ fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>
     off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
 }
 
-/// Walks from one place towards another. An error where that is not reached.
+/// Walks from one place towards another, by way of what places and momenta at both say. An error where that is not reached.
 #[cold]
 #[inline(never)]
 fn check_walk<T: Real, const D: usize>(
     equation: &dyn Equation<T, D>,
     body: usize,
     h: f64,
-    from: &[T; D],
-    to: &[T; D],
+    from: &Body<T, D>,
+    to: &Body<T, D>,
 ) -> Result<(), Failure> {
-    let (mut q, mut share, zero) = (*from, 1.0_f64, T::from_f64(0.0));
-    let left = |q: &[T; D]| add_scaled(to, T::from_f64(-1.0), q);
-    let size = largest(from).max(largest(to)).max(largest(&left(from)));
-    let there = T::from_f64(THERE * T::EPSILON) * size;
-    let mut off = zero;
+    // Hermite's cubic through places and momenta.
+    let place = |s: f64| -> [T; D] {
+        let r = 1.0 - s;
+        let [a, b, c, d] = [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s]
+            .map(T::from_f64);
+        from_fn(|i| a * from.q[i] + b * to.q[i] + c * from.p[i] + d * to.p[i])
+    };
+    let (mut q, to) = (from.q, &to.q);
+    for part in 1..BENDS {
+        let towards = place(f64::from(part) / f64::from(BENDS));
+        let _near_enough = walk(equation, body, &mut q, &towards);
+    }
+    let off = walk(equation, body, &mut q, to);
+    let size = largest(&from.q).max(largest(to));
+    if off.le(T::from_f64(THERE * T::EPSILON) * size).all() {
+        return Ok(());
+    }
+    let number = |x: T| x.lanes().next().unwrap_or(f64::NAN);
+    Err(Failure {
+        body,
+        cause: StepFailure::OtherSheet { h, off: number(off), position: to.map(number).to_vec() },
+    })
+}
+
+/// Walks as near to a place as a surface leads. Returns how far off that is.
+fn walk<T: Real, const D: usize>(
+    equation: &dyn Equation<T, D>,
+    body: usize,
+    q: &mut [T; D],
+    to: &[T; D],
+) -> T {
+    let (mut share, mut off, zero) = (1.0_f64, T::from_f64(0.0), T::from_f64(0.0));
     for _ in 0..MOST_WAYS {
-        let way = left(&q);
+        let way = add_scaled(to, T::from_f64(-1.0), q);
         off = dot(&way, &way).sqrt();
-        if off.le(there).all() {
-            return Ok(());
-        }
-        let normal = Normal::new(equation.gradient(&q));
+        let normal = Normal::new(equation.gradient(q));
         let (_, back) = normal.projection(&way);
         let along = sum(&way, &back);
-        if !(T::from_f64(ACROSS * ACROSS) * off * off).le(dot(&along, &along)).all() {
+        if !(T::from_f64(ACROSS * ACROSS) * off * off).lt(dot(&along, &along)).all() {
             break;
         }
         let path = scaled(T::from_f64(share), &along);
-        let bend = equation.bend(&q, &path);
+        let bend = equation.bend(q, &path);
         let departure = Departure {
             h: 1.0,
             body,
-            q: &q,
+            q,
             q_low: &[zero; D],
             p: &path,
             normal: &normal,
@@ -156,7 +184,7 @@ fn check_walk<T: Real, const D: usize>(
         };
         match departure.land(equation) {
             Ok(landing) => {
-                q = sum(&q, &landing.increment);
+                *q = sum(q, &landing.increment);
                 share = (2.0 * share).min(1.0);
             }
             Err(_) => {
@@ -167,9 +195,5 @@ fn check_walk<T: Real, const D: usize>(
             }
         }
     }
-    let number = |x: T| x.lanes().next().unwrap_or(f64::NAN);
-    Err(Failure {
-        body,
-        cause: StepFailure::OtherSheet { h, off: number(off), position: to.map(number).to_vec() },
-    })
+    off
 }
