@@ -95,7 +95,7 @@ fn sweep<C: Hold<3> + 'static, E: Effects<3> + 'static>(
 const ENSEMBLES: usize = 11;
 
 /// … and other loops: pair forces, the first and the second half of a step of particles.
-const OTHERS: usize = 3;
+const OTHERS: usize = 4;
 
 #[test]
 fn entries_are_vectorised() {
