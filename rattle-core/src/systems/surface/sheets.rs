@@ -1,9 +1,9 @@
 //! Whether a step that did not follow its root has ended on the sheet that it began on.
 //!
 //! Power series, explicit methods and collocation come to a place on *a* sheet. Where others are near
-//! ([`crate::solve::crowd`]) it is asked whether one can walk there: with short ways along the sheet, straight towards the
-//! place, each of which lands as a step of RATTLE does and is looked at inside. On another sheet one arrives beside
-//! it, and only a way across is left.
+//! ([`crate::solve::crowd`]) it is asked whether one can walk there: with short ways along the sheet, by way of the step's own
+//! curve, each of which lands as a step of RATTLE does and is looked at inside. On another sheet one arrives beside it,
+//! and only a way across is left.
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
