@@ -1,7 +1,7 @@
 //! Effects that see time, and effects that see momenta: a force that changes with time, and drag as a flow of momenta, on
 //! surfaces, of links and of rigid bodies.
 
-use rattle::effect::{Acting, Effect, Flow, Moment};
+use rattle::effect::{Acting, Effect, Flow, Interval, Moment};
 use rattle::lanes::Lane;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
@@ -85,14 +85,8 @@ struct Drag {
 }
 
 impl<const D: usize> Flow<D> for Drag {
-    fn flow<T: Real>(
-        &self,
-        h: f64,
-        at: Moment<'_, T, D>,
-        momenta: &[[T; D]],
-        _: &[[T; D]],
-        changes: &mut [[T; D]],
-    ) {
+    fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
+        let Interval { h, at, momenta, .. } = *during;
         let rate = self.gamma * if self.grows { 0.5 * at.time } else { 1.0 };
         for (change, p) in changes.iter_mut().zip(momenta) {
             *change = p.map(|p| T::from_f64((-rate * h).exp_m1()) * p);
@@ -108,14 +102,8 @@ impl<const D: usize> Flow<D> for Drag {
 struct Magnetic(f64);
 
 impl Flow<3> for Magnetic {
-    fn flow<T: Real>(
-        &self,
-        h: f64,
-        _: Moment<'_, T, 3>,
-        momenta: &[[T; 3]],
-        _: &[[T; 3]],
-        changes: &mut [[T; 3]],
-    ) {
+    fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
+        let Interval { h, momenta, .. } = *during;
         let (sin, half) = ((self.0 * h).sin(), (0.5 * self.0 * h).sin());
         let (sin, less) = (T::from_f64(sin), T::from_f64(-2.0 * half * half));
         for (change, &[x, y, _]) in changes.iter_mut().zip(momenta) {
@@ -129,14 +117,8 @@ impl Flow<3> for Magnetic {
 struct AlongX(f64);
 
 impl Flow<3> for AlongX {
-    fn flow<T: Real>(
-        &self,
-        h: f64,
-        _: Moment<'_, T, 3>,
-        momenta: &[[T; 3]],
-        _: &[[T; 3]],
-        changes: &mut [[T; 3]],
-    ) {
+    fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
+        let Interval { h, momenta, .. } = *during;
         let (lost, none) = (T::from_f64((-self.0 * h).exp_m1()), T::from_f64(0.0));
         let changed = changes.iter_mut().zip(momenta);
         changed.for_each(|(change, p)| *change = [lost * p[0], none, none]);
@@ -375,14 +357,8 @@ fn links_that_move_and_pins() {
     #[derive(Clone)]
     struct Wind;
     impl Flow<2> for Wind {
-        fn flow<T: Real>(
-            &self,
-            h: f64,
-            _: Moment<'_, T, 2>,
-            _: &[[T; 2]],
-            velocities: &[[T; 2]],
-            changes: &mut [[T; 2]],
-        ) {
+        fn flow<T: Real>(&self, during: &Interval<'_, T, 2>, changes: &mut [[T; 2]]) {
+            let Interval { h, velocities, .. } = *during;
             let pushed = |(change, v): (&mut [T; 2], &[T; 2])| {
                 *change = v.map(|v| T::from_f64(h) * (T::from_f64(1.0) - v))
             };

@@ -276,7 +276,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
                 NetworkMistake::NoSuchBody { what, member, body, bodies }
             }));
         }
-        Ok(())
+        self.effects.check(state.len()).map_err(|(effect, mistake)| Error::Effect { effect, mistake })
     }
 
     /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a

@@ -1,10 +1,12 @@
 //! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the same over
 //! a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when compiling.
 
+use crate::effect::flow::{Interval, Rule};
 use crate::effect::force::{Absent, Force};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
+use crate::error::EffectMistake;
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
@@ -31,6 +33,14 @@ pub trait Effects<const D: usize> {
     fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
         None
     }
+
+    /// Looks at the parameters of all effects, before a run with so many bodies.
+    ///
+    /// # Errors
+    /// Which effect, by the name of its type, and what is wrong with it.
+    fn check(&self, _bodies: usize) -> Result<(), (&'static str, EffectMistake)> {
+        Ok(())
+    }
 }
 
 /// All effects of a scene over the scalar `T`: the sum of what each of them, an [`Acting`], does.
@@ -46,18 +56,20 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Whether forces at the same positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// Writes what the momenta change by in a time h by a flow, the first of which has number 0.
-    #[allow(clippy::too_many_arguments, reason = "all that a flow may depend on")]
+    /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name of its type.
+    fn rule(&self, _number: usize) -> (Rule, bool, &'static str) {
+        (Rule::Exact, false, "")
+    }
+    /// Writes what the momenta change by by the flow of this number.
     fn flow(
         &self,
-        number: usize,
-        h: f64,
-        at: Moment<'_, T, D>,
-        room: &mut Self::Room,
-        momenta: &[[T; D]],
-        velocities: &[[T; D]],
+        _number: usize,
+        _during: &Interval<'_, T, D>,
+        _room: &mut Self::Room,
         changes: &mut [[T; D]],
-    );
+    ) {
+        changes.fill([T::from_f64(0.0); D]);
+    }
     /// Whether the effects can act in the lanes of an ensemble: at any time the same forces, without room of their own.
     #[inline(always)]
     fn in_lanes(&self) -> bool {
@@ -112,18 +124,6 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
     fn changes_with_time(&self) -> bool {
         false
     }
-    fn flow(
-        &self,
-        _: usize,
-        _: f64,
-        _: Moment<'_, T, D>,
-        (): &mut (),
-        _: &[[T; D]],
-        _: &[[T; D]],
-        changes: &mut [[T; D]],
-    ) {
-        changes.fill([T::from_f64(0.0); D]);
-    }
     #[inline(always)]
     fn evaluate(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [Absent]) {}
     #[inline(always)]
@@ -172,6 +172,11 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
         let own = self.effect.stray(bodies).map(|(member, body)| (short_name::<P>(), member, body));
         self.others.stray(bodies).or(own)
     }
+
+    fn check(&self, bodies: usize) -> Result<(), (&'static str, EffectMistake)> {
+        self.others.check(bodies)?;
+        self.effect.check(bodies).map_err(|mistake| (short_name::<P>(), mistake))
+    }
 }
 
 /// The effects `F` and one more, `A`, over a scalar: the sum of their forces.
@@ -194,20 +199,24 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     fn changes_with_time(&self) -> bool {
         self.others.changes_with_time() || self.effect.changes_with_time()
     }
+    fn rule(&self, number: usize) -> (Rule, bool, &'static str) {
+        if number < F::FLOWS {
+            return self.others.rule(number);
+        }
+        let (rule, feels) = self.effect.rule();
+        (rule, feels, self.name)
+    }
     fn flow(
         &self,
         number: usize,
-        h: f64,
-        at: Moment<'_, T, D>,
+        during: &Interval<'_, T, D>,
         (others, own): &mut Self::Room,
-        momenta: &[[T; D]],
-        velocities: &[[T; D]],
         changes: &mut [[T; D]],
     ) {
         if number < F::FLOWS {
-            self.others.flow(number, h, at, others, momenta, velocities, changes);
+            self.others.flow(number, during, others, changes);
         } else {
-            self.effect.flow(h, at, own, momenta, velocities, changes);
+            self.effect.flow(during, own, changes);
         }
     }
     #[inline(always)]

@@ -1,8 +1,10 @@
 //! One effect: as a user names it, and over a scalar.
 
+use crate::effect::flow::{Interval, Rule};
 use crate::effect::force::Force;
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
+use crate::error::EffectMistake;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -35,6 +37,14 @@ pub trait Effect<const D: usize, Kind> {
     /// The first member that names a body beyond the last one, or a body twice, and that body.
     fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
         None
+    }
+
+    /// Looks at the parameters, before a run with so many bodies.
+    ///
+    /// # Errors
+    /// Says which parameter makes no sense.
+    fn check(&self, _bodies: usize) -> Result<(), EffectMistake> {
+        Ok(())
     }
 }
 
@@ -76,16 +86,12 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// U. Called by observations, not in a step; may allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
 
-    /// Writes what the momenta change by in a time h, as [`Flow::flow`](crate::effect::Flow::flow) does.
-    fn flow(
-        &self,
-        _h: f64,
-        _at: Moment<'_, T, D>,
-        _room: &mut Self::Room,
-        _momenta: &[[T; D]],
-        _velocities: &[[T; D]],
-        changes: &mut [[T; D]],
-    ) {
+    /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
+    fn rule(&self) -> (Rule, bool) {
+        (Rule::Exact, false)
+    }
+    /// Writes what the momenta change by, as [`Flow::flow`](crate::effect::Flow::flow) does.
+    fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {
         changes.fill([T::from_f64(0.0); D]);
     }
 

@@ -1,5 +1,6 @@
 //! What can go wrong, with the numbers that explain it.
 
+mod effect;
 mod network;
 mod numbers;
 mod phase;
@@ -7,6 +8,7 @@ mod sizes;
 mod start;
 mod step;
 
+pub use effect::EffectMistake;
 pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
 pub use phase::PhaseMistake;
@@ -136,6 +138,15 @@ pub enum Error {
     /// Links, masses or pins that make no sense.
     #[error(transparent)]
     Network(NetworkMistake),
+
+    /// An effect whose parameters make no sense.
+    #[error("effect `{effect}`: {mistake}")]
+    Effect {
+        /// The type of the effect.
+        effect: &'static str,
+        /// What is wrong with it.
+        mistake: EffectMistake,
+    },
 
     /// A start that cannot be simulated.
     #[error("start of body {body}: {cause}")]

@@ -274,6 +274,16 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
+    /// A flow of momenta whose implicit half is not found: it changes momenta by too much in one step.
+    #[error(
+        "the flow of `{effect}` cannot be solved for a time of {h:.3e}: it changes momenta by more than themselves; try a smaller step"
+    )]
+    FlowTooLong {
+        /// The type of the effect.
+        effect: &'static str,
+        /// For what time.
+        h: f64,
+    },
     /// The momentum is beyond what can be squared, about 1e154.
     #[error("the momentum is no longer finite at q = {position:?}; try a smaller step, or other units")]
     MomentumNotFinite {

@@ -27,7 +27,7 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     system: &'a Y,
 ) -> Result<View<'a, S, f64, Y, D>, Error> {
     let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
-    if Y::FLOWS > 0 && !divided {
+    if Y::FLOWS > 0 && !divided && !S::STIRS {
         return Err(refused(method.name(), FLOW, system));
     }
     S::Need::of(system).map_err(|kind| refused(method.name(), kind, system))

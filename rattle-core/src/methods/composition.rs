@@ -91,9 +91,6 @@ impl<B: Method> Method for Composition<B> {
         let of_each = self.coefficients.gammas.iter();
         of_each.flat_map(|gamma| self.base.with_step(gamma * self.base.step_size()).stages()).collect()
     }
-    fn numbered(&self, trajectory: u64) -> Self {
-        Self { base: self.base.numbered(trajectory), ..*self }
-    }
     fn check(&self, equations: usize) -> Result<(), Error> {
         let Coefficients { name, gammas, .. } = self.coefficients;
         let sum: f64 = gammas.iter().sum();

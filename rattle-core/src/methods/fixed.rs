@@ -56,6 +56,9 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// How much later than positions momenta are, in steps; negative if earlier. 0 but for staggered methods.
     const DELAY: f64 = 0.0;
 
+    /// Whether the map has the [flows](crate::effect::Flow) of momenta act itself.
+    const STIRS: bool = false;
+
     /// Whether the map is a splitting into [stages](Self::stages), which goes in the lanes of an ensemble.
     const SPLITTING: Splitting = Splitting::Not;
     /// The stages of a step of this size, in turn; as many as [`SPLITTING`](Self::SPLITTING) says.
@@ -129,6 +132,7 @@ impl<M: Map> Method for Fixed<M> {
     fn momentum_delay(&self) -> f64 {
         M::DELAY * self.h
     }
+    const STIRS: bool = M::STIRS;
     const SPLITTING: Splitting = M::SPLITTING;
     fn stages(&self) -> Vec<Stage> {
         self.map.stages(self.h)

@@ -132,9 +132,6 @@ impl<B: Method> Method for Variable<B> {
     fn is_symmetric(&self) -> bool {
         false // only together with what it remembers
     }
-    fn numbered(&self, trajectory: u64) -> Self {
-        Self { base: self.base.numbered(trajectory), tau: self.tau }
-    }
 
     fn check(&self, equations: usize) -> Result<(), Error> {
         if !self.base.is_symmetric() {

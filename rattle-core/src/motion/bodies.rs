@@ -1,5 +1,6 @@
 //! The bodies of a running simulation, stored side by side.
 
+use crate::effect::noise::Noise;
 use crate::number::real::Real;
 use std::fmt::Debug;
 
@@ -90,6 +91,8 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub time: f64,
     /// Work done by moving constraints and by flows of momenta since the start.
     pub work: T,
+    /// When random numbers are drawn; only flows look at it.
+    pub(crate) noise: Noise,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
     /// Room for a method to work in, made [before a run](crate::motion::method::Method::prepare).
@@ -116,7 +119,8 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     pub fn new(count: N, kept: X, places: &[Body<T, D>], time: f64) -> Self {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
-        let mut bodies = Self { q, q_low, p, p_low, time, work: T::from_f64(0.0), kept, room: None };
+        let (work, noise) = (T::from_f64(0.0), Noise::default());
+        let mut bodies = Self { q, q_low, p, p_low, time, work, noise, kept, room: None };
         for i in 0..count.number() {
             let Body { q, q_low, p, p_low } = places[i];
             (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
@@ -128,7 +132,8 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     /// What is to be put aside, for [`save`](Self::save) to write to again.
     pub fn saved(&self) -> Saved<N, T, D> {
         let (q, q_low, p, p_low) = (self.q.clone(), self.q_low.clone(), self.p.clone(), self.p_low.clone());
-        Bodies { q, q_low, p, p_low, time: self.time, work: self.work, kept: (), room: None }
+        let Self { time, work, noise, .. } = *self;
+        Bodies { q, q_low, p, p_low, time, work, noise, kept: (), room: None }
     }
 
     /// Puts places, momenta, time and work aside, without allocating.

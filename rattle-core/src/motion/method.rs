@@ -69,6 +69,10 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// at afterwards where others are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
+    /// Whether a step has the [flows](crate::effect::Flow) of momenta act itself, where it wants them; else half of them acts before it and half
+    /// after.
+    const STIRS: bool = false;
+
     /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble are compiled for
     /// methods of that kind alone.
     const SPLITTING: Splitting = Splitting::Not;
@@ -77,13 +81,6 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// an [ensemble](crate::run::ensemble).
     fn stages(&self) -> Vec<Stage> {
         Vec::new()
-    }
-
-    /// The same method for the trajectory with this number in an ensemble, 0 for a simulation: what is random in the method
-    /// differs from trajectory to trajectory.
-    #[must_use]
-    fn numbered(&self, _trajectory: u64) -> Self {
-        self.clone()
     }
 
     /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.

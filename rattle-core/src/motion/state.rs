@@ -33,6 +33,10 @@ pub struct State<const D: usize> {
     pub(crate) time: f64,
     pub(crate) time_low: f64,
     pub(crate) remembered: Option<Remembered>,
+    /// Steps taken since the first start: random numbers go on from there.
+    pub(crate) steps: u64,
+    /// The number of the trajectory, if it was given one.
+    pub(crate) number: Option<u64>,
     /// How many momenta were given, if more than there are bodies.
     pub(crate) surplus_momenta: Option<usize>,
 }
@@ -50,7 +54,8 @@ impl<const D: usize> State<D> {
         let zero = [0.0; D];
         let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
         let bodies = positions.into_iter().map(at_rest).collect();
-        Self { bodies, time: 0.0, time_low: 0.0, remembered: None, surplus_momenta: None }
+        let (time, time_low, steps) = (0.0, 0.0, 0);
+        Self { bodies, time, time_low, remembered: None, steps, number: None, surplus_momenta: None }
     }
 
     /// The same, every body with this momentum.
@@ -82,6 +87,14 @@ impl<const D: usize> State<D> {
     #[must_use]
     pub fn at_time(mut self, time: f64) -> Self {
         (self.time, self.time_low) = (time, 0.0);
+        self
+    }
+
+    /// The same as the trajectory of this number, for [random numbers](crate::effect::Noise). Else a simulation's is 0, and that in an
+    /// ensemble its place there: so the third state of an ensemble goes on alone as it would there if it is numbered 2.
+    #[must_use]
+    pub fn numbered(mut self, trajectory: u64) -> Self {
+        self.number = Some(trajectory);
         self
     }
 

@@ -6,21 +6,27 @@
 //!
 //! Source: G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 
-use crate::motion::capability::Rates;
+use crate::effect::flow::{Half, Rule};
+use crate::effect::noise::Noise;
+use crate::error::StepFailure;
+use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::{BodiesOf, Given, System};
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{sum, two_sum};
+use crate::number::vector::{add_scaled, sum, two_sum};
 
 /// A system with flows, as messages name it.
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
-/// Vectors of room for each body: velocities, and changes of momenta.
-pub(crate) const ROOM: usize = 2;
+/// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took, others.
+pub(crate) const ROOM: usize = 7;
 
-/// One step of the method; of a system with flows between two halves of them.
+/// The implicit half of a [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
+const MOST_ITERATIONS: usize = 100;
+
+/// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
 pub(crate) fn step<S: Method, T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
     method: &S,
@@ -30,47 +36,174 @@ pub(crate) fn step<S: Method, T: Real, Y: System<T, D>, W: Witness<T>, const D: 
     memory: &mut [T],
     witness: &mut W,
 ) -> Result<(), Failure> {
-    if const { Y::FLOWS == 0 } {
+    if const { Y::FLOWS == 0 || S::STIRS } {
         return method.step(seen, bodies, memory, witness);
     }
     let half = 0.5 * method.step_size();
-    for flow in 0..Y::FLOWS {
-        stir(flow, half, system, bodies)?;
-    }
+    stir(Half::Before, half, system, bodies)?;
     method.step(seen, bodies, memory, witness)?;
-    for flow in (0..Y::FLOWS).rev() {
-        stir(flow, half, system, bodies)?;
-    }
-    Ok(())
+    stir(Half::After, half, system, bodies)
 }
 
-/// Has a flow change the momenta for a time h, and makes them those of motion along the constraints again. Positions, and
-/// what is kept there, stay. The change of kinetic energy counts as work.
-fn stir<T: Real, Y: System<T, D>, const D: usize>(
-    flow: usize,
+/// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic energy
+/// counts as work.
+pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
+    half: Half,
     h: f64,
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
 ) -> Result<(), Failure> {
     let (before, work) = (system.kinetic_energy(bodies), bodies.work);
     bodies.with_room(ROOM, |bodies, _, room| {
-        let (velocities, changes) = room.split_at_mut(bodies.q.as_ref().len());
-        for (body, velocity) in velocities.iter_mut().enumerate() {
-            *velocity = system.velocity(bodies, body);
-        }
-        system.flow(flow, h, bodies, velocities, changes);
-        let ones = [T::from_f64(1.0); D];
-        for (body, change) in changes.iter().enumerate() {
-            let mass = system.rates().map(|rates| rates.mass_product(body, &ones, &ones));
-            let pinned = mass.is_ok_and(|mass| mass.le(T::from_f64(0.0)).all());
-            if !pinned {
-                let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
-                (*p, *p_low) = two_sum(p, &sum(p_low, change));
+        let n = bodies.q.as_ref().len();
+        for number in 0..Y::FLOWS {
+            let number = if half == Half::Before { number } else { Y::FLOWS - 1 - number };
+            let (rule, feels, name) = system.flow_rule(number);
+            let (room, p) = room.split_at_mut(4 * n);
+            let (first, low) = p.split_at_mut(n);
+            let (low, other) = low.split_at_mut(n);
+            first.copy_from_slice(bodies.p.as_ref());
+            low.copy_from_slice(bodies.p_low.as_ref());
+            let mut flow = Flowing { number, feels, system, room, first, low };
+            match (rule, half) {
+                (Rule::Random, _) => flow.act(h, bodies).map(drop)?,
+                (Rule::Rate, Half::Before) => flow.act(h, bodies).map(drop)?,
+                (Rule::Rate, Half::After) => flow.act_implicitly(h, bodies, name)?,
+                (Rule::Exact, _) => flow.act_exactly(h, bodies, other)?,
             }
+            bodies.noise.place += 1;
         }
-    });
-    system.settle(0.0, h, bodies, &mut ())?;
+        Ok(())
+    })?;
     // Links that move book what they do to make momenta fit; that is in the change of energy too.
     bodies.work = work + (system.kinetic_energy(bodies) - before);
     Ok(())
+}
+
+/// A flow at work.
+struct Flowing<'a, T, Y, const D: usize> {
+    number: usize,
+    feels: bool,
+    system: &'a Y,
+    /// Velocities, rates, holding forces and changes.
+    room: &'a mut [[T; D]],
+    /// The momenta at first, and what rounding had taken from them.
+    first: &'a [[T; D]],
+    low: &'a [[T; D]],
+}
+
+impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
+    /// Writes what the momenta now would change by in a time h.
+    fn ask(&mut self, h: f64, bodies: &mut BodiesOf<Y, T, D>) -> Result<(), Failure> {
+        let (system, n) = (self.system, self.first.len());
+        let (velocities, room) = self.room.split_at_mut(n);
+        let (rates, room) = room.split_at_mut(n);
+        let (holding, changes) = room.split_at_mut(n);
+        let inertia = system.inertia();
+        for (body, velocity) in velocities.iter_mut().enumerate() {
+            *velocity = inertia.velocity(body, &bodies.p.as_ref()[body]);
+        }
+        if self.feels {
+            system.feel(bodies, rates, holding);
+        }
+        let noise = Noise { effect: self.number as u64, ..bodies.noise };
+        let given = Given { h, velocities, rates, holding, noise };
+        system.flow(self.number, given, bodies, changes);
+        for (body, change) in changes.iter_mut().enumerate() {
+            if system.inertia().is_pinned(body) {
+                *change = [T::from_f64(0.0); D];
+            }
+            let finite = change.iter().all(|x| x.lanes().all(f64::is_finite));
+            if !finite {
+                let (effect, q) = (system.flow_rule(self.number).2, bodies.q.as_ref()[body]);
+                let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
+                let (force, position) = (numbers(change.map(|x| x / T::from_f64(h))), numbers(q));
+                return Err(Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } });
+            }
+        }
+        Ok(())
+    }
+
+    fn changes(&self) -> &[[T; D]] {
+        &self.room[3 * self.first.len()..]
+    }
+
+    /// Adds the change in a time h to the momenta, and makes them those of motion along the constraints again. Returns whether that took
+    /// away more than rounding.
+    fn act(&mut self, h: f64, bodies: &mut BodiesOf<Y, T, D>) -> Result<bool, Failure> {
+        self.ask(h, bodies)?;
+        add(self.changes(), bodies);
+        let free = &mut self.room[..self.first.len()];
+        free.copy_from_slice(bodies.p.as_ref());
+        self.system.settle(0.0, h, bodies, &mut ())?;
+        let none = T::from_f64(16.0 * f64::EPSILON);
+        let stays = |(a, b): (&[T; D], &[T; D])| {
+            let largest = |x: &[T; D]| x.iter().fold(T::from_f64(0.0), |most, x| most.max(x.abs()));
+            largest(&add_scaled(a, T::from_f64(-1.0), b)).le(none * largest(a)).all()
+        };
+        Ok(!self.room.iter().zip(bodies.p.as_ref()).all(stays))
+    }
+
+    /// [`Rule::Exact`].
+    fn act_exactly(
+        &mut self,
+        h: f64,
+        bodies: &mut BodiesOf<Y, T, D>,
+        once: &mut [[T; D]],
+    ) -> Result<(), Failure> {
+        if !self.act(h, bodies)? {
+            return Ok(());
+        }
+        once.copy_from_slice(bodies.p.as_ref());
+        self.put_back(bodies);
+        self.act(0.5 * h, bodies)?;
+        self.act(0.5 * h, bodies)?;
+        for (once, twice) in once.iter_mut().zip(bodies.p.as_ref()) {
+            *once = add_scaled(twice, T::from_f64(-1.0), once);
+        }
+        add(once, bodies);
+        self.system.settle(0.0, h, bodies, &mut ())
+    }
+
+    /// The half after a step of [`Rule::Rate`].
+    fn act_implicitly(
+        &mut self,
+        h: f64,
+        bodies: &mut BodiesOf<Y, T, D>,
+        effect: &'static str,
+    ) -> Result<(), Failure> {
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_ITERATIONS {
+            self.ask(h, bodies)?;
+            let n = self.first.len();
+            self.room[..n].copy_from_slice(bodies.p.as_ref());
+            self.put_back(bodies);
+            add(self.changes(), bodies);
+            self.system.settle(0.0, h, bodies, &mut ())?;
+            let (mut moved, mut size) = (0.0_f64, 0.0_f64);
+            for (was, is) in self.room[..n].as_flattened().iter().zip(bodies.p.as_ref().as_flattened()) {
+                for (was, is) in was.lanes().zip(is.lanes()) {
+                    (moved, size) = (moved.max((is - was).abs()), size.max(is.abs()));
+                }
+            }
+            // Once rounding is all that changes, the iteration ends; it may go to and fro by a last bit.
+            if moved <= f64::EPSILON * size || (moved <= 8.0 * f64::EPSILON * size && moved >= last) {
+                return Ok(());
+            }
+            last = moved;
+        }
+        Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
+    }
+
+    fn put_back(&self, bodies: &mut BodiesOf<Y, T, D>) {
+        bodies.p.as_mut().copy_from_slice(self.first);
+        bodies.p_low.as_mut().copy_from_slice(self.low);
+    }
+}
+
+/// Adds changes to the momenta.
+fn add<N: Count, T: Real, X, const D: usize>(changes: &[[T; D]], bodies: &mut Bodies<N, T, X, D>) {
+    for ((p, low), change) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(changes) {
+        (*p, *low) = two_sum(p, &sum(low, change));
+    }
 }

@@ -12,13 +12,15 @@
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
 //! [`Linked`](crate::systems::linked::Linked) is for everything else.
 
+use crate::effect::flow::{Inertia, Rule, UnitMasses};
+use crate::effect::noise::Noise;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Newton};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
-use crate::number::vector::dot;
+use crate::number::vector::{add_scaled, dot};
 use std::fmt::Debug;
 
 /// The bodies of a system, with what it keeps at them.
@@ -164,17 +166,48 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
-    /// Writes what the momenta change by in a time h by the flow of this number, at the present places and time, constraints
-    /// aside. `velocities` are those of the bodies. Neither allocates nor panics.
+    /// Writes what the momenta change by by the flow of this number, at the present places and time, constraints aside. Neither
+    /// allocates nor panics.
     fn flow(
         &self,
         _number: usize,
-        _h: f64,
+        _given: Given<'_, T, D>,
         _bodies: &mut BodiesOf<Self, T, D>,
-        _velocities: &[[T; D]],
         changes: &mut [[T; D]],
     ) {
         changes.fill([T::from_f64(0.0); D]);
+    }
+
+    /// The [rule](Rule) of the flow of this number, whether it feels forces, and the name of its type.
+    fn flow_rule(&self, _number: usize) -> (Rule, bool, &'static str) {
+        (Rule::Exact, false, "")
+    }
+
+    /// Masses, in the coordinates of the momenta; unit masses if nothing else is said.
+    fn inertia(&self) -> &dyn Inertia<T, D> {
+        &UnitMasses
+    }
+
+    /// Writes ṗ of each body by forces and constraints at the present state, and the part Gᵀλ of it that holds the bodies on their
+    /// constraints. Zeros where [rates](Self::rates) are not known. Neither allocates nor panics.
+    fn feel(&self, bodies: &mut BodiesOf<Self, T, D>, rates: &mut [[T; D]], holding: &mut [[T; D]]) {
+        rates.fill([T::from_f64(0.0); D]);
+        if let Ok(capability) = self.rates() {
+            capability.evaluate_rates(bodies, rates, &mut ());
+        }
+        for (body, (held, rate)) in holding.iter_mut().zip(&*rates).enumerate() {
+            *held = add_scaled(rate, T::from_f64(-1.0), &self.force(bodies, body));
+        }
+    }
+
+    /// The force on a body that was last evaluated, of a system with [rates](Self::rates).
+    fn force(&self, _bodies: &BodiesOf<Self, T, D>, _body: usize) -> [T; D] {
+        [T::from_f64(0.0); D]
+    }
+
+    /// The number of independent momenta: coordinates that are free to move less independent equations.
+    fn freedom(&self, bodies: &BodiesOf<Self, T, D>) -> usize {
+        (bodies.q.as_ref().len() * D).saturating_sub(self.equations())
     }
 
     /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where constraints
@@ -277,6 +310,21 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         }
         Ok(())
     }
+}
+
+/// What a system is given of a flow: for how long, and what it lays beside positions and momenta.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a, T, const D: usize> {
+    /// For how long.
+    pub h: f64,
+    /// M⁻¹p of all bodies.
+    pub velocities: &'a [[T; D]],
+    /// ṗ of all bodies, for a flow that feels it.
+    pub rates: &'a [[T; D]],
+    /// Gᵀλ of all bodies, likewise.
+    pub holding: &'a [[T; D]],
+    /// Random numbers.
+    pub noise: Noise,
 }
 
 /// Writes ṗ of each body from the present state alone; returns the bodies with the forces there.

@@ -1,9 +1,10 @@
 //! How a scene gets under way: a start is checked, and a simulation made.
 
+use crate::effect::flow::Rule;
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
-use crate::error::{Error, StartFailure};
+use crate::error::{EffectMistake, Error, StartFailure};
 use crate::methods::able::view;
 use crate::motion::bodies::{Body, Count};
 use crate::motion::hold::Hold;
@@ -26,8 +27,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         start: State<D>,
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
-        let method = method.numbered(0);
-        self.begin(self.ready(&start, &method)?, &start, method)
+        self.begin(self.ready(&start, &method)?, &start, method, 0)
     }
 
     /// Says what is wrong with a start, or gives the system that is ready to move from there.
@@ -38,6 +38,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         let system = self.system_at(start, method.step_size(), tangent)?;
         method.check(system.equations())?;
         view(method, &system)?;
+        if method.step_size() < 0.0 {
+            no_way_back(&system)?;
+        }
         self.check_forces(&start.bodies, start.time)?;
         Ok(system)
     }
@@ -58,10 +61,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         system: C::System<E, N>,
         start: &State<D>,
         method: S,
+        trajectory: u64,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
         let mut bodies = bodies_at(&system, start);
         method.prepare(view(&method, &system)?, &mut bodies);
-        Simulation::new(system, bodies, (start.time, start.time_low), start.remembered.as_ref(), method)
+        Simulation::new(system, bodies, start, method, trajectory)
     }
 
     fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
@@ -77,6 +81,15 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             }
         }
         Ok(())
+    }
+}
+
+/// Refuses flows that draw random numbers, for a motion that runs backwards.
+pub(super) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
+    let rules = (0..Y::FLOWS).map(|number| system.flow_rule(number));
+    match rules.into_iter().find(|rule| rule.0 == Rule::Random) {
+        Some((.., effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
+        None => Ok(()),
     }
 }
 

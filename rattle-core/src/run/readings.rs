@@ -87,7 +87,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             system: Identity::of_system(&self.system, &self.bodies),
             numbers: numbers.into(),
         });
-        State { bodies, time, time_low, remembered, surplus_momenta: None }
+        let (steps, number) = (self.first.step + self.steps, self.number);
+        State { bodies, time, time_low, remembered, steps, number, surplus_momenta: None }
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.

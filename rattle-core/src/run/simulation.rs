@@ -1,17 +1,19 @@
 //! A scene under way.
 
+use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure};
 use crate::methods::able::view;
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
-use crate::motion::state::Remembered;
+use crate::motion::state::{Remembered, State};
 use crate::motion::stir::step;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{Hears, Whoever, Witness};
 use crate::number::clock::later;
 use crate::number::vector::add_scaled;
+use crate::run::begin::no_way_back;
 use crate::run::course::check;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
@@ -34,6 +36,9 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) memory: S::Memory<f64>,
     memory_before: S::Memory<f64>,
     pub(super) steps: u64,
+    /// Random numbers at the start, and the number of the trajectory if its start was given one.
+    pub(super) first: Noise,
+    pub(super) number: Option<u64>,
     /// The time of the start, or of now where steps differ in length, and what rounding took from it.
     pub(super) clock: (f64, f64),
     pub(super) start_energy: f64,
@@ -109,13 +114,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub(crate) fn new(
         system: Y,
         bodies: Bodies<Y::Count, f64, Y::Kept, D>,
-        clock: (f64, f64),
-        remembered: Option<&Remembered>,
+        start: &State<D>,
         method: S,
+        trajectory: u64,
     ) -> Result<Self, Error> {
+        let clock = (start.time, start.time_low);
+        let number = start.number;
+        let first = Noise { trajectory: number.unwrap_or(trajectory), step: start.steps, ..Noise::default() };
         let before = bodies.saved();
         let mut memory = method.memory(view(&method, &system)?, &bodies);
-        if let Some(Remembered { method: whose, system: of, numbers }) = remembered
+        if let Some(Remembered { method: whose, system: of, numbers }) = &start.remembered
             && *whose == method.identity()
             && numbers.len() == memory.as_ref().len()
             && of.is(&Identity::of_system(&system, &bodies))
@@ -133,6 +141,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             memory,
             memory_before,
             steps,
+            first,
+            number,
             clock,
             start_energy,
             halving,
@@ -186,6 +196,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             let (what, method) = ("a check of reversal", self.method.name());
             return Err(Error::NeedsSymmetricMethod { what, method });
         }
+        no_way_back(&self.system)?;
         let backwards = self.method.with_step(-self.method.step_size());
         let memory = backwards.memory(view(&backwards, &self.system)?, &self.bodies);
         let (after, blank) = (self.before.clone(), memory.clone());
@@ -338,6 +349,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&self.method, &self.system)?;
         self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
+        if const { Y::FLOWS > 0 } {
+            self.bodies.noise = Noise { step: self.first.step + self.steps, ..self.first };
+        }
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
         let look = |()| check(&self.method, &self.system, self.steps, &self.before, &mut self.bodies);

@@ -147,13 +147,12 @@ impl<const D: usize> Ensemble<D> {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
             for (scene, start) in trajectories.by_ref().take(LANES) {
                 let trajectory = ensemble.len + scenes.len();
-                let method = method.numbered(trajectory as u64);
                 let system = match beyond(most, &start) {
                     Some(error) => Err(error),
                     None => scene.ready(&start, &method),
                 };
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
-                ready.push((system.map_err(error)?, method));
+                ready.push(system.map_err(error)?);
                 starts.push(start);
                 scenes.push(scene);
             }
@@ -164,9 +163,9 @@ impl<const D: usize> Ensemble<D> {
                 && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
             let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
             let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
-                let each = scenes.iter().zip(&starts).zip(ready);
-                each.map(|((scene, start), (system, method))| {
-                    let simulation = scene.begin(system, start, method)?;
+                let each = (ensemble.len as u64..).zip(scenes.iter().zip(&starts).zip(ready));
+                each.map(|(trajectory, ((scene, start), system))| {
+                    let simulation = scene.begin(system, start, method.clone(), trajectory)?;
                     Ok(Box::new(Alone::new(simulation)) as _)
                 })
                 .collect()

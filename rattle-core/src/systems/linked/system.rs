@@ -1,5 +1,6 @@
 //! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
 
+use crate::effect::flow::{Inertia, Interval, Rule};
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
@@ -9,7 +10,7 @@ use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::system::System;
+use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
@@ -129,14 +130,34 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     fn flow(
         &self,
         number: usize,
-        h: f64,
+        given: Given<'_, f64, D>,
         bodies: &mut BodiesOf<F, N, D>,
-        velocities: &[[f64; D]],
         changes: &mut [[f64; D]],
     ) {
+        let Given { h, velocities, rates, holding, noise } = given;
+        let freedom = self.freedom(bodies);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
-        self.effects.flow(number, h, at, room, momenta, velocities, changes);
+        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &*self.shape);
+        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        self.effects.flow(number, &during, room, changes);
+    }
+
+    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
+        self.effects.rule(number)
+    }
+
+    fn inertia(&self) -> &dyn Inertia<f64, D> {
+        &*self.shape
+    }
+
+    fn force(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> [f64; D] {
+        bodies.kept.force[body].components()
+    }
+
+    fn freedom(&self, bodies: &BodiesOf<F, N, D>) -> usize {
+        let components = self.shape.components.iter().zip(&bodies.kept.solvers);
+        let equations: usize = components.map(|(component, solver)| solver.rank(&component.rows)).sum();
+        (D * self.free().count()).saturating_sub(equations)
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(

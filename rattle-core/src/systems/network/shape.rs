@@ -1,5 +1,6 @@
 //! A network made ready for so many bodies: components, and their equations evaluated.
 
+use crate::effect::flow::Inertia;
 use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
@@ -86,5 +87,17 @@ impl<const D: usize> Shape<D> {
                 }
             }
         }
+    }
+}
+
+impl<const D: usize> Inertia<f64, D> for Shape<D> {
+    fn velocity(&self, body: usize, p: &[f64; D]) -> [f64; D] {
+        self.roots[body].velocity(p)
+    }
+    fn root(&self, body: usize, u: &[f64; D]) -> [f64; D] {
+        if self.is_pinned(body) { [0.0; D] } else { self.roots[body].restore(u) }
+    }
+    fn is_pinned(&self, body: usize) -> bool {
+        matches!(self.roots[body], Root::Pinned)
     }
 }

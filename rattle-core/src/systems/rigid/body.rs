@@ -13,6 +13,7 @@
 //!
 //! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to rounding.
 
+use crate::effect::flow::Inertia;
 use crate::motion::state::State;
 
 use nalgebra::{Matrix3, Vector3};
@@ -119,6 +120,19 @@ impl Rigid {
             last = size;
         }
         None
+    }
+}
+
+/// Moments of inertia, of the angular momentum in the first of nine places.
+impl Inertia<f64, 9> for Rigid {
+    fn velocity(&self, _: usize, p: &[f64; 9]) -> [f64; 9] {
+        spread(&Vector3::from_row_slice(&p[..3]).component_div(&self.inertia))
+    }
+    fn root(&self, _: usize, u: &[f64; 9]) -> [f64; 9] {
+        spread(&Vector3::from_row_slice(&u[..3]).component_mul(&self.inertia.map(f64::sqrt)))
+    }
+    fn is_pinned(&self, _: usize) -> bool {
+        false
     }
 }
 

@@ -1,5 +1,6 @@
 //! The verbs of a [`System`] for rigid bodies.
 
+use crate::effect::flow::{Inertia, Interval, Rule};
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
@@ -9,7 +10,7 @@ use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
-use crate::motion::system::System;
+use crate::motion::system::{Given, System};
 use crate::motion::witness::Witness;
 use crate::solve::nearing::Nearing;
 use crate::systems::rigid::body::CROOKED;
@@ -74,14 +75,32 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn flow(
         &self,
         number: usize,
-        h: f64,
+        given: Given<'_, f64, 9>,
         bodies: &mut BodiesOf<F, N>,
-        velocities: &[[f64; 9]],
         changes: &mut [[f64; 9]],
     ) {
+        let Given { h, velocities, rates, holding, noise } = given;
+        let freedom = self.freedom(bodies);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
-        self.effects.flow(number, h, at, room, momenta, velocities, changes);
+        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &self.body);
+        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        self.effects.flow(number, &during, room, changes);
+    }
+
+    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
+        self.effects.rule(number)
+    }
+
+    fn inertia(&self) -> &dyn Inertia<f64, 9> {
+        &self.body
+    }
+
+    fn force(&self, bodies: &BodiesOf<F, N>, body: usize) -> [f64; 9] {
+        spread(&Place::of(bodies, body).torque)
+    }
+
+    fn freedom(&self, _: &BodiesOf<F, N>) -> usize {
+        3 * self.count.number()
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(

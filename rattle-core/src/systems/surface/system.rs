@@ -2,6 +2,7 @@
 //!
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
+use crate::effect::flow::{Interval, Rule, UnitMasses};
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
@@ -12,7 +13,7 @@ use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
-use crate::motion::system::System;
+use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
@@ -169,14 +170,24 @@ where
     fn flow(
         &self,
         number: usize,
-        h: f64,
+        given: Given<'_, T, D>,
         bodies: &mut BodiesOf<N, T, F, D>,
-        velocities: &[[T; D]],
         changes: &mut [[T; D]],
     ) {
+        let Given { h, velocities, rates, holding, noise } = given;
+        let freedom = self.freedom(bodies);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta) = (&mut bodies.kept.of_effects, bodies.p.as_ref());
-        self.effects.flow(number, h, at, room, momenta, velocities, changes);
+        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &UnitMasses);
+        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        self.effects.flow(number, &during, room, changes);
+    }
+
+    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
+        self.effects.rule(number)
+    }
+
+    fn force(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
+        bodies.kept.force.as_ref()[body].components()
     }
 
     #[inline(always)]

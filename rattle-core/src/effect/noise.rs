@@ -1,0 +1,71 @@
+//! Random numbers of an effect.
+
+use crate::number::philox::philox;
+use std::f64::consts::TAU;
+
+/// Where random numbers come from: a function of a seed and of *when* they are drawn, so that they are the same for any number
+/// of threads, in any company, and after a restart.
+///
+/// ```text
+/// words = Philox4x64-10(key = (seed, 0), counter = (trajectory, step, effect, draw))
+/// draw  = place within the step · 2⁴⁰ + number of the draw
+/// ```
+///
+/// `trajectory` is the number in an ensemble, 0 of a simulation, or that of [`State::numbered`](crate::motion::state::State::numbered);
+/// `step` counts from the first start, over restarts; `effect` is the number of the flow in its scene. Words are those of NumPy's
+/// `Philox`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Noise {
+    /// The number of the trajectory.
+    pub trajectory: u64,
+    /// Steps taken since the first start.
+    pub step: u64,
+    /// The number of the flow among those of the scene.
+    pub effect: u64,
+    /// How many flows went before in this step.
+    pub place: u64,
+}
+
+impl Noise {
+    /// The four words of this draw; a flow numbers its draws as it likes, below 2⁴⁰.
+    #[must_use]
+    pub fn words(&self, seed: u64, draw: u64) -> [u64; 4] {
+        philox([seed, 0], [self.trajectory, self.step, self.effect, (self.place << 40) | draw])
+    }
+
+    /// Four independent numbers, uniform in (0, 1].
+    #[must_use]
+    pub fn uniform(&self, seed: u64, draw: u64) -> [f64; 4] {
+        self.words(seed, draw).map(unit)
+    }
+
+    /// D independent normal numbers of mean 0 and variance 1 for the body of this number. Uses the draws from
+    /// body · ⌈D/4⌉ on.
+    #[must_use]
+    pub fn normal<const D: usize>(&self, seed: u64, body: usize) -> [f64; D] {
+        let mut numbers = [0.0; D];
+        let first = body as u64 * D.div_ceil(4) as u64;
+        for (draw, four) in (first..).zip(numbers.chunks_mut(4)) {
+            four.copy_from_slice(&normal(self.words(seed, draw))[..four.len()]);
+        }
+        numbers
+    }
+}
+
+/// In (0, 1], on a grid of 2⁻⁵³.
+#[allow(clippy::cast_precision_loss, reason = "53 bits")]
+fn unit(word: u64) -> f64 {
+    ((word >> 11) + 1) as f64 * (0.5 * f64::EPSILON)
+}
+
+/// Four normal numbers of four words (G. Box, M. Muller, Ann. Math. Stat. 29 (1958) 610). The functions are not those of the system,
+/// so that bits do not depend on it.
+pub(crate) fn normal(words: [u64; 4]) -> [f64; 4] {
+    let [a, b, c, d] = words.map(unit);
+    let pair = |a: f64, b: f64| {
+        let (radius, (sin, cos)) = ((-2.0 * libm::log(a)).sqrt(), libm::sincos(TAU * b));
+        [radius * cos, radius * sin]
+    };
+    let ([x, y], [z, w]) = (pair(a, b), pair(c, d));
+    [x, y, z, w]
+}

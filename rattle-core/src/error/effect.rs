@@ -1,0 +1,51 @@
+//! Effects whose parameters make no sense.
+
+use crate::error::numbers::many;
+
+/// What is wrong with an effect.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EffectMistake {
+    /// A parameter outside its range.
+    #[error("{name} must be {range}, found {value}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// Something is listed for each body, and the scene has another number of bodies.
+    #[error("{} given for {}", many(*listed, "number was", "numbers were"), many(*bodies, "body", "bodies"))]
+    Count {
+        /// How many are listed.
+        listed: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// Random forces do not run backwards.
+    #[error(
+        "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"
+    )]
+    NoWayBack,
+}
+
+impl EffectMistake {
+    /// Looks whether a parameter is at least 0 and finite.
+    ///
+    /// # Errors
+    /// [`EffectMistake::Parameter`].
+    pub fn unless_positive_or_zero(name: &'static str, value: f64) -> Result<(), Self> {
+        let fine = value >= 0.0 && value.is_finite();
+        if fine { Ok(()) } else { Err(Self::Parameter { name, range: "0 or positive, and finite", value }) }
+    }
+
+    /// Looks whether a parameter is a number.
+    ///
+    /// # Errors
+    /// [`EffectMistake::Parameter`].
+    pub fn unless_finite(name: &'static str, value: f64) -> Result<(), Self> {
+        if value.is_finite() { Ok(()) } else { Err(Self::Parameter { name, range: "finite", value }) }
+    }
+}
