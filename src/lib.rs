@@ -75,6 +75,7 @@ pub use rattle_core::{effect, error, geometry as curvature, kernel, scene};
 
 pub use rattle_core::error::Error;
 pub use rattle_core::kernel::counted::Counted;
+pub use rattle_core::methods::baoab::Baoab;
 pub use rattle_core::methods::bdf2::Bdf2;
 pub use rattle_core::methods::composition::Composition;
 pub use rattle_core::methods::dop853::Dop853;
@@ -114,8 +115,8 @@ pub mod prelude {
         Each, Histogram, Mean, Observer, Progress, Section, ShadowEnergy, Sight, Trajectory,
     };
     pub use crate::{
-        Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler, Taylor,
-        Variable,
+        Baoab, Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler,
+        Taylor, Variable,
     };
     pub use crate::{
         BoxedSimulation, Counted, Ensemble, LinearAlgebra, Mass, Method, Rigid, Scene, Simulation, State,

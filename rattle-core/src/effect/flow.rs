@@ -80,6 +80,8 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
 pub struct Interval<'a, T, const D: usize> {
     /// How long: a time, negative where a method runs backwards.
     pub h: f64,
+    /// Whether this is the half before a step of the method; else it is that after it.
+    pub before: bool,
     /// When and where.
     pub at: Moment<'a, T, D>,
     /// The momenta p of all bodies in turn.
@@ -92,6 +94,8 @@ pub struct Interval<'a, T, const D: usize> {
     pub holding: &'a [[T; D]],
     /// Masses.
     pub inertia: &'a dyn Inertia<T, D>,
+    /// Whether constraints tie bodies to one another, so that momenta are made tangent together.
+    pub tied: bool,
     /// The number of independent momenta.
     pub freedom: usize,
     /// Random numbers.

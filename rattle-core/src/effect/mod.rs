@@ -9,25 +9,37 @@
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
 
 pub mod among;
+pub mod andersen;
 pub mod between_pairs;
+pub mod drag;
+pub mod dry_friction;
 pub mod flow;
 pub mod force;
+pub mod langevin;
 pub mod list;
+pub mod magnetic;
 pub mod moment;
 pub mod noise;
 pub mod on_each;
 pub mod one;
+pub mod rescaling;
 pub mod swept;
 mod tiles;
 
 pub use crate::kernel::over::Over;
 pub use among::{ActsAmong, Among};
+pub use andersen::Andersen;
 pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
+pub use drag::{LinearDrag, QuadraticDrag};
+pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing, Inertia, Interval, Rule};
 pub use force::{Absent, Force};
+pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};
+pub use magnetic::MagneticField;
 pub use moment::Moment;
 pub use noise::Noise;
 pub use on_each::{ActsOnEach, OnEach, SweptOnEach};
 pub use one::{Acting, Effect};
+pub use rescaling::VelocityRescaling;
 pub use swept::Swept;

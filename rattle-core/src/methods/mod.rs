@@ -1,6 +1,7 @@
 //! The maps that take bodies one step on. A method knows no system.
 
 pub(crate) mod able;
+pub mod baoab;
 pub mod bdf2;
 mod coefficients;
 pub mod composition;

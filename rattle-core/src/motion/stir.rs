@@ -45,6 +45,23 @@ pub(crate) fn step<S: Method, T: Real, Y: System<T, D>, W: Witness<T>, const D: 
     stir(Half::After, half, system, bodies)
 }
 
+/// Has all flows act for a time h, symmetrically: for a method that wants them in the middle of its step.
+#[inline(always)]
+pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    if const { Y::FLOWS == 0 } {
+        return Ok(());
+    }
+    if Y::FLOWS == 1 && system.flow_rule(0).0 == Rule::Random {
+        return stir(Half::Before, h, system, bodies);
+    }
+    stir(Half::After, 0.5 * h, system, bodies)?; // of the drift that was
+    stir(Half::Before, 0.5 * h, system, bodies)
+}
+
 /// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic energy
 /// counts as work.
 pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
@@ -64,7 +81,7 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
             let (low, other) = low.split_at_mut(n);
             first.copy_from_slice(bodies.p.as_ref());
             low.copy_from_slice(bodies.p_low.as_ref());
-            let mut flow = Flowing { number, feels, system, room, first, low };
+            let mut flow = Flowing { number, half, feels, system, room, first, low };
             match (rule, half) {
                 (Rule::Random, _) => flow.act(h, bodies).map(drop)?,
                 (Rule::Rate, Half::Before) => flow.act(h, bodies).map(drop)?,
@@ -83,6 +100,7 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
 /// A flow at work.
 struct Flowing<'a, T, Y, const D: usize> {
     number: usize,
+    half: Half,
     feels: bool,
     system: &'a Y,
     /// Velocities, rates, holding forces and changes.
@@ -107,7 +125,8 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             system.feel(bodies, rates, holding);
         }
         let noise = Noise { effect: self.number as u64, ..bodies.noise };
-        let given = Given { h, velocities, rates, holding, noise };
+        let before = self.half == Half::Before;
+        let given = Given { h, before, velocities, rates, holding, noise };
         system.flow(self.number, given, bodies, changes);
         for (body, change) in changes.iter_mut().enumerate() {
             if system.inertia().is_pinned(body) {

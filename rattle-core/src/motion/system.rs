@@ -317,6 +317,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 pub struct Given<'a, T, const D: usize> {
     /// For how long.
     pub h: f64,
+    /// Whether before a step.
+    pub before: bool,
     /// M⁻¹p of all bodies.
     pub velocities: &'a [[T; D]],
     /// ṗ of all bodies, for a flow that feels it.

@@ -96,6 +96,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.kinetic_energy(&self.bodies)
     }
 
+    /// The number of independent momenta: coordinates of bodies that are not pinned, less independent equations, as far as the last normals show.
+    pub fn freedom(&self) -> usize {
+        self.system.freedom(&self.bodies)
+    }
+
+    /// The temperature kT that the present momenta have, an energy: twice the kinetic energy for each of the
+    /// [independent momenta](Self::freedom). NaN where there are none.
+    pub fn temperature(&self) -> f64 {
+        2.0 * self.kinetic_energy() / self.freedom() as f64
+    }
+
     /// Potential energy U of all effects.
     pub fn potential_energy(&self) -> f64 {
         self.system.potential_energy(&self.bodies)

@@ -134,11 +134,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         changes: &mut [[f64; D]],
     ) {
-        let Given { h, velocities, rates, holding, noise } = given;
-        let freedom = self.freedom(bodies);
+        let Given { h, before, velocities, rates, holding, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &*self.shape);
-        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        let during =
+            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
     }
 

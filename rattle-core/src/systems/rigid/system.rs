@@ -79,11 +79,12 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         changes: &mut [[f64; 9]],
     ) {
-        let Given { h, velocities, rates, holding, noise } = given;
-        let freedom = self.freedom(bodies);
+        let Given { h, before, velocities, rates, holding, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), false);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &self.body);
-        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        let during =
+            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
     }
 

@@ -174,11 +174,12 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         changes: &mut [[T; D]],
     ) {
-        let Given { h, velocities, rates, holding, noise } = given;
-        let freedom = self.freedom(bodies);
+        let Given { h, before, velocities, rates, holding, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), false);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &UnitMasses);
-        let during = Interval { h, at, momenta, velocities, rates, holding, inertia, freedom, noise };
+        let during =
+            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
     }
 

@@ -1,0 +1,163 @@
+//! Drag: what slows bodies down in proportion to their velocity, or to its square.
+
+use crate::effect::flow::{Flow, Inertia, Interval};
+use crate::error::EffectMistake;
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, dot, scaled};
+use std::array::from_fn;
+
+/// Drag in proportion to velocity (G. Stokes 1851).
+///
+/// ```text
+/// ṗ = −C v,  C = diag(c₁ … c_D)      in the unit of force over velocity, mass over time
+/// ```
+///
+/// The flow is exact where masses are numbers, of second order where they are matrices. Of a rigid body the coefficients are
+/// those about its three axes.
+///
+/// ```
+/// use rattle::effect::LinearDrag;
+/// use rattle::prelude::*;
+///
+/// let scene = Scene::point().mass(2.0).with(LinearDrag::new(0.5)); // v = exp(−t/4)
+/// let mut simulation = scene.simulate(State::at([0.0]).moving([2.0]), Rattle::new(0.1))?;
+/// simulation.run(40)?;
+/// assert!((simulation.velocity().x - (-1.0_f64).exp()).abs() < 1e-15);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearDrag<const D: usize> {
+    along: [f64; D],
+    of_bodies: Vec<f64>,
+}
+
+impl<const D: usize> LinearDrag<D> {
+    /// The same coefficient c in all directions, for all bodies.
+    #[must_use]
+    pub fn new(coefficient: f64) -> Self {
+        Self::along([coefficient; D])
+    }
+
+    /// A coefficient for each coordinate.
+    #[must_use]
+    pub fn along(coefficients: [f64; D]) -> Self {
+        Self { along: coefficients, of_bodies: Vec::new() }
+    }
+
+    /// The same, times a factor for each body.
+    #[must_use]
+    pub fn times(mut self, factors: impl IntoIterator<Item = f64>) -> Self {
+        self.of_bodies = factors.into_iter().collect();
+        self
+    }
+}
+
+impl<const D: usize> Flow<D> for LinearDrag<D> {
+    fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
+        for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
+            let factor = self.of_bodies.get(body).copied().unwrap_or(1.0);
+            let c = self.along.map(|c| T::from_f64(c * factor));
+            *change = match diagonal(during.inertia, body) {
+                Some(inverse) => from_fn(|i| less(-during.h, c[i] * inverse[i]) * p[i]),
+                None => slowed(during, body, p, |_| c),
+            };
+        }
+    }
+
+    fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
+        let listed = self.of_bodies.len();
+        if listed != 0 && listed != bodies {
+            return Err(EffectMistake::Count { listed, bodies });
+        }
+        let numbers = self.along.iter().chain(&self.of_bodies);
+        numbers.copied().try_for_each(|c| EffectMistake::unless_positive_or_zero("a coefficient of drag", c))
+    }
+}
+
+/// Drag in proportion to the square of the velocity (I. Newton 1687).
+///
+/// ```text
+/// ṗ = −c |v| v        c in the unit of mass over length
+/// ```
+///
+/// The flow is exact where the mass of a body is one number, of second order elsewhere.
+///
+/// ```
+/// use rattle::effect::QuadraticDrag;
+/// use rattle::prelude::*;
+///
+/// let scene = Scene::point().with(QuadraticDrag { coefficient: 2.0 }); // v = 1/(1 + 2t)
+/// let mut simulation = scene.simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+/// simulation.run(20)?;
+/// assert!((simulation.velocity().x - 0.2).abs() < 1e-15);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct QuadraticDrag {
+    /// c, in the unit of mass over length: ½ρAC_D of a body of cross section A in a fluid of density ρ.
+    pub coefficient: f64,
+}
+
+impl<const D: usize> Flow<D> for QuadraticDrag {
+    fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
+        let c = T::from_f64(self.coefficient);
+        for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
+            *change = slowed(during, body, p, |v| [c * dot(v, v).sqrt(); D]);
+        }
+    }
+
+    fn check(&self, _: usize) -> Result<(), EffectMistake> {
+        EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
+    }
+}
+
+/// exp(h r) − 1.
+fn less<T: Real>(h: f64, rate: T) -> T {
+    T::from_lanes(|lane| (h * rate.lanes().nth(lane).unwrap_or(f64::NAN)).exp_m1())
+}
+
+/// The diagonal of M⁻¹ of a body, if M⁻¹ is diagonal.
+fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> Option<[T; D]> {
+    let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
+    let columns: [[T; D]; D] = from_fn(|i| inertia.velocity(body, &unit(i)));
+    let zero = |i: usize, k: usize| i == k || columns[i][k].lanes().all(|x| x == 0.0);
+    (0..D).all(|i| (0..D).all(|k| zero(i, k))).then(|| from_fn(|i| columns[i][i]))
+}
+
+/// What a momentum changes by in a time h under ṗ = −C(v) v, C diagonal: the implicit step p′ = p − h C(v) M⁻¹p′, whose error of first
+/// order goes by extrapolation, 2 X_{h/2}X_{h/2} − X_h. It is exact for C = c |v| and a mass that is a number.
+fn slowed<T: Real, const D: usize>(
+    during: &Interval<'_, T, D>,
+    body: usize,
+    p: &[T; D],
+    drag: impl Fn(&[T; D]) -> [T; D],
+) -> [T; D] {
+    let step = |h: f64, p: &[T; D]| -> [T; D] {
+        let c = drag(&during.inertia.velocity(body, p)).map(|c| T::from_f64(h) * c);
+        let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
+        let columns: [[T; D]; D] = from_fn(|i| during.inertia.velocity(body, &unit(i)));
+        // (1 + h C M⁻¹) p′ = p: with M⁻¹ positive definite no pivot vanishes.
+        let mut rows: [[T; D]; D] = from_fn(|i| {
+            from_fn(|k| c[i].multiply_add(columns[k][i], T::from_f64(f64::from(u8::from(i == k)))))
+        });
+        let mut x = *p;
+        for i in 0..D {
+            for k in i + 1..D {
+                let share = rows[k][i] / rows[i][i];
+                rows[k] = add_scaled(&rows[k], -share, &rows[i]);
+                x[k] = x[k] - share * x[i];
+            }
+        }
+        for i in (0..D).rev() {
+            for k in i + 1..D {
+                x[i] = x[i] - rows[i][k] * x[k];
+            }
+            x[i] = x[i] / rows[i][i];
+        }
+        x
+    };
+    let twice = step(0.5 * during.h, &step(0.5 * during.h, p));
+    let once = step(during.h, p);
+    let corrected = add_scaled(&scaled(T::from_f64(2.0), &twice), T::from_f64(-1.0), &once);
+    add_scaled(&corrected, T::from_f64(-1.0), p)
+}

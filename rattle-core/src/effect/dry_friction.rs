@@ -1,0 +1,79 @@
+//! Dry friction, with sticking.
+
+use crate::effect::flow::{Flow, Interval};
+use crate::error::EffectMistake;
+use crate::number::real::{Mask, Real};
+use crate::number::vector::{add_scaled, dot, scaled, sum};
+
+/// Dry friction of bodies that slide on their surface (C. Coulomb 1785).
+///
+/// ```text
+/// ṗ = −μ N v/|v|   where the body slides       N = |∇g λ|, what holds it on the surface
+/// ṗ = 0            where it rests and the force along the surface is at most μ N
+/// ```
+///
+/// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the force of the next step would
+/// give. Of second order while a body slides. The surface holds a body from both sides, so N does not know a sign; it is that of
+/// forces and of the curvature of the path, N = |f·n + κv²|. Of linked bodies N is the pull of all links on the body. For bodies whose
+/// mass is one number.
+///
+/// ```
+/// use rattle::effect::DryFriction;
+/// use rattle::potentials::Gravity;
+/// use rattle::prelude::*;
+/// use rattle::surfaces::Plane;
+///
+/// // On a slope of 30°, tan 30° = 0.577: μ = 0.6 holds.
+/// let slope = Plane { a: 0.5, b: 0.0, c: 0.75_f64.sqrt(), d: 0.0 };
+/// let scene = Scene::on(slope).with(Gravity { g: 9.81 }).with(DryFriction { coefficient: 0.6 });
+/// let mut simulation = scene.simulate(State::at([0.0; 3]), Rattle::new(0.01))?;
+/// simulation.run(1000)?;
+/// assert_eq!(simulation.position().norm(), 0.0);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DryFriction {
+    /// μ, a number.
+    pub coefficient: f64,
+}
+
+impl<const D: usize> Flow<D> for DryFriction {
+    const FEELS_FORCES: bool = true;
+
+    fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
+        let (zero, one) = (T::from_f64(0.0), T::from_f64(1.0));
+        let (h, mu) = (T::from_f64(during.h), T::from_f64(self.coefficient));
+        let length = |a: &[T; D]| dot(a, a).sqrt();
+        // What is left of p after an impulse against it.
+        let slowed = |p: &[T; D], impulse: T| {
+            let size = length(p);
+            scaled(T::select(impulse.lt(size), one - impulse / size, zero), p)
+        };
+        let forces = during.rates.iter().zip(during.holding);
+        for ((change, p), (rate, holding)) in changes.iter_mut().zip(during.momenta).zip(forces) {
+            // N at the middle of the flow: its part that answers forces stays, that of the curvature goes with v².
+            let (size, force) = (length(p), add_scaled(rate, -one, holding));
+            let square = dot(holding, holding);
+            let share = T::select(zero.lt(square), -dot(&force, holding) / square, zero);
+            let at_rest = scaled(share, holding);
+            let half = slowed(p, T::from_f64(0.5) * mu * length(holding) * h);
+            let left = T::select(zero.lt(size), dot(&half, &half) / dot(p, p), zero);
+            let curved = add_scaled(holding, -one, &at_rest);
+            let impulse = mu * length(&add_scaled(&at_rest, left, &curved)) * h;
+
+            let given = scaled(h, rate);
+            let then = sum(p, &given);
+            let near_rest = size.le(impulse).all();
+            let next = if during.before && near_rest {
+                add_scaled(&slowed(&then, impulse), -one, &given)
+            } else {
+                slowed(p, impulse)
+            };
+            *change = add_scaled(&next, -one, p);
+        }
+    }
+
+    fn check(&self, _: usize) -> Result<(), EffectMistake> {
+        EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
+    }
+}

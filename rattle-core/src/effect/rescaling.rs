@@ -1,0 +1,100 @@
+//! Heat by rescaling all momenta at random, so that the kinetic energy has the canonical distribution.
+
+use crate::effect::flow::{Flow, Interval, Rule};
+use crate::effect::noise::{Noise, normal};
+use crate::error::EffectMistake;
+use crate::number::real::Real;
+use crate::number::vector::scaled;
+
+/// Velocity rescaling with the right fluctuations (G. Bussi, D. Donadio, M. Parrinello 2007).
+///
+/// ```text
+/// dK = (K̄ − K) dt/τ + 2 √(K K̄/(N τ)) dW        K̄ = N kT/2,  N independent momenta
+/// Φₕ(p) = α p,  α² = c + (1 − c) (K̄/(N K)) Σᵢ₌₁ᴺ Rᵢ² + 2 R₁ √(c (1 − c) K̄/(N K)),  c = exp(−h/τ): exact
+/// ```
+///
+/// All momenta are multiplied by one factor, so that directions, and a total momentum in proportion, stay: motion is disturbed less than by
+/// [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many bodies that exchange energy; one
+/// particle by itself gets the right energies and keeps to its path.
+///
+/// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
+///
+/// ```
+/// use rattle::effect::VelocityRescaling;
+/// use rattle::prelude::*;
+///
+/// let heat = VelocityRescaling { time: 1.0, temperature: 2.0, seed: 7 };
+/// let start = State::of([[0.0; 3]; 50]).moving([1.0, 0.0, 0.0]);
+/// let mut simulation = Scene::points(50).with(heat).simulate(start, Rattle::new(0.1))?;
+/// let mut sum = 0.0;
+/// simulation.run(100)?;
+/// simulation.run_with(10_000, |now| sum += now.temperature())?;
+/// assert!((sum / 10_000.0 - 2.0).abs() < 0.1);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VelocityRescaling {
+    /// τ, the time in which the kinetic energy forgets.
+    pub time: f64,
+    /// kT, an energy.
+    pub temperature: f64,
+    /// What random numbers are made from.
+    pub seed: u64,
+}
+
+impl<const D: usize> Flow<D> for VelocityRescaling {
+    const RULE: Rule = Rule::Random;
+
+    fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
+        let kinetic = during.kinetic_energy();
+        let factor =
+            T::from_lanes(|lane| self.factor(during, kinetic.lanes().nth(lane).unwrap_or(f64::NAN)) - 1.0);
+        for (change, p) in changes.iter_mut().zip(during.momenta) {
+            *change = scaled(factor, p);
+        }
+    }
+
+    fn check(&self, _: usize) -> Result<(), EffectMistake> {
+        EffectMistake::unless_positive_or_zero("temperature", self.temperature)?;
+        let fine = self.time > 0.0 && self.time.is_finite();
+        let mistake =
+            EffectMistake::Parameter { name: "time", range: "positive and finite", value: self.time };
+        if fine { Ok(()) } else { Err(mistake) }
+    }
+}
+
+impl VelocityRescaling {
+    /// α; 1 for bodies at rest, which have no direction to go in.
+    fn factor<T, const D: usize>(&self, during: &Interval<'_, T, D>, kinetic: f64) -> f64 {
+        if kinetic <= 0.0 || during.freedom == 0 {
+            return 1.0;
+        }
+        let (kept, gone) = ((-during.h / self.time).exp(), -(-during.h / self.time).exp_m1());
+        let [first, ..] = normal(during.noise.words(self.seed, 0));
+        let others = chi_squared(&during.noise, self.seed, during.freedom - 1);
+        let share = gone * 0.5 * self.temperature / kinetic; // (1 − c) K̄/(N K)
+        let square = kept + share * (first * first + others) + 2.0 * first * (kept * share).sqrt();
+        // The sign of α is that of R₁ + √(c/share): momenta turn over where noise is all that is left.
+        let sign = if first + (kept / share).sqrt() < 0.0 { -1.0 } else { 1.0 };
+        sign * square.max(0.0).sqrt()
+    }
+}
+
+/// The sum of so many squares of independent normal numbers, from the draws from 1 on.
+///
+/// Up to 64 one by one; more as a number of the gamma distribution (G. Marsaglia, W. Tsang, ACM Trans. Math. Softw. 26 (2000) 363).
+fn chi_squared(noise: &Noise, seed: u64, number: usize) -> f64 {
+    if number <= 64 {
+        let draws = (1..).flat_map(|draw| normal(noise.words(seed, draw)));
+        return draws.take(number).map(|x| x * x).sum();
+    }
+    let d = 0.5 * number as f64 - 1.0 / 3.0;
+    let c = 1.0 / (9.0 * d).sqrt();
+    let tries = (1..).map(|draw| {
+        let words = noise.words(seed, draw);
+        let ([x, ..], [.., u]) = (normal(words), noise.uniform(seed, draw));
+        let v = (1.0 + c * x).powi(3);
+        (v > 0.0 && libm::log(u) < 0.5 * x * x + d - d * v + d * libm::log(v)).then_some(2.0 * d * v)
+    });
+    tries.flatten().next().unwrap_or(2.0 * d)
+}

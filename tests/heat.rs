@@ -1,0 +1,300 @@
+//! Heat: the temperature of each independent momentum, the measure on the surface, averages over places, and noise that is the same
+//! in any company. Bounds are from statistics, at fixed seeds: 4.5 standard deviations of what the law gives for so many samples.
+
+use rattle::effect::{Andersen, Flow, Langevin, VelocityRescaling};
+use rattle::links::Rod;
+use rattle::potentials::{Gravity, Harmonic};
+use rattle::prelude::*;
+use rattle::surfaces::{Ellipsoid, Sphere, Torus};
+use std::f64::consts::TAU;
+
+/// Deviations that a mean of so many independent samples may have: once in 150 000 tests.
+const DEVIATIONS: f64 = 4.5;
+
+const KT: f64 = 0.7;
+
+/// A bath in which a momentum is forgotten within a step: exp(−γh) = e⁻².
+fn strong(h: f64) -> Langevin {
+    Langevin { friction: 2.0 / h, temperature: KT, seed: 11 }
+}
+
+/// The mean of kT over so many steps against `KT`: its variance is 2 kT²/N for one sample, and samples a step apart have the
+/// correlation e⁻⁸ by each half of the flow's squares.
+macro_rules! has_temperature {
+    ($simulation:expr, $steps:expr, $freedom:expr) => {{
+        let mut simulation = $simulation;
+        assert_eq!(simulation.freedom(), $freedom);
+        simulation.run(20).unwrap();
+        let (mut sum, steps) = (0.0, $steps);
+        simulation.run_with(steps, |now| sum += now.temperature()).unwrap();
+        let (mean, sigma) = (sum / steps as f64, KT * (2.0 / ($freedom * steps) as f64).sqrt());
+        assert!((mean - KT).abs() < DEVIATIONS * sigma, "{mean} of {KT}, σ = {sigma:.1e}");
+    }};
+}
+
+#[test]
+fn half_kt_for_each_independent_momentum() {
+    let egg = Scene::on(Ellipsoid { a: 1.0, b: 1.5, c: 2.0 });
+    let h = 0.02;
+    let start = State::at([0.0, 0.0, 2.0]);
+    has_temperature!(egg.with(strong(h)).simulate(start, Rattle::new(h)).unwrap(), 10_000, 2);
+    let ring = || Scene::on(Torus { major: 2.0, minor: 0.7 });
+    let two = State::of([[2.7, 0.0, 0.0], [-1.3, 0.0, 0.0]]);
+    has_temperature!(ring().bodies(2).with(strong(h)).simulate(two, Baoab::new(h)).unwrap(), 4_000, 4);
+    let many = State::of((0..1000).map(|i| {
+        let angle = f64::from(i);
+        [2.7 * angle.cos(), 2.7 * angle.sin(), 0.0]
+    }));
+    has_temperature!(ring().bodies(1000).with(strong(h)).simulate(many, Baoab::new(h)).unwrap(), 100, 2000);
+}
+
+#[test]
+fn chains_and_rigid_bodies() {
+    // Five rods, pinned at one end, with masses between 1 and 3: 15 coordinates less 5 equations.
+    let chain = Scene::points::<3>(6)
+        .masses((0..6).map(|i| 1.0 + 0.4 * f64::from(i)))
+        .link(Rod { length: 1.0 }, (0..5).map(|i| [i, i + 1]))
+        .pin(0, [0.0; 3]);
+    let h = 0.01;
+    let start = State::of((0..6).map(|i| [f64::from(i), 0.0, 0.0]));
+    has_temperature!(chain.with(strong(h)).simulate(start, Baoab::new(h)).unwrap(), 5_000, 10);
+
+    let body = Scene::rigid(Rigid::new([0.5, 1.0, 1.2])).with(strong(h));
+    let start = || Rigid::start(&rattle::nalgebra::Matrix3::identity(), &rattle::nalgebra::Vector3::zeros());
+    has_temperature!(body.simulate(start(), Rattle::new(h)).unwrap(), 10_000, 3);
+    // ½kT about each axis: ⟨m₁²⟩ = I₁ kT.
+    let mut body = body.simulate(start(), Rattle::new(h)).unwrap();
+    let mut squares = [0.0; 3];
+    let steps = 10_000;
+    body.run_with(steps, |now| {
+        (0..3).for_each(|i| squares[i] += now.momentum()[i].powi(2) / [0.5, 1.0, 1.2][i]);
+    })
+    .unwrap();
+    for square in squares {
+        let (mean, sigma) = (square / steps as f64, KT * (2.0 / steps as f64).sqrt());
+        assert!((mean - KT).abs() < DEVIATIONS * sigma, "{mean} of {KT}, σ = {sigma:.1e}");
+    }
+}
+
+/// χ² of numbers in bins against their probabilities, and the bound for its bins: the mean of χ² is their number less one, its
+/// variance twice that.
+fn fits(counts: &[f64], probabilities: &[f64]) {
+    let (n, bins) = (counts.iter().sum::<f64>(), (counts.len() - 1) as f64);
+    let term = |(count, p): (&f64, &f64)| (count - n * p).powi(2) / (n * p);
+    let chi = counts.iter().zip(probabilities).map(term).sum::<f64>();
+    assert!(chi < bins + DEVIATIONS * (2.0 * bins).sqrt(), "χ² = {chi} of {bins} bins: {counts:?}");
+    assert!(chi > bins - DEVIATIONS * (2.0 * bins).sqrt(), "too good: χ² = {chi}");
+}
+
+/// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed the surface.
+#[test]
+fn places_are_uniform_in_area() {
+    const BINS: usize = 20;
+    let heat = Langevin { friction: 0.5, temperature: 1.0, seed: 5 };
+    let (major, minor) = (1.0, 0.5);
+    let ring = Scene::on(Torus { major, minor }).bodies(200).with(heat);
+    let mut simulation = ring.simulate(State::of([[1.5, 0.0, 0.0]; 200]), Baoab::new(0.1)).unwrap();
+    simulation.run(200).unwrap();
+    let mut counts = [0.0; BINS];
+    for _ in 0..25 {
+        simulation.run(50).unwrap();
+        for q in simulation.positions() {
+            let angle = q.z.atan2(q.x.hypot(q.y) - major).rem_euclid(TAU);
+            counts[(angle / TAU * BINS as f64) as usize % BINS] += 1.0;
+        }
+    }
+    // dA = (R + r cos θ) r dθ dφ
+    let edge = |i: usize| TAU * i as f64 / BINS as f64;
+    let area = |angle: f64| (angle + minor / major * angle.sin()) / TAU;
+    fits(&counts, &std::array::from_fn::<_, BINS, _>(|i| area(edge(i + 1)) - area(edge(i))));
+
+    let (a, c) = (1.0, 2.0);
+    let egg = Scene::on(Ellipsoid { a, b: a, c }).bodies(200).with(heat);
+    let mut simulation = egg.simulate(State::of([[0.0, 0.0, c]; 200]), Baoab::new(0.1)).unwrap();
+    simulation.run(200).unwrap();
+    let mut counts = [0.0; BINS];
+    for _ in 0..25 {
+        simulation.run(50).unwrap();
+        for q in simulation.positions() {
+            counts[((0.5 * (q.z / c + 1.0) * BINS as f64) as usize).min(BINS - 1)] += 1.0;
+        }
+    }
+    // dA = 2πa √(1 − u² + (a u/c)²) c du with u = z/c, by Simpson's rule.
+    let density = |u: f64| (1.0 - u * u + (a * u / c).powi(2)).sqrt();
+    let part = |i: usize| {
+        let (from, step) = (2.0 * i as f64 / BINS as f64 - 1.0, 2.0 / BINS as f64);
+        step / 6.0 * (density(from) + 4.0 * density(from + 0.5 * step) + density(from + step))
+    };
+    let total = (0..BINS).map(part).sum::<f64>();
+    fits(&counts, &std::array::from_fn::<_, BINS, _>(|i| part(i) / total));
+}
+
+/// ⟨z⟩ of a body on a sphere of radius 2 under gravity g = ½: −2 L(1/kT) with Langevin's function L(x) = coth x − 1/x.
+fn height(kt: f64) -> f64 {
+    2.0 * (kt - 1.0 / (1.0 / kt).tanh())
+}
+
+/// The mean of z over so many bodies and steps, and its deviation, from the means of single bodies.
+fn mean_height(method: impl Method, bodies: usize, steps: u64) -> [f64; 2] {
+    let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 3 };
+    let scene = Scene::on(Sphere { r: 2.0 }).bodies(bodies).with(Gravity { g: 0.5 }).with(heat);
+    let mut simulation = scene.simulate(State::of(vec![[0.0, 0.0, -2.0]; bodies]), method).unwrap();
+    simulation.run(steps / 10).unwrap();
+    let mut sums = vec![0.0; bodies];
+    simulation
+        .run_with(steps, |now| sums.iter_mut().zip(now.positions()).for_each(|(sum, q)| *sum += q.z))
+        .unwrap();
+    let means = sums.iter().map(|sum| sum / steps as f64);
+    let mean = means.clone().sum::<f64>() / bodies as f64;
+    let variance = means.map(|x| (x - mean).powi(2)).sum::<f64>() / (bodies - 1) as f64;
+    [mean, (variance / bodies as f64).sqrt()]
+}
+
+/// In a harmonic trap ⟨x²⟩ = kT/k by g-BAOAB, whatever the step, and kT/(k (1 − h²k/4)) with heat at the ends of a step.
+#[test]
+fn averages_in_a_trap_are_what_theory_says() {
+    const BODIES: usize = 500;
+    fn mean_square(method: impl Method) -> [f64; 2] {
+        let heat = Langevin { friction: 1.0, temperature: KT, seed: 3 };
+        let scene = Scene::points(BODIES).with(Harmonic { stiffness: 1.0, centre: [0.0; 3] }).with(heat);
+        let mut simulation = scene.simulate(State::of([[0.0; 3]; BODIES]), method).unwrap();
+        simulation.run(30).unwrap();
+        let mut sums = vec![0.0; BODIES];
+        let steps = 500;
+        simulation
+            .run_with(steps, |now| {
+                sums.iter_mut().zip(now.positions()).for_each(|(sum, q)| *sum += q.norm_squared() / 3.0);
+            })
+            .unwrap();
+        let means = sums.iter().map(|sum| sum / steps as f64);
+        let mean = means.clone().sum::<f64>() / BODIES as f64;
+        let variance = means.map(|x| (x - mean).powi(2)).sum::<f64>() / (BODIES - 1) as f64;
+        [mean, (variance / BODIES as f64).sqrt()]
+    }
+    let [middle, sigma] = mean_square(Baoab::new(1.0));
+    assert!((middle - KT).abs() < DEVIATIONS * sigma, "{middle} ± {sigma:.1e} of {KT}");
+    let ([ends, sigma], wrong) = (mean_square(Rattle::new(1.0)), KT / 0.75);
+    assert!((ends - wrong).abs() < DEVIATIONS * sigma, "{ends} ± {sigma:.1e} of {wrong}");
+    assert!(sigma < 0.01 * KT, "noise that hides a difference of a third");
+}
+
+/// The table in the documentation of [`rattle::methods::baoab`]:
+/// `cargo test --release --test heat table -- --ignored --nocapture`.
+#[test]
+#[ignore = "some minutes"]
+fn table() {
+    println!("| h | `Baoab` | `Baoab::with_inner(4, h)` | `Rattle` | noise |\n|---|---|---|---|---|");
+    for h in [0.1, 0.2, 0.3] {
+        let steps = (8_000.0 / h) as u64;
+        let means = [
+            mean_height(Baoab::new(h), 2000, steps),
+            mean_height(Baoab::with_inner(4, h), 2000, steps),
+            mean_height(Rattle::new(h), 2000, steps),
+        ];
+        let [middle, inner, ends] = means.map(|[mean, _]| format!("{:+.1e}", mean - height(0.5)));
+        let noise = means.iter().fold(0.0_f64, |most, [_, sigma]| most.max(*sigma));
+        println!("| {h} | {middle} | {inner} | {ends} | {noise:.0e} |");
+    }
+}
+
+/// The same noise for any number of threads and neighbours, after a restart, and for another number of the trajectory another.
+#[test]
+fn noise_is_the_same_in_any_company() {
+    let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 9 };
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).with(heat);
+    let start = State::at([0.0, 0.0, 1.0]);
+    let bits = |q: rattle::nalgebra::SVector<f64, 3>| <[f64; 3]>::from(q).map(f64::to_bits);
+    let run = |start: State<3>, steps| {
+        let mut simulation = scene.simulate(start, Baoab::new(0.1)).unwrap();
+        simulation.run(steps).unwrap();
+        simulation.state()
+    };
+    let place = |state: &State<3>| bits(state.positions().next().unwrap());
+    let whole = run(start.clone(), 60);
+    assert_eq!(place(&run(run(start.clone(), 25), 35)), place(&whole));
+    assert_ne!(place(&run(start.clone().numbered(1), 60)), place(&whole));
+    let mut ensemble = scene.ensemble(vec![start.clone(); 70], Baoab::new(0.1)).unwrap();
+    ensemble.run(60);
+    assert_eq!(place(&ensemble.state(0)), place(&whole));
+    assert_eq!(place(&ensemble.state(69)), place(&run(start.clone().numbered(69), 60)));
+    // An ensemble goes on from its own states, and one of them alone if it is numbered.
+    let states: Vec<_> = (0..70).map(|i| ensemble.state(i)).collect();
+    let mut again = scene.ensemble(states.clone(), Baoab::new(0.1)).unwrap();
+    ensemble.run(10);
+    again.run(10);
+    assert_eq!(place(&again.state(3)), place(&ensemble.state(3)));
+    assert_eq!(place(&run(states[3].clone().numbered(3), 10)), place(&ensemble.state(3)));
+    let other = Langevin { seed: 10, ..heat };
+    let mut other = Scene::on(Sphere { r: 1.0 })
+        .with(Gravity { g: 1.0 })
+        .with(other)
+        .simulate(start, Baoab::new(0.1))
+        .unwrap();
+    other.run(60).unwrap();
+    assert_ne!(place(&other.state()), place(&whole));
+}
+
+/// Baths that draw and that rescale: mean and variance of the kinetic energy, N kT/2 and N (kT)²/2.
+#[test]
+fn kinetic_energies_are_canonical() {
+    fn check(heat: impl Flow<3>) {
+        let gas = Scene::on(Sphere { r: 1.0 }).bodies(10).with(heat);
+        let start = State::of([[0.0, 0.0, 1.0]; 10]).moving([1.0, 0.0, 0.0]);
+        let mut simulation = gas.simulate(start, Rattle::new(0.05)).unwrap();
+        simulation.run(50).unwrap();
+        let (mut energies, steps) = (Vec::new(), 4_000);
+        for _ in 0..steps {
+            simulation.run(2).unwrap();
+            energies.push(simulation.kinetic_energy());
+        }
+        let (n, freedom) = (steps as f64, 20.0);
+        let mean = energies.iter().sum::<f64>() / n;
+        let variance = energies.iter().map(|k| (k - mean).powi(2)).sum::<f64>() / n;
+        // Correlations from one sample to the next are e⁻⁴ at most.
+        let (k, spread) = (0.5 * freedom * KT, 0.5 * freedom * KT * KT);
+        assert!((mean - k).abs() < DEVIATIONS * (spread / n).sqrt() * 1.05, "{mean} of {k}");
+        // Of a gamma distribution of shape N/2 the fourth moment is (3 + 12/N) σ⁴.
+        let of_variance = spread * ((2.0 + 12.0 / freedom) / n).sqrt();
+        assert!((variance - spread).abs() < DEVIATIONS * of_variance * 1.05, "{variance} of {spread}");
+    }
+    check(Andersen { rate: 20.0, temperature: KT, seed: 2 });
+    check(VelocityRescaling { time: 0.025, temperature: KT, seed: 2 });
+    check(strong(0.05));
+}
+
+/// Heat is booked as work: on a sphere RATTLE keeps the kinetic energy of free motion, so that nothing else is left.
+#[test]
+fn heat_is_work() {
+    let ball = Scene::on(Sphere { r: 1.0 }).with(Langevin { friction: 1.0, temperature: KT, seed: 1 });
+    let mut simulation = ball.simulate(State::at([0.0, 0.0, 1.0]), Baoab::new(0.05)).unwrap();
+    simulation.run(1000).unwrap();
+    assert!(simulation.kinetic_energy() > 0.0 && simulation.work() > 0.0);
+    assert!(simulation.energy_error().abs() < 1e-12, "{:e}", simulation.energy_error());
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let at_rest = || State::at([0.0, 0.0, 1.0]);
+    let ball = || Scene::on(Sphere { r: 1.0 });
+    let bath = |friction, temperature| Langevin { friction, temperature, seed: 0 };
+    let told =
+        |heat: Langevin, h| ball().with(heat).simulate(at_rest(), Rattle::new(h)).unwrap_err().to_string();
+    assert_eq!(
+        told(bath(-1.0, 1.0), 0.1),
+        "effect `Langevin`: friction must be 0 or positive, and finite, found -1"
+    );
+    assert!(told(bath(1.0, f64::NAN), 0.1).contains("temperature must be"));
+    assert!(told(bath(1.0, 1.0), -0.1).contains("what is random is not undone"));
+    let simulation = ball().with(bath(1.0, 1.0)).simulate(at_rest(), Rattle::new(0.1)).unwrap();
+    assert!(simulation.check_reversal(1e-12).unwrap_err().to_string().contains("`Langevin`"));
+    // No composition of what draws random numbers.
+    let composed = Composition::of(SUZUKI_1990_ORDER_4, Baoab::new(0.1));
+    assert!(
+        ball()
+            .with(bath(1.0, 1.0))
+            .simulate(at_rest(), composed)
+            .unwrap_err()
+            .to_string()
+            .contains("symmetric")
+    );
+}
