@@ -15,6 +15,16 @@ pub fn defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     state: &State<D>,
     step: impl Fn(State<D>) -> State<D>,
 ) -> f64 {
+    defect_in(scene, state, |state| state, step)
+}
+
+/// The same in the momenta that `canonical` gives: where they are not M v.
+pub fn defect_in<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    state: &State<D>,
+    canonical: impl Fn(State<D>) -> State<D>,
+    step: impl Fn(State<D>) -> State<D>,
+) -> f64 {
     let n = state.len();
     let coordinates = |state: &State<D>| -> Vec<f64> {
         let (q, p) = (state.positions(), state.momenta());
@@ -43,8 +53,8 @@ pub fn defect<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
         let m = n * D;
         (0..m).map(|i| a[i] * b[m + i] - a[m + i] * b[i]).sum()
     };
-    let before: Vec<_> = (0..4).map(|d| derivative(&|state| state, d)).collect();
-    let after: Vec<_> = (0..4).map(|d| derivative(&step, d)).collect();
+    let before: Vec<_> = (0..4).map(|d| derivative(&|state| canonical(state), d)).collect();
+    let after: Vec<_> = (0..4).map(|d| derivative(&|state| canonical(step(state)), d)).collect();
     let mut worst = 0.0_f64;
     for a in 0..4 {
         for b in 0..a {

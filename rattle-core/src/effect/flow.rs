@@ -152,9 +152,8 @@ pub enum Rule {
     /// Φₕ is the flow without constraints, exact or of second order. Where Π takes nothing away, ΠΦₕ is made; else
     /// 2 ΠΦₕ⸝₂ΠΦₕ⸝₂ − ΠΦₕ, which is of second order.
     Exact,
-    /// Φₕ(p) − p = h ṗ(p), the rate itself. The half before a step is p′ = p + h Πṗ(p), the half after it p′ = p + h Πṗ(p′), found by
-    /// iteration: together they are the rule of the midpoint, which keeps what ṗ keeps and is symplectic for a uniform
-    /// magnetic field. For rates with h|∂ṗ/∂p| well below 2.
+    /// Φₕ(p) − p = h ṗ(p), the rate itself. p′ = p + h Πṗ((p + p′)/2) is made, the implicit rule of the midpoint along the constraints, found by
+    /// iteration: symmetric, and a rate without power does no work. For rates with h|∂ṗ/∂p| below 2 in a half step.
     Rate,
     /// Φₕ draws random numbers: ΠΦₕ is made. Exact where Φₕ is a multiple of p, the same for bodies that constraints tie together, and a normal
     /// number of covariance proportional to M. Such a flow does not run backwards.

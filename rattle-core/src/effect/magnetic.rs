@@ -10,10 +10,11 @@ use crate::number::real::Real;
 /// ṗ = e v × B       e a charge, B in the unit of momentum over charge and length
 /// ```
 ///
-/// The half before a step is explicit, that after it implicit: with RATTLE the method of J. Boris (1970) with constraints. Its
-/// positions are those of the discrete action with the vector potential B × q/2 at the middle of each chord, so the map is
-/// symplectic for a uniform field, in q and p + e B × q/2; kinetic energy is kept by each pair of halves. Steps resolve the turning: h e|B|/m
-/// well below 4.
+/// Each half turns the momentum along the constraints by the implicit rule of the midpoint: kinetic energy is kept to rounding, and steps
+/// reverse. On free bodies RATTLE with it is the method of J. Boris (1970), which is symplectic: its positions are those of a discrete
+/// action with the vector potential B′ × q/2, B′ = tan(4 arctan(ω h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints momenta are turned while places stand
+/// still, which is reversible and keeps volume and energy, but symplectic to second order only, as the motion is
+/// (`cargo test --release --test flows`). Steps resolve the turning: h ω below 4.
 ///
 /// A field that changes with place is a [`Flow`] of one's own, by the same [rule](Rule::Rate). In the plane, of two coordinates, only
 /// the third component of B counts.

@@ -15,7 +15,7 @@ use crate::motion::method::{Method, View};
 use crate::motion::system::{BodiesOf, Given, System};
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, scaled, sum, two_sum};
 
 /// A system with flows, as messages name it.
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
@@ -23,7 +23,7 @@ pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 /// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took, others.
 pub(crate) const ROOM: usize = 7;
 
-/// The implicit half of a [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
+/// A [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
 
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
@@ -82,11 +82,10 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
             first.copy_from_slice(bodies.p.as_ref());
             low.copy_from_slice(bodies.p_low.as_ref());
             let mut flow = Flowing { number, half, feels, system, room, first, low };
-            match (rule, half) {
-                (Rule::Random, _) => flow.act(h, bodies).map(drop)?,
-                (Rule::Rate, Half::Before) => flow.act(h, bodies).map(drop)?,
-                (Rule::Rate, Half::After) => flow.act_implicitly(h, bodies, name)?,
-                (Rule::Exact, _) => flow.act_exactly(h, bodies, other)?,
+            match rule {
+                Rule::Random => flow.act(h, bodies).map(drop)?,
+                Rule::Rate => flow.act_by_rate(h, bodies, other, name)?,
+                Rule::Exact => flow.act_exactly(h, bodies, other)?,
             }
             bodies.noise.place += 1;
         }
@@ -184,23 +183,25 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         self.system.settle(0.0, h, bodies, &mut ())
     }
 
-    /// The half after a step of [`Rule::Rate`].
-    fn act_implicitly(
+    /// [`Rule::Rate`]: p′ = p + Π h ṗ((p + p′)/2), iterated from p′ = p.
+    fn act_by_rate(
         &mut self,
         h: f64,
         bodies: &mut BodiesOf<Y, T, D>,
+        found: &mut [[T; D]],
         effect: &'static str,
     ) -> Result<(), Failure> {
+        found.copy_from_slice(self.first);
         let mut last = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
+            let middle = self.first.iter().zip(&*found).map(|(a, b)| scaled(T::from_f64(0.5), &sum(a, b)));
+            bodies.p.as_mut().iter_mut().zip(middle).for_each(|(p, middle)| *p = middle);
             self.ask(h, bodies)?;
-            let n = self.first.len();
-            self.room[..n].copy_from_slice(bodies.p.as_ref());
             self.put_back(bodies);
             add(self.changes(), bodies);
             self.system.settle(0.0, h, bodies, &mut ())?;
             let (mut moved, mut size) = (0.0_f64, 0.0_f64);
-            for (was, is) in self.room[..n].as_flattened().iter().zip(bodies.p.as_ref().as_flattened()) {
+            for (was, is) in found.as_flattened().iter().zip(bodies.p.as_ref().as_flattened()) {
                 for (was, is) in was.lanes().zip(is.lanes()) {
                     (moved, size) = (moved.max((is - was).abs()), size.max(is.abs()));
                 }
@@ -209,7 +210,11 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             if moved <= f64::EPSILON * size || (moved <= 8.0 * f64::EPSILON * size && moved >= last) {
                 return Ok(());
             }
+            if moved >= last {
+                break;
+            }
             last = moved;
+            found.copy_from_slice(bodies.p.as_ref());
         }
         Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
     }

@@ -1,0 +1,262 @@
+//! Flows of momenta that are ready-made: drag, dry friction and magnetic fields, against exact motions; their order along curved
+//! constraints, their work, and what a magnetic field keeps.
+
+mod common;
+
+use common::order;
+use common::symplectic::defect_in;
+use rattle::effect::{DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag};
+use rattle::links::Rod;
+use rattle::nalgebra::{Matrix3, SVector, Vector3};
+use rattle::potentials::Gravity;
+use rattle::prelude::*;
+use rattle::scene::Hold;
+use rattle::surfaces::{Plane, Sphere, Torus};
+
+/// Where a motion ends, and the error of its energy balance.
+fn end<C: Hold<D>, E: Effects<D>, N: rattle::bodies::Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    h: f64,
+    time: f64,
+) -> (Vec<SVector<f64, D>>, f64) {
+    let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+    simulation.run((time / h).round() as u64).unwrap();
+    (simulation.positions().collect(), simulation.energy_error())
+}
+
+/// The order that places and energy balance show when a step is halved three times, against a step of a 64th.
+fn orders<C: Hold<D>, E: Effects<D>, N: rattle::bodies::Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    h: f64,
+    time: f64,
+) -> [f64; 2] {
+    let (reference, _) = end(scene, start, h / 64.0, time);
+    let ends = [h, h / 2.0, h / 4.0].map(|h| end(scene, start, h, time));
+    let off = |places: &[SVector<f64, D>]| {
+        places.iter().zip(&reference).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    };
+    [order(&ends.each_ref().map(|(places, _)| off(places))), order(&ends.map(|(_, error)| error.abs()))]
+}
+
+const START: [f64; 3] = [1.7, 0.0, 0.0];
+
+fn ring() -> Scene<Torus, (), rattle::bodies::One, 3> {
+    Scene::on(Torus { major: 1.2, minor: 0.5 })
+}
+
+fn of_second_order(effect: impl Flow<3>) {
+    let scene = ring().with(Gravity { g: 1.0 }).with(effect);
+    let start = State::at(START).moving([0.0, 1.0, 0.5]);
+    let [places, energy] = orders(&scene, &start, 0.04, 2.0);
+    assert!((1.8..2.3).contains(&places) && energy > 1.7, "{places:.2}, {energy:.2}");
+}
+
+/// Also where a flow leads off the surface: drag that differs by direction, a field across the surface.
+#[test]
+fn flows_on_a_surface_are_of_second_order() {
+    of_second_order(LinearDrag::along([0.1, 2.0, 0.7]));
+    of_second_order(QuadraticDrag { coefficient: 1.5 });
+    of_second_order(MagneticField::new([0.7, -0.4, 1.5]));
+    of_second_order(DryFriction { coefficient: 0.1 });
+}
+
+/// Bodies of different masses and drag, tied together: neither commutes with making momenta tangent.
+#[test]
+fn flows_of_linked_bodies_are_of_second_order() {
+    let chain = Scene::points::<3>(3)
+        .masses([1.0, 2.0, 0.5])
+        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0; 3])
+        .with(Gravity { g: 1.0 });
+    let start = State::of([[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    let drag = chain.clone().with(LinearDrag::along([0.3, 0.1, 0.8]).times([1.0, 0.2, 3.0]));
+    let [places, energy] = orders(&drag, &start, 0.04, 1.0);
+    assert!((1.8..2.3).contains(&places) && energy > 1.7, "{places:.2}, {energy:.2}");
+    let turned = chain.with(MagneticField::new([0.5, 1.0, 1.5]).charges([0.0, 1.0, -2.0]));
+    let [places, energy] = orders(&turned, &start, 0.04, 1.0);
+    assert!((1.8..2.3).contains(&places) && energy > 1.7, "{places:.2}, {energy:.2}");
+}
+
+/// Momenta of free bodies have formulas, also for masses that are matrices: there to second order, else to rounding.
+#[test]
+fn drag_of_free_bodies_is_exact() {
+    let masses = [2.0, 0.5];
+    let free = Scene::points::<2>(2).masses(masses).with(LinearDrag::along([0.5, 2.0]).times([1.0, 0.1]));
+    let start = State::of([[0.0; 2]; 2]).moving([1.0, 1.0]);
+    let mut simulation = free.simulate(start, Rattle::new(0.25)).unwrap();
+    simulation.run(8).unwrap();
+    for (body, p) in simulation.momenta().enumerate() {
+        let factor = [1.0, 0.1][body] * 2.0 / masses[body];
+        let exact = [(-0.5 * factor).exp(), (-2.0 * factor).exp()];
+        assert!((p.x - exact[0]).abs() < 2e-15 && (p.y - exact[1]).abs() < 2e-15, "{p}");
+    }
+    // M = [[2, 1], [1, 2]] has the axes (1, 1) and (1, −1) with masses 3 and 1.
+    let mass = rattle::nalgebra::matrix![2.0, 1.0; 1.0, 2.0];
+    let after = |h: f64| {
+        let heavy = Scene::point().mass(mass).with(LinearDrag::new(0.6));
+        let mut simulation = heavy.simulate(State::at([0.0; 2]).moving([1.0, 0.0]), Rattle::new(h)).unwrap();
+        simulation.run((1.0 / h).round() as u64).unwrap();
+        let (slow, fast) = (0.5 * (-0.2_f64).exp(), 0.5 * (-0.6_f64).exp());
+        (simulation.momentum().x - (slow + fast)).abs()
+    };
+    let order = order(&[0.25, 0.125, 0.0625].map(after));
+    assert!((1.8..2.3).contains(&order), "{order}");
+    let quadratic = Scene::point().mass(4.0).with(QuadraticDrag { coefficient: 2.0 });
+    let start = State::at([0.0; 3]).moving([4.0, 0.0, 0.0]);
+    let mut simulation = quadratic.simulate(start, Rattle::new(0.1)).unwrap();
+    simulation.run(100).unwrap();
+    assert!((simulation.velocity().x - 1.0 / 6.0).abs() < 1e-15, "v = 1/(1 + t/2)");
+}
+
+/// Each half turns by 2 arctan(h/4); a circle of N steps closes when they make 2π.
+#[test]
+fn charges_run_around_circles() {
+    let steps = 40;
+    let h = 4.0 * (0.5 * std::f64::consts::PI / f64::from(steps)).tan();
+    let plane = Scene::point().with(MagneticField::new([0.0, 0.0, 1.0]));
+    let start = State::at([0.3, 0.0]).moving([0.6, 0.8]);
+    let mut simulation = plane.simulate(start, Rattle::new(h)).unwrap();
+    simulation.run(steps as u64).unwrap();
+    let off = (simulation.position() - Vector::new(0.3, 0.0)).norm()
+        + (simulation.momentum() - Vector::new(0.6, 0.8)).norm();
+    assert!(off < 1e-14, "{off:e}");
+    assert!(simulation.work().abs() < 1e-15 && simulation.energy_error().abs() < 1e-15);
+}
+type Vector = rattle::nalgebra::Vector2<f64>;
+
+/// ω = dq ∧ d(p + B × q/2) of a uniform field: kept to second order on a torus, as the motion is, and to rounding by free bodies, with the
+/// field and the momenta that Boris' method has.
+#[test]
+fn what_a_field_does_to_the_symplectic_form() {
+    let field = Vector3::new(0.7, -0.4, 1.5);
+    let canonical = |field: Vector3<f64>, scale: f64| {
+        move |state: State<3>| {
+            let both = state.positions().zip(state.momenta());
+            let shifted: Vec<_> = both.map(|(q, p)| scale * p + 0.5 * field.cross(&q)).collect();
+            state.with_momenta(shifted)
+        }
+    };
+    let start = State::at(START).moving([0.0, 1.0, 0.5]);
+    let on_ring = ring().with(Gravity { g: 1.0 });
+    let charged = on_ring.clone().with(MagneticField::new(field.into()));
+    let errors = [0.1, 0.05, 0.025].map(|h| {
+        let run = |state: State<3>| {
+            let mut simulation = charged.simulate(state, Rattle::new(h)).unwrap();
+            simulation.run((0.5 / h).round() as u64).unwrap();
+            simulation.state()
+        };
+        defect_in(&on_ring, &start, canonical(field, 1.0), run)
+    });
+    let order = order(&errors);
+    assert!((1.7..2.3).contains(&order), "{errors:?}");
+
+    let (free, h) = (Scene::point().with(Gravity { g: 1.0 }), 0.1);
+    let charged = free.clone().with(MagneticField::new(field.into()));
+    let turn = 2.0 * (0.25 * h * field.norm()).atan(); // half of that from step to step
+    let effective = field * (2.0 * turn.tan() / (h * field.norm()));
+    let run = |state: State<3>| {
+        let mut simulation = charged.simulate(state, Rattle::new(h)).unwrap();
+        simulation.run(5).unwrap();
+        simulation.state()
+    };
+    let kept = defect_in(&free, &start, canonical(effective, 1.0 / turn.cos()), run);
+    assert!(kept < 2e-11, "{kept:e}");
+    let slowed = free.clone().with(LinearDrag::new(0.1));
+    let run = |state: State<3>| {
+        let mut simulation = slowed.simulate(state, Rattle::new(h)).unwrap();
+        simulation.run(5).unwrap();
+        simulation.state()
+    };
+    let lost = defect_in(&free, &start, canonical(Vector3::zeros(), 1.0), run);
+    assert!(lost > 1e-3, "{lost:e}");
+}
+
+/// Kinetic energy in a field without forces: no drift in 10⁵ steps, and back and forth to rounding.
+#[test]
+fn a_field_does_no_work() {
+    let ball = Scene::on(Sphere { r: 1.0 }).with(MagneticField::new([0.5, 0.3, 2.0]));
+    let start = State::at([0.0, 0.0, 1.0]).moving([1.0, 0.0, 0.0]);
+    let mut simulation = ball.simulate(start.clone(), Rattle::new(0.05)).unwrap();
+    simulation.run(20_000).unwrap();
+    assert!((simulation.kinetic_energy() - 0.5).abs() < 1e-12, "{:e}", simulation.kinetic_energy() - 0.5);
+    let mut there = ball.simulate(start, Rattle::new(0.05)).unwrap().check_reversal(1e-13).unwrap();
+    there.run(100).unwrap();
+}
+
+/// On a slope of 45°: starting, sliding and coming to rest, against v = g (sin α ∓ μ cos α) t.
+#[test]
+fn sliding_on_a_slope() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let slope = |mu| {
+        Scene::on(Plane { a: half, b: 0.0, c: half, d: 0.0 })
+            .with(Gravity { g: 1.0 })
+            .with(DryFriction { coefficient: mu })
+    };
+    let (down, up) = ([half, 0.0, -half], [-half, 0.0, half]);
+    let along = |q: SVector<f64, 3>| q.dot(&SVector::from(down));
+    let mut slides = slope(0.5).simulate(State::at([0.0; 3]), Rattle::new(0.01)).unwrap();
+    slides.run(200).unwrap();
+    assert!((along(slides.position()) - 0.5 * half * 0.5 * 4.0).abs() < 1e-13);
+    assert!((slides.energy_error() / slides.work()).abs() < 1e-12, "friction is all the work");
+    // Upwards it comes to rest at v²/(2 g (sin α + μ cos α)), within a step of the time, and stays for μ > 1.
+    let mut stops = slope(1.5).simulate(State::at([0.0; 3]).moving(up), Rattle::new(0.01)).unwrap();
+    stops.run(100).unwrap();
+    let (rest, reached) = (stops.position(), 1.0 / (2.0 * half * 2.5));
+    assert!((along(rest) + reached).abs() < 1e-4, "{} of {reached}", along(rest));
+    stops.run(1000).unwrap();
+    assert_eq!(stops.position(), rest);
+    assert_eq!(stops.momentum().norm(), 0.0);
+    // Exactly at the limit and above it nothing moves; below it the body starts.
+    for (mu, moves) in [(1.001, false), (0.999, true)] {
+        let mut simulation = slope(mu).simulate(State::at([0.0; 3]), Baoab::new(0.01)).unwrap();
+        simulation.run(100).unwrap();
+        assert_eq!(simulation.position().norm() > 1e-5, moves, "{mu}");
+    }
+}
+
+/// The constraint forces of a curved path: on a cylinder's inside without gravity a body slows like v₀/(1 + μ v₀ t/r).
+#[test]
+fn friction_by_curvature() {
+    let ball = Scene::on(Sphere { r: 2.0 }).with(DryFriction { coefficient: 0.3 });
+    let start = || State::at([2.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    let speed = |h: f64| {
+        let mut simulation = ball.simulate(start(), Rattle::new(h)).unwrap();
+        simulation.run((4.0 / h).round() as u64).unwrap();
+        (simulation.momentum().norm() - 1.0 / 1.6).abs()
+    };
+    let errors = [0.2, 0.1, 0.05].map(speed);
+    assert!((1.8..2.3).contains(&order(&errors)) && errors[2] < 1e-4, "{errors:?}");
+}
+
+/// A top with drag about its axes: mᵢ falls like exp(−cᵢt/Iᵢ) where it turns about one of them.
+#[test]
+fn rigid_bodies_have_drag() {
+    let top = Scene::rigid(Rigid::new([1.0, 1.0, 2.0]))
+        .with(LinearDrag::along([0.1, 0.1, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    let start = Rigid::start(&Matrix3::identity(), &Vector3::new(0.0, 0.0, 3.0));
+    let mut simulation = top.simulate(start, Rattle::new(0.1)).unwrap();
+    simulation.run(40).unwrap();
+    assert!((simulation.momentum()[2] - 3.0 * (-1.0_f64).exp()).abs() < 1e-14);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused() {
+    let told = |effect: MagneticField| {
+        let scene = Scene::points::<3>(2).with(effect);
+        scene.simulate(State::of([[0.0; 3]; 2]), Rattle::new(0.1)).unwrap_err().to_string()
+    };
+    let field = MagneticField::new([0.0, 0.0, 1.0]);
+    assert_eq!(told(field.clone().charges([1.0])), "effect `MagneticField`: 1 number was given for 2 bodies");
+    assert!(told(field.charges([1.0, f64::NAN])).contains("a charge must be finite, found NaN"));
+    assert!(told(MagneticField::new([f64::INFINITY, 0.0, 0.0])).contains("must be finite"));
+    // A field that turns by more than a step can follow.
+    let strong = Scene::point().with(MagneticField::new([0.0, 0.0, 1e3]));
+    let mut simulation =
+        strong.simulate(State::at([0.0; 3]).moving([1.0, 0.0, 0.0]), Rattle::new(0.1)).unwrap();
+    let before = simulation.state();
+    let error = simulation.step().unwrap_err().to_string();
+    assert!(error.contains("flow of `MagneticField`"), "{error}");
+    assert_eq!(simulation.state(), before);
+}
