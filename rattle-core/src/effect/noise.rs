@@ -1,7 +1,6 @@
 //! Random numbers of an effect.
 
-use crate::number::philox::philox;
-use std::f64::consts::TAU;
+use crate::number::philox::{normal, philox, unit};
 
 /// Where random numbers come from: a function of a seed and of *when* they are drawn, so that they are the same for any number
 /// of threads, in any company, and after a restart.
@@ -50,22 +49,4 @@ impl Noise {
         }
         numbers
     }
-}
-
-/// In (0, 1], on a grid of 2⁻⁵³.
-#[allow(clippy::cast_precision_loss, reason = "53 bits")]
-fn unit(word: u64) -> f64 {
-    ((word >> 11) + 1) as f64 * (0.5 * f64::EPSILON)
-}
-
-/// Four normal numbers of four words (G. Box, M. Muller, Ann. Math. Stat. 29 (1958) 610). The functions are not those of the system,
-/// so that bits do not depend on it.
-pub(crate) fn normal(words: [u64; 4]) -> [f64; 4] {
-    let [a, b, c, d] = words.map(unit);
-    let pair = |a: f64, b: f64| {
-        let (radius, (sin, cos)) = ((-2.0 * libm::log(a)).sqrt(), libm::sincos(TAU * b));
-        [radius * cos, radius * sin]
-    };
-    let ([x, y], [z, w]) = (pair(a, b), pair(c, d));
-    [x, y, z, w]
 }

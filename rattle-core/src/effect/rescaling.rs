@@ -1,8 +1,9 @@
 //! Heat by rescaling all momenta at random, so that the kinetic energy has the canonical distribution.
 
 use crate::effect::flow::{Flow, Interval, Rule};
-use crate::effect::noise::{Noise, normal};
+use crate::effect::noise::Noise;
 use crate::error::EffectMistake;
+use crate::number::philox::normal;
 use crate::number::real::Real;
 use crate::number::vector::scaled;
 

@@ -5,6 +5,8 @@
 //!
 //! Source: J. Salmon, M. Moraes, R. Dror, D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11 (2011).
 
+use std::f64::consts::TAU;
+
 const MULTIPLIERS: [u64; 2] = [0xD2E7_470E_E14C_6C93, 0xCA5A_8263_9512_1157];
 /// The golden ratio and √3 − 1, as fractions of 2⁶⁴.
 const WEYL: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xBB67_AE85_84CA_A73B];
@@ -27,6 +29,24 @@ pub(crate) fn philox(key: [u64; 2], counter: [u64; 4]) -> [u64; 4] {
 fn wide(a: u64, b: u64) -> (u64, u64) {
     let product = u128::from(a) * u128::from(b);
     (product as u64, (product >> 64) as u64)
+}
+
+/// In (0, 1], on a grid of 2⁻⁵³.
+#[allow(clippy::cast_precision_loss, reason = "53 bits")]
+pub(crate) fn unit(word: u64) -> f64 {
+    ((word >> 11) + 1) as f64 * (0.5 * f64::EPSILON)
+}
+
+/// Four normal numbers of four words (G. Box, M. Muller, Ann. Math. Stat. 29 (1958) 610). The functions are not those of the system,
+/// so that bits do not depend on it.
+pub(crate) fn normal(words: [u64; 4]) -> [f64; 4] {
+    let [a, b, c, d] = words.map(unit);
+    let pair = |a: f64, b: f64| {
+        let (radius, (sin, cos)) = ((-2.0 * libm::log(a)).sqrt(), libm::sincos(TAU * b));
+        [radius * cos, radius * sin]
+    };
+    let ([x, y], [z, w]) = (pair(a, b), pair(c, d));
+    [x, y, z, w]
 }
 
 #[cfg(test)]

@@ -4,9 +4,11 @@ use crate::effect::flow::Rule;
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
+use crate::effect::noise::Noise;
 use crate::error::{EffectMistake, Error, StartFailure};
 use crate::methods::able::view;
 use crate::motion::bodies::{Body, Count};
+use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
 use crate::motion::method::{Method, check_step_size};
 use crate::motion::state::State;
@@ -28,6 +30,46 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         method: S,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
         self.begin(self.ready(&start, &method)?, &start, method, 0)
+    }
+
+    /// The state with momenta drawn at random from Maxwell's distribution at the temperature kT, an energy, along the constraints: the
+    /// same for the same seed and [number](State::numbered) of the state. On each of the independent momenta fall ½kT in the mean.
+    ///
+    /// ```
+    /// use rattle::prelude::*;
+    /// use rattle::surfaces::Sphere;
+    ///
+    /// let gas = Scene::on(Sphere { r: 1.0 }).bodies(1000);
+    /// let start = gas.maxwell(&State::of([[0.0, 0.0, 1.0]; 1000]), 0.5, 7)?;
+    /// let simulation = gas.simulate(start, Rattle::new(0.01))?;
+    /// assert!((simulation.temperature() - 0.5).abs() < 4.5 * 0.5 / 1000_f64.sqrt());
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`simulate`](Self::simulate) for the places; [`Error::Effect`] for a temperature below 0 or not finite.
+    pub fn maxwell(&self, state: &State<D>, temperature: f64, seed: u64) -> Result<State<D>, Error> {
+        let effect = "Maxwell's distribution";
+        EffectMistake::unless_positive_or_zero("temperature", temperature)
+            .map_err(|mistake| Error::Effect { effect, mistake })?;
+        let mut at_rest = state.clone().moving([0.0; D]);
+        let system = self.system_at(&at_rest, 1.0, false)?;
+        let mut bodies = system.bodies(&at_rest.bodies, at_rest.time);
+        let noise = Noise { trajectory: state.number.unwrap_or(0), step: u64::MAX, ..Noise::default() };
+        for body in 0..at_rest.len() {
+            let numbers = noise.normal(seed, body).map(|x: f64| temperature.sqrt() * x);
+            bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
+        }
+        system.settle(0.0, 1.0, &mut bodies, &mut ()).map_err(|Failure { body, cause }| Error::Step {
+            step: 0,
+            time: state.time,
+            body,
+            cause,
+        })?;
+        for (number, body) in at_rest.bodies.iter_mut().enumerate() {
+            *body = bodies.body(number);
+        }
+        Ok(at_rest)
     }
 
     /// Says what is wrong with a start, or gives the system that is ready to move from there.
