@@ -77,11 +77,13 @@ pub use rattle_core::error::Error;
 pub use rattle_core::kernel::counted::Counted;
 pub use rattle_core::methods::baoab::Baoab;
 pub use rattle_core::methods::bdf2::Bdf2;
+pub use rattle_core::methods::brownian::Brownian;
 pub use rattle_core::methods::composition::Composition;
 pub use rattle_core::methods::dop853::Dop853;
 pub use rattle_core::methods::geodesic::Geodesic;
 pub use rattle_core::methods::leapfrog::Leapfrog;
 pub use rattle_core::methods::lobatto::Lobatto;
+pub use rattle_core::methods::nose_hoover::NoseHoover;
 pub use rattle_core::methods::position_verlet::PositionVerlet;
 pub use rattle_core::methods::rattle::Rattle;
 pub use rattle_core::methods::shake::Shake;
@@ -115,8 +117,8 @@ pub mod prelude {
         Each, Histogram, Mean, Observer, Progress, Section, ShadowEnergy, Sight, Trajectory,
     };
     pub use crate::{
-        Baoab, Bdf2, Dop853, Geodesic, Leapfrog, Lobatto, PositionVerlet, Rattle, Shake, SymplecticEuler,
-        Taylor, Variable,
+        Baoab, Bdf2, Brownian, Dop853, Geodesic, Leapfrog, Lobatto, NoseHoover, PositionVerlet, Rattle,
+        Shake, SymplecticEuler, Taylor, Variable,
     };
     pub use crate::{
         BoxedSimulation, Counted, Ensemble, LinearAlgebra, Mass, Method, Rigid, Scene, Simulation, State,

@@ -1,9 +1,13 @@
 //! Heat: the temperature of each independent momentum, the measure on the surface, averages over places, and noise that is the same
 //! in any company. Bounds are from statistics, at fixed seeds: 4.5 standard deviations of what the law gives for so many samples.
 
-use rattle::effect::{Andersen, Flow, Langevin, VelocityRescaling};
+mod common;
+
+use rattle::bodies::Many;
+use rattle::curvature::points;
+use rattle::effect::{Andersen, Effects, Flow, Langevin, VelocityRescaling};
 use rattle::links::Rod;
-use rattle::potentials::{Gravity, Harmonic};
+use rattle::potentials::{Gravity, Harmonic, LennardJones};
 use rattle::prelude::*;
 use rattle::surfaces::{Ellipsoid, Sphere, Torus};
 use std::f64::consts::TAU;
@@ -135,9 +139,12 @@ fn height(kt: f64) -> f64 {
 }
 
 /// The mean of z over so many bodies and steps, and its deviation, from the means of single bodies.
-fn mean_height(method: impl Method, bodies: usize, steps: u64) -> [f64; 2] {
-    let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 3 };
-    let scene = Scene::on(Sphere { r: 2.0 }).bodies(bodies).with(Gravity { g: 0.5 }).with(heat);
+fn mean_height<E: Effects<3>>(
+    scene: &Scene<Sphere, E, Many, 3>,
+    bodies: usize,
+    method: impl Method,
+    steps: u64,
+) -> [f64; 2] {
     let mut simulation = scene.simulate(State::of(vec![[0.0, 0.0, -2.0]; bodies]), method).unwrap();
     simulation.run(steps / 10).unwrap();
     let mut sums = vec![0.0; bodies];
@@ -183,13 +190,15 @@ fn averages_in_a_trap_are_what_theory_says() {
 #[test]
 #[ignore = "some minutes"]
 fn table() {
+    let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 3 };
+    let scene = Scene::on(Sphere { r: 2.0 }).bodies(2000).with(Gravity { g: 0.5 }).with(heat);
     println!("| h | `Baoab` | `Baoab::with_inner(4, h)` | `Rattle` | noise |\n|---|---|---|---|---|");
     for h in [0.1, 0.2, 0.3] {
         let steps = (8_000.0 / h) as u64;
         let means = [
-            mean_height(Baoab::new(h), 2000, steps),
-            mean_height(Baoab::with_inner(4, h), 2000, steps),
-            mean_height(Rattle::new(h), 2000, steps),
+            mean_height(&scene, 2000, Baoab::new(h), steps),
+            mean_height(&scene, 2000, Baoab::with_inner(4, h), steps),
+            mean_height(&scene, 2000, Rattle::new(h), steps),
         ];
         let [middle, inner, ends] = means.map(|[mean, _]| format!("{:+.1e}", mean - height(0.5)));
         let noise = means.iter().fold(0.0_f64, |most, [_, sigma]| most.max(*sigma));
@@ -270,6 +279,74 @@ fn heat_is_work() {
     simulation.run(1000).unwrap();
     assert!(simulation.kinetic_energy() > 0.0 && simulation.work() > 0.0);
     assert!(simulation.energy_error().abs() < 1e-12, "{:e}", simulation.energy_error());
+}
+
+/// Bodies in a Nosé–Hoover chain, which repel each other: the energy of bodies and bath is kept to second order without drift, the kinetic
+/// energy is canonical, and a restart goes on to the bit.
+#[test]
+fn a_bath_without_chance() {
+    let sphere = Sphere { r: 2.0 };
+    let gas = Scene::on(sphere).bodies(8).with(LennardJones { epsilon: 1.0, sigma: 0.8 });
+    let places = State::of(points::apart(&sphere, [-2.0; 3], [2.0; 3], 8, 1.0, 1).unwrap());
+    let start = gas.maxwell(&places, KT, 1).unwrap();
+    let swing = |h: f64, time: f64| {
+        let method = NoseHoover::new(KT, 0.5, h);
+        let mut simulation = gas.simulate(start.clone(), method).unwrap();
+        let (first, mut most, mut sum) = (simulation.energy(), [0.0_f64; 2], 0.0);
+        let steps = (time / h).round() as u64;
+        for part in 0..2 {
+            simulation
+                .run_with(steps / 2, |now| {
+                    let kept = now.energy() + method.bath_energy(now.memory(), now.freedom());
+                    most[part] = most[part].max((kept - first).abs());
+                    sum += now.temperature();
+                })
+                .unwrap();
+        }
+        (most, sum / steps as f64, simulation)
+    };
+    let swings = [0.01, 0.005, 0.0025].map(|h| swing(h, 10.0).0[0]);
+    assert!((1.7..2.3).contains(&common::order(&swings)), "{swings:?}");
+    let ([first, second], mean, simulation) = swing(0.01, 400.0);
+    assert!(second < 1.5 * first, "no drift: {first:.1e}, {second:.1e}");
+    // Kinetic energies forget within the swing of the bath, some 1: 400 samples of 16 momenta.
+    assert!((mean - KT).abs() < DEVIATIONS * KT * (2.0 / 16.0 / 400.0_f64).sqrt(), "{mean}");
+    let mut again = gas.simulate(simulation.state(), *simulation.method()).unwrap();
+    let mut simulation = simulation;
+    again.run(10).unwrap();
+    simulation.run(10).unwrap();
+    assert_eq!(again.state(), simulation.state());
+}
+
+/// ⟨(q(t) − q(0))²⟩ = 2R² (1 − exp(−2Dt/R²)) on a sphere with D = kT/γ; cos of the angle has the variance
+/// (1 + 2e^{−6Dt/R²})/3 − e^{−4Dt/R²}.
+#[test]
+fn mean_square_displacement_on_a_sphere() {
+    const BODIES: usize = 4000;
+    let (r, friction, temperature, h) = (2.0, 2.0, 1.0, 0.004);
+    let d = temperature / friction;
+    let start = State::of(vec![[0.0, 0.0, r]; BODIES]);
+    let scene = Scene::on(Sphere { r }).bodies(BODIES);
+    let mut simulation = scene.simulate(start, Brownian::new(friction, temperature, 1, h)).unwrap();
+    for _ in 0..4 {
+        simulation.run(250).unwrap();
+        let fade = (-2.0 * d * simulation.time() / (r * r)).exp();
+        let exact = 2.0 * r * r * (1.0 - fade);
+        let mean = simulation.positions().map(|q| 2.0 * r * (r - q.z)).sum::<f64>() / BODIES as f64;
+        let sigma = 2.0 * r * r * (((1.0 + 2.0 * fade.powi(3)) / 3.0 - fade * fade) / BODIES as f64).sqrt();
+        // A step of the method is off by h, some 2Dh/R² of the exponent's rate.
+        let by_steps = exact * 2.0 * d * h / (r * r);
+        assert!((mean - exact).abs() < DEVIATIONS * sigma + by_steps, "{mean} of {exact} ± {sigma:.1e}");
+    }
+}
+
+/// Brownian motion under gravity is of the density exp(−U/kT), to first order: a step of 0.02 is off by some 0.02.
+#[test]
+fn brownian_motion_has_the_right_density() {
+    let scene = Scene::on(Sphere { r: 2.0 }).bodies(300).with(Gravity { g: 0.5 });
+    let coarse = mean_height(&scene, 300, Brownian::new(1.0, 0.5, 2, 0.02), 2_000);
+    let off = coarse[0] - height(0.5);
+    assert!(off.abs() < DEVIATIONS * coarse[1] + 0.02, "{off:.1e} ± {:.1e}", coarse[1]);
 }
 
 #[test]

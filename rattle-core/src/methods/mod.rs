@@ -3,6 +3,7 @@
 pub(crate) mod able;
 pub mod baoab;
 pub mod bdf2;
+pub mod brownian;
 mod coefficients;
 pub mod composition;
 pub mod dop853;
@@ -11,6 +12,7 @@ pub mod fixed;
 pub mod geodesic;
 pub mod leapfrog;
 pub mod lobatto;
+pub mod nose_hoover;
 pub mod position_verlet;
 pub mod rattle;
 pub mod shake;

@@ -69,6 +69,9 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// at afterwards where others are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
+    /// Whether a step draws random numbers.
+    const DRAWS: bool = false;
+
     /// Whether a step has the [flows](crate::effect::Flow) of momenta act itself, where it wants them; else half of them acts before it and half
     /// after.
     const STIRS: bool = false;

@@ -75,6 +75,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         (0..self.bodies()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
+    /// What the method carries from step to step: no numbers of a one-step method.
+    pub fn memory(&self) -> &[f64] {
+        self.memory.as_ref()
+    }
+
     /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
     /// from there. (Linked bodies whose equations have come to depend on each other may choose another
     /// [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)

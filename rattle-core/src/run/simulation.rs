@@ -349,7 +349,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let system = view(&self.method, &self.system)?;
         self.bodies.save(&mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
-        if const { Y::FLOWS > 0 } {
+        if const { Y::FLOWS > 0 || S::DRAWS } {
             self.bodies.noise = Noise { step: self.first.step + self.steps, ..self.first };
         }
         let stepped =

@@ -1,0 +1,114 @@
+//! Brownian motion: friction so high that momenta are forgotten at once.
+//!
+//! ```text
+//! dq = M⁻¹(f/γ dt + √(2kT/γ) L dW), along the constraints       M = L Lᵀ
+//! q′ = q + h M⁻¹(f(q)/γ + √(2kT/γh) Π L ξ + ∇g(q) λ)            λ such that g(q′) = 0, ξ normal
+//! ```
+//!
+//! What [`Langevin`](crate::effect::Langevin) with the friction γ becomes for large γ, in steps that need not resolve 1/γ. Places are of the
+//! density exp(−U/kT) over the surface, to first order in h; diffusion has the constant D = kT/(γm).
+//!
+//! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
+
+use crate::error::{EffectMistake, Error};
+use crate::motion::failure::Failure;
+use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::need::Kicks;
+use crate::motion::system::{BodiesOf, System};
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+
+/// Brownian motion by the projected method of Euler and Maruyama, of first order in averages.
+///
+/// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those of the links).
+/// Energies then are potential ones, and the energy error says nothing. A step needs h·κ·|v| < 1 for its random displacement h|v|.
+///
+/// ```
+/// use rattle::prelude::*;
+/// use rattle::surfaces::Sphere;
+///
+/// // ⟨(q − q₀)²⟩ = 2R² (1 − exp(−2Dt/R²))
+/// let method = Brownian::new(1.0, 0.5, 7, 0.01);
+/// let start = State::of([[0.0, 0.0, 1.0]; 1000]);
+/// let mut simulation = Scene::on(Sphere { r: 1.0 }).bodies(1000).simulate(start, method)?;
+/// simulation.run(50)?;
+/// let mean = simulation.positions().map(|q| 2.0 - 2.0 * q.z).sum::<f64>() / 1000.0;
+/// assert!((mean - 2.0 * (1.0 - (-0.5_f64).exp())).abs() < 0.1);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Brownian {
+    friction: f64,
+    temperature: f64,
+    seed: u64,
+    h: f64,
+}
+
+impl Brownian {
+    /// The method with the friction γ, a rate in the unit of 1/time; the temperature kT, an energy; the seed of its random numbers; and
+    /// step size `h`.
+    #[must_use]
+    pub fn new(friction: f64, temperature: f64, seed: u64, h: f64) -> Self {
+        Self { friction, temperature, seed, h }
+    }
+}
+
+impl Method for Brownian {
+    type Memory<T: Real> = [T; 0];
+    type Need = Kicks;
+    const DRAWS: bool = true;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        1
+    }
+    fn name(&self) -> &'static str {
+        "Brownian motion"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h, ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        false
+    }
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.friction, self.temperature]
+    }
+    fn check(&self, _: usize) -> Result<(), Error> {
+        check_step_size(self.h)?;
+        let of = |mistake| Error::Effect { effect: "Brownian", mistake };
+        EffectMistake::unless_positive_or_zero("temperature", self.temperature).map_err(of)?;
+        if !(self.friction > 0.0 && self.friction.is_finite()) {
+            let (name, range, value) = ("friction", "positive and finite", self.friction);
+            return Err(of(EffectMistake::Parameter { name, range, value }));
+        }
+        if self.h < 0.0 { Err(of(EffectMistake::NoWayBack)) } else { Ok(()) }
+    }
+
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        _: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        let size = (2.0 * self.temperature / (self.friction * self.h)).sqrt();
+        let zero = [T::from_f64(0.0); D];
+        for body in 0..bodies.q.as_ref().len() {
+            let numbers = bodies.noise.normal(self.seed, body).map(|x: f64| T::from_f64(size * x));
+            bodies.p.as_mut()[body] = system.inertia().root(body, &numbers);
+            bodies.p_low.as_mut()[body] = zero;
+        }
+        system.settle(0.0, self.h, bodies, &mut ())?;
+        system.drift(1.0 / self.friction, self.h, bodies, witness)?;
+        for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
+            (*p, *low) = (zero, zero);
+        }
+        system.evaluate_forces(bodies);
+        system.settle(0.0, self.h, bodies, witness)?;
+        bodies.noise.place += 1; // for the parts of a step that is taken in parts
+        Ok(())
+    }
+}

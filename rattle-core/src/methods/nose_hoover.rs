@@ -1,0 +1,182 @@
+//! Heat without chance: RATTLE between two halves of a Nosé–Hoover chain (Martyna, Klein, Tuckerman 1992).
+//!
+//! ```text
+//! ξ̇₁ = (2K − N kT)/Q₁ − ξ₁ξ₂,  ξ̇ᵢ = (Qᵢ₋₁ξᵢ₋₁² − kT)/Qᵢ − ξᵢξᵢ₊₁,  η̇ᵢ = ξᵢ,  ṗ = −ξ₁ p        N independent momenta
+//! E = K + U + Σ Qᵢξᵢ²/2 + N kT η₁ + kT (η₂ + η₃)        is kept;  Q₁ = N kT τ²,  Qᵢ = kT τ²
+//! ```
+//!
+//! Bodies then are of the canonical distribution if their motion is chaotic enough; a harmonic oscillator, or one particle by itself,
+//! may not be, and needs [`Langevin`](crate::effect::Langevin). The chain of three moves by a symmetric splitting with the weights of M. Suzuki
+//! and H. Yoshida of fourth order, so that the whole is reversible together with the chain.
+//!
+//! Source: G. Martyna, M. Tuckerman, D. Tobias, M. Klein, Mol. Phys. 87 (1996) 1117.
+
+use crate::error::{EffectMistake, Error};
+use crate::methods::rattle;
+use crate::motion::failure::Failure;
+use crate::motion::iteration::Newton;
+use crate::motion::method::{Method, View, check_step_size};
+use crate::motion::need::Kicks;
+use crate::motion::system::{BodiesOf, System};
+use crate::motion::witness::Witness;
+use crate::number::real::Real;
+use crate::number::vector::scaled;
+
+/// Links of the chain.
+const LINKS: usize = 3;
+/// 1/(2 − ∛2) twice, and what is left for the middle.
+const WEIGHTS: [f64; 3] = [1.351_207_191_959_657_8, -1.702_414_383_919_315_5, 1.351_207_191_959_657_8];
+
+/// RATTLE with a Nosé–Hoover chain of three, second order.
+///
+/// The heat that bodies take is [work](crate::run::simulation::Simulation::work), so that the energy error is that of RATTLE. What is kept
+/// is the energy of the bodies and of the [bath](Self::bath_energy) together. Where a step is taken in parts, by
+/// [`retry`](crate::run::simulation::Simulation::retry), the bath begins anew.
+///
+/// ```
+/// use rattle::potentials::{Gravity, LennardJones};
+/// use rattle::prelude::*;
+/// use rattle::surfaces::Sphere;
+///
+/// let gas = Scene::on(Sphere { r: 2.0 }).bodies(12).with(LennardJones { epsilon: 1.0, sigma: 0.5 });
+/// let at = |i: usize| { // places of a spiral
+///     let (z, turn) = ((i as f64 - 5.5) / 6.0, 2.4 * i as f64);
+///     let r = (1.0 - z * z).sqrt();
+///     [2.0 * r * turn.cos(), 2.0 * r * turn.sin(), 2.0 * z]
+/// };
+/// let start = gas.maxwell(&State::of((0..12).map(at)), 0.5, 7)?;
+/// let method = NoseHoover::new(0.5, 1.0, 0.01);
+/// let mut simulation = gas.simulate(start, method)?;
+/// let energy = simulation.energy();
+/// simulation.run(1000)?;
+/// let kept = simulation.energy() + method.bath_energy(simulation.memory(), simulation.freedom());
+/// assert!((kept - energy).abs() < 1e-2);
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoseHoover {
+    temperature: f64,
+    time: f64,
+    h: f64,
+}
+
+impl NoseHoover {
+    /// The method at the temperature kT, an energy, whose bath swings within the time `time` (τ above, with step size `h`): some tens of steps.
+    #[must_use]
+    pub fn new(temperature: f64, time: f64, h: f64) -> Self {
+        Self { temperature, time, h }
+    }
+
+    /// The energy of the bath, of what a simulation [remembers](crate::run::simulation::Simulation::memory) with so many
+    /// [independent momenta](crate::run::simulation::Simulation::freedom); 0 at the start.
+    #[must_use]
+    pub fn bath_energy(&self, memory: &[f64], freedom: usize) -> f64 {
+        let (rates, places) = memory.split_at(memory.len() / 2);
+        let each = rates.iter().zip(places).enumerate();
+        let of = |(i, (rate, place)): (usize, (&f64, &f64))| {
+            let number = if i == 0 { freedom as f64 } else { 1.0 };
+            number * self.temperature * (0.5 * (self.time * rate).powi(2) + place)
+        };
+        each.map(of).sum()
+    }
+
+    /// Moves the chain for a time h with the bodies' momenta.
+    fn exchange<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        h: f64,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, T, D>,
+        memory: &mut [T],
+    ) {
+        let number = |x: f64| T::from_f64(x);
+        let freedom = system.freedom(bodies) as f64;
+        if freedom == 0.0 {
+            return;
+        }
+        let start = system.kinetic_energy(bodies);
+        let (rates, places) = memory.split_at_mut(LINKS);
+        let (tau, mut factor) = (number(1.0 / (self.time * self.time)), number(1.0));
+        // ξ̇ without the next link's friction, at kinetic energies K α² of the bodies.
+        let pull = |i: usize, rates: &[T], factor: T| match i {
+            0 => (factor * factor * start * number(2.0 / (freedom * self.temperature)) - number(1.0)) * tau,
+            1 => rates[0] * rates[0] * number(freedom) - tau,
+            _ => rates[i - 1] * rates[i - 1] - tau,
+        };
+        let fade =
+            |h: f64, rate: T| T::from_lanes(|lane| (-h * rate.lanes().nth(lane).unwrap_or(f64::NAN)).exp());
+        for weight in WEIGHTS {
+            let h = weight * h;
+            for i in (0..LINKS).rev() {
+                let half = if i + 1 < LINKS { fade(0.25 * h, rates[i + 1]) } else { number(1.0) };
+                rates[i] = (rates[i] * half + number(0.5 * h) * pull(i, rates, factor)) * half;
+            }
+            factor = factor * fade(h, rates[0]);
+            for (place, rate) in places.iter_mut().zip(&*rates) {
+                *place = *place + number(h) * *rate;
+            }
+            for i in 0..LINKS {
+                let half = if i + 1 < LINKS { fade(0.25 * h, rates[i + 1]) } else { number(1.0) };
+                rates[i] = (rates[i] * half + number(0.5 * h) * pull(i, rates, factor)) * half;
+            }
+        }
+        for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
+            (*p, *low) = (scaled(factor, p), scaled(factor, low));
+        }
+        bodies.work = bodies.work + (system.kinetic_energy(bodies) - start);
+    }
+}
+
+impl Method for NoseHoover {
+    type Memory<T: Real> = Vec<T>;
+    type Need = Kicks;
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+    fn order(&self) -> u32 {
+        2
+    }
+    fn name(&self) -> &'static str {
+        "RATTLE with a Nosé–Hoover chain"
+    }
+    fn with_step(&self, h: f64) -> Self {
+        Self { h, ..*self }
+    }
+    fn is_symmetric(&self) -> bool {
+        false // only together with what it remembers
+    }
+    fn parameters(&self) -> Vec<f64> {
+        vec![self.temperature, self.time]
+    }
+    fn check(&self, _: usize) -> Result<(), Error> {
+        check_step_size(self.h)?;
+        let positive = |name, value: f64| {
+            let mistake = EffectMistake::Parameter { name, range: "positive and finite", value };
+            let error = Error::Effect { effect: "NoseHoover", mistake };
+            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(error) }
+        };
+        positive("temperature", self.temperature)?;
+        positive("time", self.time)
+    }
+
+    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+        &self,
+        _: View<'_, Self, T, Y, D>,
+        _: &BodiesOf<Y, T, D>,
+    ) -> Vec<T> {
+        vec![T::from_f64(0.0); 2 * LINKS]
+    }
+
+    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+        &self,
+        system: View<'_, Self, T, Y, D>,
+        bodies: &mut BodiesOf<Y, T, D>,
+        memory: &mut [T],
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.exchange(0.5 * self.h, system, bodies, memory);
+        rattle::step::<Newton, _, _, _, D>(self.h, &[], system, bodies, witness)?;
+        self.exchange(0.5 * self.h, system, bodies, memory);
+        Ok(())
+    }
+}
