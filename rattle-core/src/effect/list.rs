@@ -51,6 +51,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     type Room: Clone + Debug + Send + Sync + 'static;
     /// How many of the effects are [flows](crate::effect::Flow) of momenta.
     const FLOWS: usize;
+    /// How many effects there are.
+    const EFFECTS: usize;
     /// Room for so many bodies, made before the first step.
     fn room(&self, bodies: usize) -> Self::Room;
 
@@ -82,6 +84,16 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn contribute(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
     /// p + c f, with the force f on a body that is the only one; see [`Acting::kick`].
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D];
+    /// Adds the force of the effect of this number alone, the first of which has number 0, and tells the name of its type; none of a flow.
+    fn contribute_alone(
+        &self,
+        _number: usize,
+        _at: Moment<'_, T, D>,
+        _room: &mut Self::Room,
+        _forces: &mut [[T; D]],
+    ) -> Option<&'static str> {
+        None
+    }
     /// U, summed over the effects. May allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force. Allocates.
@@ -118,6 +130,7 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
     type Force = Absent;
     type Room = ();
     const FLOWS: usize = 0;
+    const EFFECTS: usize = 0;
     fn room(&self, _: usize) {}
 
     #[inline(always)]
@@ -191,6 +204,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     type Force = [T; D];
     type Room = (F::Room, A::Room);
     const FLOWS: usize = F::FLOWS + A::FLOWS as usize;
+    const EFFECTS: usize = F::EFFECTS + 1;
     fn room(&self, bodies: usize) -> Self::Room {
         (self.others.room(bodies), self.effect.room(bodies))
     }
@@ -232,6 +246,19 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         self.effect.kick(q, c, self.others.kick(q, c, p))
+    }
+    fn contribute_alone(
+        &self,
+        number: usize,
+        at: Moment<'_, T, D>,
+        (others, own): &mut Self::Room,
+        forces: &mut [[T; D]],
+    ) -> Option<&'static str> {
+        if number < F::EFFECTS {
+            return self.others.contribute_alone(number, at, others, forces);
+        }
+        self.effect.add_forces(at, own, forces);
+        (!A::FLOWS).then_some(self.name)
     }
     fn energy(&self, at: Moment<'_, T, D>) -> T {
         self.others.energy(at) + self.effect.energy(at)

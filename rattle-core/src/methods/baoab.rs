@@ -65,6 +65,7 @@ impl Map for KickDriftHeat {
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = false;
     const STIRS: bool = true;
+    const EVALUATIONS: Option<usize> = Some(1);
 
     #[inline(always)]
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

@@ -70,6 +70,9 @@ impl Method for Brownian {
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
     }
+    fn evaluations(&self) -> Option<usize> {
+        Some(1)
+    }
     fn is_symmetric(&self) -> bool {
         false
     }

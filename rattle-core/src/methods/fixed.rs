@@ -61,6 +61,8 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
 
     /// Whether the map is a splitting into [stages](Self::stages), which goes in the lanes of an ensemble.
     const SPLITTING: Splitting = Splitting::Not;
+    /// How often a step evaluates the forces, where stages do not say it.
+    const EVALUATIONS: Option<usize> = None;
     /// The stages of a step of this size, in turn; as many as [`SPLITTING`](Self::SPLITTING) says.
     fn stages(&self, _h: f64) -> Vec<Stage> {
         Vec::new()
@@ -131,6 +133,10 @@ impl<M: Map> Method for Fixed<M> {
     }
     fn momentum_delay(&self) -> f64 {
         M::DELAY * self.h
+    }
+    fn evaluations(&self) -> Option<usize> {
+        let stages = (M::SPLITTING != Splitting::Not).then(|| self.stages().len());
+        M::EVALUATIONS.or(stages)
     }
     const STIRS: bool = M::STIRS;
     const SPLITTING: Splitting = M::SPLITTING;

@@ -142,6 +142,9 @@ impl Method for NoseHoover {
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
     }
+    fn evaluations(&self) -> Option<usize> {
+        Some(1)
+    }
     fn is_symmetric(&self) -> bool {
         false // only together with what it remembers
     }

@@ -86,6 +86,14 @@ pub trait Method: Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// How often a step evaluates the forces, where that is known before: for the [bill](crate::run::bill).
+    fn evaluations(&self) -> Option<usize> {
+        match Self::SPLITTING {
+            Splitting::Not => None,
+            Splitting::OneStage | Splitting::Stages => Some(self.stages().len()),
+        }
+    }
+
     /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.
     fn parameters(&self) -> Vec<f64> {
         Vec::new()

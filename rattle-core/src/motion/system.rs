@@ -46,6 +46,9 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// How many of the effects are [flows](crate::effect::Flow) of momenta.
     const FLOWS: usize = 0;
 
+    /// How many effects there are.
+    const EFFECTS: usize = 0;
+
     /// What messages call such a system: "a rigid body".
     fn kind(&self) -> &'static str;
 
@@ -176,6 +179,16 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes: &mut [[T; D]],
     ) {
         changes.fill([T::from_f64(0.0); D]);
+    }
+
+    /// Adds the force of the effect of this number alone, and tells the name of its type; none of a flow, or where there are no more.
+    fn add_force_alone(
+        &self,
+        _number: usize,
+        _bodies: &mut BodiesOf<Self, T, D>,
+        _forces: &mut [[T; D]],
+    ) -> Option<&'static str> {
+        None
     }
 
     /// The [rule](Rule) of the flow of this number, whether it feels forces, and the name of its type.

@@ -1,6 +1,7 @@
 //! Who goes on: a simulation, or an ensemble of them; and who watches.
 
 mod begin;
+pub mod bill;
 pub mod boxed;
 mod course;
 pub mod ensemble;

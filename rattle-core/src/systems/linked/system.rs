@@ -37,6 +37,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     type Collocation = Self;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
         "linked bodies"
@@ -141,6 +142,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let during =
             Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
+    }
+
+    fn add_force_alone(
+        &self,
+        number: usize,
+        bodies: &mut BodiesOf<F, N, D>,
+        forces: &mut [[f64; D]],
+    ) -> Option<&'static str> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
     fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {

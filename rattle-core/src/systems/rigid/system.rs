@@ -32,6 +32,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Collocation = Never;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
         REDUCED
@@ -86,6 +87,16 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         let during =
             Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
+    }
+
+    fn add_force_alone(
+        &self,
+        number: usize,
+        bodies: &mut BodiesOf<F, N>,
+        forces: &mut [[f64; 9]],
+    ) -> Option<&'static str> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
     fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {

@@ -48,6 +48,7 @@ where
     type Collocation = Self;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
         "bodies on surfaces"
@@ -181,6 +182,16 @@ where
         let during =
             Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
         self.effects.flow(number, &during, room, changes);
+    }
+
+    fn add_force_alone(
+        &self,
+        number: usize,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        forces: &mut [[T; D]],
+    ) -> Option<&'static str> {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
     fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {

@@ -1,0 +1,140 @@
+//! What a step costs, and what of it each effect takes: the bill.
+
+use crate::effect::flow::{Half, Rule};
+use crate::error::Error;
+use crate::motion::method::Method;
+use crate::motion::stir::stir;
+use crate::motion::system::System;
+use crate::run::course::check;
+use crate::run::simulation::Simulation;
+use std::fmt;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+/// Samples of each item, of which the median counts.
+const SAMPLES: usize = 5;
+/// A sample lasts so long at least: clocks tell 50 ns.
+const SAMPLE: Duration = Duration::from_micros(400);
+
+/// What a step of a simulation costs, item by item; made by [`Simulation::bill`]. `Display` shows a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bill {
+    /// Nanoseconds a step.
+    pub step: f64,
+    /// What is measured by itself, and what is left; together the step.
+    pub items: Vec<Item>,
+    /// Bodies that a step moves.
+    pub bodies: usize,
+}
+
+/// An item of a [`Bill`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Item {
+    /// What costs: the name of an effect's type, or of a part of the step.
+    pub what: String,
+    /// Nanoseconds a step.
+    pub nanoseconds: f64,
+}
+
+impl fmt::Display for Bill {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.items.iter().map(|item| item.what.chars().count()).max().unwrap_or(0).max(4);
+        for Item { what, nanoseconds } in &self.items {
+            let share = 100.0 * nanoseconds / self.step;
+            writeln!(f, "{what:width$}  {nanoseconds:>10.1} ns  {share:>5.1} %")?;
+        }
+        write!(f, "{:width$}  {:>10.1} ns", "step", self.step)?;
+        if self.bodies > 1 {
+            write!(f, ", {:.1} ns a body", self.step / self.bodies as f64)?;
+        }
+        Ok(())
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// What a step costs at the present state, item by item. A copy of the simulation is run for some milliseconds (for some
+    /// steps, if they are long) and its parts are timed by themselves; the simulation is not touched, and a run pays nothing.
+    ///
+    /// Forces are counted as often as a step of the method evaluates them. Of methods whose number of evaluations is not known before
+    /// (`Lobatto`, `Taylor`, `Dop853`, `Bdf2`) they are not told apart from the rest.
+    ///
+    /// ```
+    /// # use rattle::potentials::Gravity;
+    /// # use rattle::{surfaces::Torus, Rattle, Scene, State};
+    /// let scene = Scene::on(Torus { major: 1.0, minor: 0.25 }).with(Gravity { g: 1.0 });
+    /// let mut simulation = scene.simulate(State::at([1.25, 0.0, 0.0]).moving([0.0, 1.0, 0.0]), Rattle::new(0.01))?;
+    /// simulation.run(100)?;
+    /// let bill = simulation.bill()?;
+    /// println!("{bill}");
+    /// assert_eq!(bill.items[0].what, "force of `Gravity`");
+    /// assert_eq!(simulation.steps(), 100);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of the steps that are tried.
+    #[inline(never)]
+    pub fn bill(&self) -> Result<Bill, Error> {
+        let mut copy = self.clone();
+        copy.step()?;
+        let mut failed = None;
+        let step = time(|| {
+            if failed.is_none() {
+                failed = copy.step().err();
+            }
+        });
+        if let Some(error) = failed {
+            return Err(error);
+        }
+
+        let mut items = Vec::new();
+        let mut copy = self.clone();
+        if let Some(evaluations) = self.method.evaluations() {
+            let mut forces = vec![[0.0; D]; self.bodies()];
+            for number in 0..Y::EFFECTS {
+                let mut alone =
+                    || copy.system.add_force_alone(number, &mut copy.bodies, black_box(&mut forces));
+                if let Some(name) = alone() {
+                    let one = time(|| {
+                        alone();
+                    });
+                    let nanoseconds = evaluations as f64 * one;
+                    items.push(Item { what: format!("force of `{name}`"), nanoseconds });
+                }
+            }
+        }
+        if Y::FLOWS > 0 {
+            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_rule(number).2).collect();
+            let h = 1e-6 * self.method.step_size();
+            let one = time(|| drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
+            let once = S::STIRS && Y::FLOWS == 1 && self.system.flow_rule(0).0 == Rule::Random;
+            let nanoseconds = if once { one } else { 2.0 * one };
+            items.push(Item { what: format!("momenta by `{}`", names.join("`, `")), nanoseconds });
+        }
+        let mut copy = self.clone();
+        let look = time(|| {
+            drop(black_box(check(&copy.method, &copy.system, 1, &copy.before, &mut copy.bodies)));
+        });
+        items.push(Item { what: "looking whether a step is right".into(), nanoseconds: look });
+        let known: f64 = items.iter().map(|item| item.nanoseconds).sum();
+        let what = format!("places and constraints by {}", self.method.name());
+        items.push(Item { what, nanoseconds: (step - known).max(0.0) });
+        Ok(Bill { step, items, bodies: self.bodies() })
+    }
+}
+
+/// Nanoseconds that it takes: the median of some samples.
+fn time(mut work: impl FnMut()) -> f64 {
+    let mut repeats = 1_u32;
+    let mut sample = |repeats: u32| {
+        let start = Instant::now();
+        (0..repeats).for_each(|_| work());
+        start.elapsed()
+    };
+    while sample(repeats) < SAMPLE && repeats < 1 << 20 {
+        repeats *= 2;
+    }
+    let mut samples: Vec<_> = (0..SAMPLES).map(|_| sample(repeats)).collect();
+    samples.sort();
+    samples[SAMPLES / 2].as_nanos() as f64 / f64::from(repeats)
+}
