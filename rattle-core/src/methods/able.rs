@@ -1,11 +1,14 @@
 //! Which methods can move a system, and the one place that says that a method cannot.
 
 use crate::error::Error;
+use crate::methods::baoab::Baoab;
 use crate::methods::bdf2::Bdf2;
+use crate::methods::brownian::Brownian;
 use crate::methods::dop853::Dop853;
 use crate::methods::geodesic::Geodesic;
 use crate::methods::leapfrog::Leapfrog;
 use crate::methods::lobatto::Lobatto;
+use crate::methods::nose_hoover::NoseHoover;
 use crate::methods::position_verlet::PositionVerlet;
 use crate::methods::rattle::Rattle;
 use crate::methods::shake::Shake;
@@ -39,6 +42,9 @@ fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'stat
     let whole = Y::FLOWS == 0;
     let able = [
         moves::<Rattle, Y, D>(system),
+        moves::<Baoab, Y, D>(system),
+        moves::<NoseHoover, Y, D>(system) && whole,
+        moves::<Brownian, Y, D>(system) && whole,
         moves::<Geodesic, Y, D>(system),
         moves::<PositionVerlet, Y, D>(system),
         moves::<Shake, Y, D>(system) && whole,
@@ -52,9 +58,12 @@ fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'stat
     cannot_move(method, kind, able)
 }
 
-fn cannot_move(method: &'static str, kind: &'static str, able: [bool; 10]) -> Error {
+fn cannot_move(method: &'static str, kind: &'static str, able: [bool; 13]) -> Error {
     let names = [
         "Rattle",
+        "Baoab",
+        "NoseHoover",
+        "Brownian",
         "Geodesic",
         "PositionVerlet",
         "Shake",

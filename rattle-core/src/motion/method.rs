@@ -4,6 +4,7 @@
 //! |---|---|---|---|---|---|---|---|
 //! | `Rattle`, and compositions of it | yes | yes | yes | yes | yes | yes | yes |
 //! | `Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler` | yes | yes | yes | yes | yes | yes | – |
+//! | `Baoab`, `NoseHoover`, `Brownian` | yes | yes | yes | yes | yes | yes | – |
 //! | `Lobatto` | yes | yes | yes | yes | – | – | – |
 //! | `Leapfrog` | – | yes | – | – | – | yes | – |
 //! | `Dop853` | yes | yes | yes | yes | yes | yes | – |
