@@ -5,6 +5,7 @@ use crate::effect::force::{Absent, Force};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
+use crate::error::Error;
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
@@ -26,10 +27,12 @@ pub trait Effects<const D: usize> {
     where
         Self: 'a;
 
-    /// The first effect that names a body beyond the last one, or a body twice, by the name of its type, its member
-    /// and the body.
-    fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
-        None
+    /// Says what is wrong with the effects in a scene of so many bodies.
+    ///
+    /// # Errors
+    /// Those of [`Effect::check`], of the first effect that is wrong.
+    fn check(&self, _bodies: usize) -> Result<(), Error> {
+        Ok(())
     }
 }
 
@@ -168,9 +171,9 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
         Superposed { effect, name: short_name::<P>(), others }
     }
 
-    fn stray(&self, bodies: usize) -> Option<(&'static str, usize, usize)> {
-        let own = self.effect.stray(bodies).map(|(member, body)| (short_name::<P>(), member, body));
-        self.others.stray(bodies).or(own)
+    fn check(&self, bodies: usize) -> Result<(), Error> {
+        self.others.check(bodies)?;
+        self.effect.check(short_name::<P>(), bodies)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
+use crate::error::Error;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -32,9 +33,12 @@ pub trait Effect<const D: usize, Kind> {
     where
         Self: 'a;
 
-    /// The first member that names a body beyond the last one, or a body twice, and that body.
-    fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
-        None
+    /// Says what is wrong with the effect in a scene of so many bodies; `what` is the name of its type. Asked before a run.
+    ///
+    /// # Errors
+    /// [`Error::Network`] for bodies that there are not, [`Error::Pairs`] for a cut-off or a table that makes no sense.
+    fn check(&self, _what: &'static str, _bodies: usize) -> Result<(), Error> {
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod network;
 mod numbers;
+mod pairs;
 mod phase;
 mod sizes;
 mod start;
@@ -9,6 +10,7 @@ mod step;
 
 pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
+pub use pairs::PairMistake;
 pub use phase::PhaseMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
@@ -136,6 +138,10 @@ pub enum Error {
     /// Links, masses or pins that make no sense.
     #[error(transparent)]
     Network(NetworkMistake),
+
+    /// Forces between pairs of bodies that make no sense.
+    #[error(transparent)]
+    Pairs(PairMistake),
 
     /// A start that cannot be simulated.
     #[error("start of body {body}: {cause}")]
