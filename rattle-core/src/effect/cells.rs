@@ -15,6 +15,8 @@ use std::ops::Range;
 const AXES: usize = 3;
 /// The most stretches of bodies beside a cell: three by three, each in two where space closes.
 pub(crate) const STRETCHES: usize = 18;
+/// Bodies that are looked at together: any so many, from any on, are there to be read.
+pub(crate) const BLOCK: usize = 32;
 /// Bits of a place along a coordinate.
 const BITS: u32 = 21;
 /// Farther from the middle cells are one: there are as many to either side.
@@ -29,9 +31,9 @@ pub(crate) struct Cells<const D: usize> {
     bodies: Vec<(u64, u32)>,
     /// The key of each cell with bodies in it, and where they begin; and one beyond the last.
     cells: Vec<(u64, usize)>,
-    /// The numbers of the bodies.
+    /// The numbers of the bodies, and a block of anything beyond.
     pub(crate) numbers: Vec<u32>,
-    /// Their coordinates.
+    /// Their coordinates, the same.
     pub(crate) places: [Vec<f64>; D],
 }
 
@@ -91,8 +93,8 @@ impl<const D: usize> Cells<D> {
             axes: [Axis::NONE; AXES],
             bodies: Vec::with_capacity(bodies),
             cells: Vec::with_capacity(bodies + 1),
-            numbers: Vec::with_capacity(bodies),
-            places: from_fn(|_| Vec::with_capacity(bodies)),
+            numbers: Vec::with_capacity(bodies + BLOCK),
+            places: from_fn(|_| Vec::with_capacity(bodies + BLOCK)),
         }
     }
 
@@ -115,7 +117,9 @@ impl<const D: usize> Cells<D> {
         for (d, places) in self.places.iter_mut().enumerate() {
             places.clear();
             places.extend(self.numbers.iter().map(|&number| positions[number as usize][d]));
+            places.extend([0.0; BLOCK]);
         }
+        self.numbers.extend([0; BLOCK]);
         self.cells.clear();
         let mut last = None;
         for (at, &(key, _)) in self.bodies.iter().enumerate() {
@@ -127,27 +131,37 @@ impl<const D: usize> Cells<D> {
         self.cells.push((u64::MAX, self.bodies.len()));
     }
 
-    /// Shows each cell's bodies, and the stretches of those beside them, themselves among them.
-    #[inline(always)]
-    pub(crate) fn each(&self, mut show: impl FnMut(Range<usize>, &[Range<usize>])) {
-        let mut near = [0; STRETCHES]; // where stretches were, cell after cell: the next ones are not far
-        for pair in self.cells.windows(2) {
-            let [(key_of_cell, from), (_, to)] = [pair[0], pair[1]];
-            let [a, b, c] = places(key_of_cell);
-            let (mut stretches, mut count) = ([const { 0..0 }; STRETCHES], 0);
-            for a in self.axes[0].each_beside(a) {
-                for b in self.axes[1].each_beside(b) {
-                    for (first, last) in self.axes[2].beside(c) {
-                        let hint = &mut near[count];
-                        let from = self.first_at(key([a, b, first]), hint);
-                        let to = self.first_at(key([a, b, last]) + 1, &mut hint.clone());
-                        stretches[count] = from..to;
-                        count += 1;
-                    }
+    /// How many cells have bodies in them.
+    pub(crate) fn number(&self) -> usize {
+        self.cells.len() - 1
+    }
+
+    /// The bodies of a cell.
+    pub(crate) fn of(&self, cell: usize) -> Range<usize> {
+        self.cells[cell].1..self.cells[cell + 1].1
+    }
+
+    /// The stretches of bodies in a cell and beside it, and how many there are. Hints are where those of the last cell asked about were, at
+    /// first anything within bounds: the next ones are not far.
+    pub(crate) fn beside(
+        &self,
+        cell: usize,
+        hints: &mut [usize; STRETCHES],
+    ) -> ([Range<usize>; STRETCHES], usize) {
+        let [a, b, c] = places(self.cells[cell].0);
+        let (mut stretches, mut count) = ([const { 0..0 }; STRETCHES], 0);
+        for a in self.axes[0].each_beside(a) {
+            for b in self.axes[1].each_beside(b) {
+                for (first, last) in self.axes[2].beside(c) {
+                    let hint = &mut hints[count];
+                    let from = self.first_at(key([a, b, first]), hint);
+                    let to = self.first_at(key([a, b, last]) + 1, &mut hint.clone());
+                    stretches[count] = from..to;
+                    count += 1;
                 }
             }
-            show(from..to, &stretches[..count]);
         }
+        (stretches, count)
     }
 
     /// The first body in a cell of at least this key, sought from the cell `hint` on, which is left there.

@@ -10,10 +10,9 @@
 //! The row of body i holds its partners j < i in the order of their numbers. A loop over rows, and over partners within reach in each,
 //! goes through the same pairs in the same order whatever the list: sums do not depend on it, not in the last bit.
 
-use crate::effect::cells::Cells;
+use crate::effect::cells::{BLOCK, Cells, STRETCHES};
 use crate::kernel::space::Space;
 use crate::number::instructions::{InstructionSet, Work};
-use crate::number::vectors::LANES;
 use std::array::from_fn;
 
 /// So few bodies need no list.
@@ -195,48 +194,59 @@ impl<B: Space<D>, const D: usize> Work for Find<'_, B, D> {
     fn run(self) -> Option<usize> {
         let Self { cells, space, far, most, found, found_of } = self;
         let (places, numbers) = (cells.places.each_ref().map(|x| &x[..]), &cells.numbers[..]);
-        let (mut squares, mut pairs) = ([0.0; LANES], 0);
-        cells.each(|bodies, stretches| {
-            for at in bodies {
-                if pairs > most {
-                    return;
-                }
+        let (mut near, mut pairs, mut hints) = ([0; BLOCK], 0, [0; STRETCHES]);
+        for cell in 0..cells.number() {
+            let (stretches, count) = cells.beside(cell, &mut hints);
+            for at in cells.of(cell) {
                 let (q, number, begin) = (places.map(|x| x[at]), numbers[at], pairs);
-                for stretch in stretches {
-                    for from in stretch.clone().step_by(LANES) {
-                        let to = stretch.end.min(from + LANES);
-                        let (places, numbers) = (places.map(|x| &x[from..to]), &numbers[from..to]);
-                        squares_of(&space, &q, &places, &mut squares[..to - from]);
-                        if found.len() < pairs + LANES {
-                            found.resize(2 * found.len() + LANES, 0);
+                for stretch in &stretches[..count] {
+                    for from in stretch.clone().step_by(BLOCK) {
+                        let places = places.map(|x| &x[from..][..BLOCK]);
+                        let (numbers, inside) = (&numbers[from..][..BLOCK], stretch.end - from);
+                        mark(&space, &q, number, far, inside, &places, numbers, &mut near);
+                        if found.len() < pairs + BLOCK {
+                            found.resize(2 * found.len() + BLOCK, 0);
                         }
-                        let room = &mut found[pairs..][..LANES];
-                        let mut count = 0;
-                        for (&other, &square) in numbers.iter().zip(&squares) {
-                            room[count % LANES] = other;
-                            count += usize::from((other > number) & (square <= far));
+                        for (first, eight) in (0..).step_by(8).zip(near.as_chunks().0) {
+                            let mut bits = u64::from_le_bytes(*eight);
+                            while bits != 0 {
+                                found[pairs] = numbers[first + bits.trailing_zeros() as usize / 8];
+                                pairs += 1;
+                                bits &= bits - 1;
+                            }
                         }
-                        pairs += count;
                     }
                 }
                 found_of[number as usize] = (begin, pairs);
+                if pairs > most {
+                    return None;
+                }
             }
-        });
-        (pairs <= most).then_some(pairs)
+        }
+        Some(pairs)
     }
 }
 
-/// |q − x|² for each of these places.
+/// Marks with 1 who of the first so many of these bodies has a higher number and is near; with 0 who is not.
 #[inline(always)]
-fn squares_of<B: Space<D>, const D: usize>(
+#[allow(clippy::too_many_arguments, reason = "what a loop reads is an argument of its own")]
+fn mark<B: Space<D>, const D: usize>(
     space: &B,
     q: &[f64; D],
+    number: u32,
+    far: f64,
+    inside: usize,
     places: &[&[f64]; D],
-    squares: &mut [f64],
+    numbers: &[u32],
+    near: &mut [u8; BLOCK],
 ) {
-    let places = places.map(|x| &x[..squares.len()]);
-    for (l, square) in squares.iter_mut().enumerate() {
+    let (places, numbers) = (places.map(|x| &x[..BLOCK]), &numbers[..BLOCK]);
+    let mut squares = [0.0; BLOCK];
+    for l in 0..BLOCK {
         let apart: [f64; D] = space.apart(q, &from_fn(|d| places[d][l]));
-        *square = apart.iter().map(|x| x * x).sum();
+        squares[l] = apart.iter().map(|x| x * x).sum();
+    }
+    for l in 0..BLOCK {
+        near[l] = u8::from((squares[l] <= far) & (numbers[l] > number) & (l < inside));
     }
 }

@@ -27,7 +27,7 @@ pub(crate) enum Ending {
 /// The part of the reach from which a potential is switched off if nothing else is said.
 const FROM: f64 = 0.9;
 /// The skin as a part of the reach if nothing else is said.
-const SKIN: f64 = 0.15;
+const SKIN: f64 = 0.2;
 
 impl<P> Within<P> {
     pub(crate) fn new(potential: P, reach: f64) -> Self {
@@ -65,7 +65,7 @@ impl<P, B> Within<P, B> {
 
     /// The list of pairs holds those nearer than reach + `skin`, a length, and is made anew once a body has moved by half
     /// of the skin: a thick one is made seldom, a thin one holds few pairs. It changes the time that a step takes, and not a bit of
-    /// the forces. If nothing is said, 0.15 of the reach.
+    /// the forces. If nothing is said, 0.2 of the reach.
     #[must_use]
     pub fn skin(self, skin: f64) -> Self {
         Self { skin, ..self }
