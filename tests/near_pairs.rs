@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rattle::Error;
 use rattle::bodies::Many;
 use rattle::effect::{
-    Acting, BetweenKinds, BetweenNear, BetweenNearKinds, Effect, Effects, Kinds, Moment, Within,
+    Acting, AlongSurface, BetweenKinds, BetweenNear, BetweenNearKinds, Effect, Effects, Kinds, Moment, Within,
 };
 use rattle::error::PairMistake;
 use rattle::instructions::InstructionSet;
@@ -16,7 +16,7 @@ use rattle::nalgebra::SVector;
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use rattle::real::Real;
-use rattle::surfaces::Gyroid;
+use rattle::surfaces::{Gyroid, Sphere};
 use std::array::from_fn;
 
 pair_potential! {
@@ -315,6 +315,56 @@ fn kinds_have_potentials_of_their_own() {
     assert!(energies[0] > 1.0 && energies[1] > 2.0 * energies[0]);
 }
 
+pair_potential! {
+    /// The square of the distance, which then is read off the energy.
+    struct Square {}
+    |r| r^2
+}
+
+#[test]
+fn distances_along_a_surface() {
+    let r = 1.3;
+    let square = Square {}.within(1.0).shifted().along(Sphere { r });
+    let acting = Effect::<3, AlongSurface>::acting::<f64>(&square);
+    let off = [0.4_f64, 0.2, 0.1].map(|angle| {
+        let positions = [[0.0, 0.0, r], [r * angle.sin(), 0.0, r * angle.cos()]];
+        let square: f64 = acting.energy(Moment { time: 0.0, positions: &positions }) + 1.0;
+        (square - (r * angle).powi(2)).abs() / (angle.powi(6) * r * r / 90.0)
+    });
+    // d⁶/90 R⁴ and higher terms; of |Δ|² alone it would be 7.5/θ².
+    assert!(off.iter().all(|off| (off - 1.0).abs() < 0.05), "{off:?}");
+
+    // On a surface that repeats itself, by a list: forces are the gradient of the energy, and no bit of them is the list's.
+    let n = 60;
+    let places = vectors::<3>(n, 1.5, &mut random(9));
+    let gas = |skin| SCREENED.within(REACH).skin(skin).periodic([1.0; 3]).along(GYROID);
+    let acting = Effect::<3, AlongSurface>::acting::<f64>(&gas(0.05));
+    let forces = |skin| {
+        let acting = Effect::<3, AlongSurface>::acting::<f64>(&gas(skin));
+        let (mut forces, mut list) = (vec![[-0.0; 3]; n], Acting::<f64, 3>::room(&acting, n));
+        acting.add_forces(Moment { time: 0.0, positions: &places }, &mut list, &mut forces);
+        forces
+    };
+    let found = forces(0.05);
+    assert_eq!(bits(&found), bits(&forces(0.5)));
+    let energy = |body: usize, d: usize, by: f64| -> f64 {
+        let mut moved = places.clone();
+        moved[body][d] += by;
+        acting.energy(Moment { time: 0.0, positions: &moved })
+    };
+    let mut largest = 0.0_f64;
+    for (body, d) in (0..n).flat_map(|body| (0..3).map(move |d| (body, d))) {
+        let h = 1e-5;
+        let [near, far] = [h, 2.0 * h].map(|h| (energy(body, d, -h) - energy(body, d, h)) / (2.0 * h));
+        let expected = near + (near - far) / 3.0; // of fourth order
+        largest = largest.max(expected.abs());
+        // Energies round by 10 ε of some hundreds, over 10⁻⁵.
+        let off = (found[body][d] - expected).abs();
+        assert!(off < 1e-7 * (1.0 + expected.abs()), "body {body}: {} for {expected}", found[body][d]);
+    }
+    assert!(largest > 1.0);
+}
+
 /// A Lennard-Jones gas on the gyroid, of unit period.
 type Gas = Within<LennardJones, Periodic<3>>;
 const GYROID: Gyroid = Gyroid { k: std::f64::consts::TAU, epsilon: 0.0 };
@@ -379,6 +429,9 @@ fn a_gas_on_a_surface_that_repeats_itself() {
         assert_eq!(bits_of(usual.positions()), bits_of(other.positions()), "skin {skin}");
         assert_eq!(bits_of(usual.momenta()), bits_of(other.momenta()), "skin {skin}");
     }
+    let mut fresh = scene(atoms()).simulate(start(0), Rattle::new(1e-3)).unwrap();
+    let allocated = allocation_counter::measure(|| fresh.run(300).unwrap());
+    assert_eq!(allocated.count_total, 0, "from the first step on");
     let mut again = scene(atoms()).simulate(usual.state(), Rattle::new(1e-3)).unwrap();
     let mut cloned = usual.clone();
     let allocated = allocation_counter::measure(|| usual.run(200).unwrap());

@@ -57,7 +57,7 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNear> for W
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        check_within(self, what, bodies).map_err(Error::Pairs)
+        check_within(self, 1.0, what, bodies).map_err(Error::Pairs)
     }
 }
 
@@ -89,7 +89,7 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNearKinds> 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
         self.check_kinds(what, bodies)?;
         for within in &self.table {
-            check_within(within, what, bodies).map_err(Error::Pairs)?;
+            check_within(within, 1.0, what, bodies).map_err(Error::Pairs)?;
             if within.space != self.table[0].space {
                 return Err(Error::Pairs(PairMistake::Boxes { what }));
             }
@@ -98,8 +98,10 @@ impl<P: PairPotential, B: Space<D>, const D: usize> Effect<D, BetweenNearKinds> 
     }
 }
 
-fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
+/// Says what is wrong with a cut-off for which bodies are looked for so many times as far through space.
+pub(super) fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
     within: &Within<P, B>,
+    farther: f64,
     what: &'static str,
     bodies: usize,
 ) -> Result<(), PairMistake> {
@@ -120,7 +122,7 @@ fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
     if !(skin >= 0.0 && ((reach + skin) * (reach + skin)).is_finite()) {
         return Err(PairMistake::Skin { what, skin });
     }
-    let periods = space.periods();
+    let (periods, reach) = (space.periods(), farther * reach);
     if let Some(coordinate) = periods.iter().position(|&period| !(period >= 2.0 * reach)) {
         return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach });
     }

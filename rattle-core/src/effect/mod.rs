@@ -2,12 +2,13 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`Among`], [`Flowing`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsAmong`], [`ActsByFlow`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Flowing`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsByFlow`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
 
+pub mod along;
 pub mod among;
 pub mod between_kinds;
 pub mod between_near;
@@ -27,7 +28,8 @@ mod tiles;
 
 pub use crate::kernel::kinds::Kinds;
 pub use crate::kernel::over::Over;
-pub use crate::kernel::within::Within;
+pub use crate::kernel::within::{Along, Within};
+pub use along::{ActsAlong, AlongSurface};
 pub use among::{ActsAmong, Among};
 pub use between_kinds::{ActsBetweenKinds, BetweenKinds};
 pub use between_near::{ActsBetweenNear, BetweenNear, BetweenNearKinds};

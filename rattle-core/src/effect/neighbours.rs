@@ -66,6 +66,12 @@ impl<const D: usize> Neighbours<D> {
         }
     }
 
+    /// All bodies are partners, wherever they are.
+    pub(crate) fn take_all(&mut self) {
+        self.made_at.fill([f64::NAN; D]);
+        self.all = true;
+    }
+
     /// How many pairs are listed.
     #[must_use]
     pub fn pairs(&self) -> usize {

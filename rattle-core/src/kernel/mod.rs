@@ -19,4 +19,4 @@ pub use functions::{
 pub use kinds::Kinds;
 pub use over::Over;
 pub use space::{Open, Periodic, Space};
-pub use within::Within;
+pub use within::{Along, Within};

@@ -13,6 +13,13 @@ pub struct Within<P, B = Open> {
     pub(crate) space: B,
 }
 
+/// A pair potential by the distance between bodies along the surface g = 0 that they are on: made by [`Within::along`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Along<P, C, B = Open> {
+    pub(crate) within: Within<P, B>,
+    pub(crate) surface: C,
+}
+
 /// How a potential ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Ending {
@@ -78,5 +85,27 @@ impl<P, B> Within<P, B> {
     pub fn periodic<const D: usize>(self, periods: [f64; D]) -> Within<P, Periodic<D>> {
         let Self { potential, reach, ending, skin, .. } = self;
         Within { potential, reach, ending, skin, space: Periodic::new(periods) }
+    }
+
+    /// The same by distances along this surface of one equation, on which the bodies are, instead of straight ones: to the next order
+    /// in the curvature, see [`effect::along`](crate::effect::along), which serves as long as the reach is less than about a third of
+    /// the radii of curvature. Who is near through space and far along the surface still acts: other parts of the surface must be
+    /// farther than the reach.
+    ///
+    /// ```
+    /// use rattle::potentials::LennardJones;
+    /// use rattle::prelude::*;
+    /// use rattle::surfaces::Sphere;
+    ///
+    /// let sphere = Sphere { r: 10.0 };
+    /// let gas = Scene::on(sphere).bodies(2).with(LennardJones { epsilon: 1.0, sigma: 1.0 }.within(2.5).along(sphere));
+    /// let (a, d) = (0.15_f64, 1.5); // an angle of 0.15, a way of 1.5, a chord of 1.4986
+    /// let simulation = gas.simulate(State::of([[0.0, 0.0, 10.0], [10.0 * a.sin(), 0.0, 10.0 * a.cos()]]), Rattle::new(1e-3))?;
+    /// assert!((simulation.energy() - LennardJones { epsilon: 1.0, sigma: 1.0 }.value(d)).abs() < 1e-5);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[must_use]
+    pub fn along<C>(self, surface: C) -> Along<P, C, B> {
+        Along { within: self, surface }
     }
 }
