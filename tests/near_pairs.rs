@@ -26,6 +26,7 @@ pair_potential! {
 }
 
 const SCREENED: Screened = Screened { strength: 0.7, length: 0.5 };
+const LJ: LennardJones = LennardJones { epsilon: 1.0, sigma: 0.1 };
 const REACH: f64 = 0.3;
 
 fn random(seed: u64) -> SmallRng {
@@ -45,7 +46,7 @@ fn bits<const D: usize>(vectors: &[[f64; D]]) -> Vec<u64> {
 fn itinerary<const D: usize>(n: usize, far: f64) -> Vec<Vec<[f64; D]>> {
     let mut random = random(D as u64);
     // Some thirty bodies within reach of each.
-    let ball = [2.0, 3.14, 4.19, 4.93, 5.26][D - 1];
+    let ball = [2.0, 3.14, 4.19][D - 1];
     let size = 0.5 * REACH * (n as f64 / 30.0 * ball).powf(1.0 / D as f64);
     let mut places = vectors::<D>(n, size, &mut random);
     let velocities = vectors::<D>(n, REACH / 20.0, &mut random);
@@ -93,7 +94,11 @@ fn plain_loop<T: Real, P: PairPotential, const D: usize>(
 }
 
 /// Forces by a list are those of the plain loop at every stop.
-fn as_in_a_plain_loop<B: Space<D>, const D: usize>(n: usize, within: &Within<Screened, B>, space: B) {
+fn as_in_a_plain_loop<P, B, const D: usize>(n: usize, potential: P, space: B, within: &Within<P, B>)
+where
+    P: PairPotential,
+    B: Space<D>,
+{
     let acting = Effect::<D, BetweenNear>::acting::<f64>(within);
     let mut list = Acting::<f64, D>::room(&acting, n);
     let (mut lengths, mut strong) = (Vec::new(), false);
@@ -102,9 +107,9 @@ fn as_in_a_plain_loop<B: Space<D>, const D: usize>(n: usize, within: &Within<Scr
         let mut forces = vec![[-0.0; D]; n];
         acting.add_forces(Moment { time: 0.0, positions: places }, &mut list, &mut forces);
         let expected = if InstructionSet::widest().fuses() {
-            plain_loop::<Fused<f64>, _, D>(&SCREENED, &space, places, |x| x.0)
+            plain_loop::<Fused<f64>, _, D>(&potential, &space, places, |x| x.0)
         } else {
-            plain_loop::<f64, _, D>(&SCREENED, &space, places, |x| x)
+            plain_loop::<f64, _, D>(&potential, &space, places, |x| x)
         };
         assert_eq!(bits(&forces), bits(&expected), "{n} bodies, {D} coordinates, {space:?}, stop {stop}");
         lengths.push(list.pairs());
@@ -119,14 +124,13 @@ fn as_in_a_plain_loop<B: Space<D>, const D: usize>(n: usize, within: &Within<Scr
 
 #[test]
 fn forces_are_those_of_a_plain_loop_to_the_bit() {
-    let within = || SCREENED.within(REACH).shifted();
-    as_in_a_plain_loop::<_, 1>(300, &within(), Open);
-    as_in_a_plain_loop::<_, 2>(500, &within(), Open);
-    as_in_a_plain_loop::<_, 3>(500, &within().skin(0.5 * REACH), Open);
-    as_in_a_plain_loop::<_, 5>(300, &within(), Open);
+    let within = SCREENED.within(REACH).shifted();
+    as_in_a_plain_loop::<_, _, 2>(500, SCREENED, Open, &within);
+    as_in_a_plain_loop::<_, _, 3>(500, SCREENED, Open, &within.skin(0.5 * REACH));
     // One cell, two, three, or more around, or space without end.
     for periods in [[0.7, 1.4, 1.1], [1.2, 2.0, f64::INFINITY], [2.5, 0.6, 1.5]] {
-        as_in_a_plain_loop(500, &within().periodic(periods), Periodic::new(periods));
+        let within = LJ.within(REACH).shifted().periodic(periods);
+        as_in_a_plain_loop(500, LJ, Periodic::new(periods), &within);
     }
 }
 
@@ -134,7 +138,7 @@ fn forces_are_those_of_a_plain_loop_to_the_bit() {
 #[test]
 fn whole_periods_change_nothing() {
     let (mut random, n) = (random(7), 300);
-    let within = SCREENED.within(REACH).periodic([1.0, 2.0, 1.0]);
+    let within = LJ.within(REACH).periodic([1.0, 2.0, 1.0]);
     let acting = Effect::<3, BetweenNear>::acting::<f64>(&within);
     let places: Vec<[f64; 3]> = (0..n)
         .map(|_| from_fn(|_| f64::from(random.random_range(-(1 << 19)..1 << 19)) / f64::from(1 << 20)))
@@ -155,7 +159,7 @@ fn whole_periods_change_nothing() {
     // All images of all bodies, by a potential of its own that ends in the same way.
     let from = 0.9 * REACH;
     let pull = |r: f64| {
-        let (u, slope) = (SCREENED.value(r), r * SCREENED.slope_over_distance(r));
+        let (u, slope) = (LJ.value(r), r * LJ.slope_over_distance(r));
         let (switch, falling) = switch(r, from, REACH);
         if r < REACH { -(slope * switch + u * falling) / r } else { 0.0 }
     };
@@ -182,23 +186,23 @@ fn switch(r: f64, from: f64, reach: f64) -> (f64, f64) {
     (1.0 - 10.0 * x.powi(3) + 15.0 * x.powi(4) - 6.0 * x.powi(5), falling)
 }
 
-/// U and −U′ of two bodies on a line, by the two ways that there are: lists of doubles, and all pairs of any numbers.
+/// U and −U′ of two bodies, by the two ways that there are: lists of doubles, and all pairs of any numbers.
 fn of_two(within: &Within<Screened>, r: f64) -> (f64, f64) {
-    let acting = Effect::<1, BetweenNear>::acting::<f64>(within);
-    let (mut forces, mut list) = ([[0.0]; 2], Acting::<f64, 1>::room(&acting, 2));
-    let at = Moment { time: 0.0, positions: &[[0.0], [r]] };
+    let acting = Effect::<2, BetweenNear>::acting::<f64>(within);
+    let (mut forces, mut list) = ([[0.0; 2]; 2], Acting::<f64, 2>::room(&acting, 2));
+    let at = Moment { time: 0.0, positions: &[[0.0; 2], [0.0, r]] };
     acting.add_forces(at, &mut list, &mut forces);
-    assert_eq!(forces[0], [-forces[1][0]]);
+    assert_eq!(forces[0][1], -forces[1][1]);
 
-    let fused = Effect::<1, BetweenNear>::acting::<Fused<f64>>(within);
-    let mut again = [[Fused(0.0)]; 2];
-    let positions = [[Fused(0.0)], [Fused(r)]];
-    let mut list = Acting::<Fused<f64>, 1>::room(&fused, 2);
+    let fused = Effect::<2, BetweenNear>::acting::<Fused<f64>>(within);
+    let mut again = [[Fused(0.0); 2]; 2];
+    let positions = [[Fused(0.0); 2], [Fused(0.0), Fused(r)]];
+    let mut list = Acting::<Fused<f64>, 2>::room(&fused, 2);
     fused.add_forces(Moment { time: 0.0, positions: &positions }, &mut list, &mut again);
     if InstructionSet::widest().fuses() {
-        assert_eq!(again[1][0].0, forces[1][0]);
+        assert_eq!(again[1][1].0, forces[1][1]);
     }
-    (acting.energy(at), forces[1][0])
+    (acting.energy(at), forces[1][1])
 }
 
 #[test]
@@ -337,7 +341,7 @@ fn distances_along_a_surface() {
     // On a surface that repeats itself, by a list: forces are the gradient of the energy, and no bit of them is the list's.
     let n = 60;
     let places = vectors::<3>(n, 1.5, &mut random(9));
-    let gas = |skin| SCREENED.within(REACH).skin(skin).periodic([1.0; 3]).along(GYROID);
+    let gas = |skin| Square {}.within(REACH).skin(skin).periodic([1.0; 3]).along(GYROID);
     let acting = Effect::<3, AlongSurface>::acting::<f64>(&gas(0.05));
     let forces = |skin| {
         let acting = Effect::<3, AlongSurface>::acting::<f64>(&gas(skin));
@@ -371,7 +375,7 @@ const GYROID: Gyroid = Gyroid { k: std::f64::consts::TAU, epsilon: 0.0 };
 const ATOMS: usize = 120;
 
 fn atoms() -> Gas {
-    LennardJones { epsilon: 1.0, sigma: 0.1 }.within(0.25).periodic([1.0; 3])
+    LJ.within(0.25).periodic([1.0; 3])
 }
 
 fn scene(gas: Gas) -> Scene<Gyroid, impl Effects<3>, Many, 3> {
@@ -410,7 +414,10 @@ fn a_gas_on_a_surface_that_repeats_itself() {
     let errors = [2e-4, 1e-4, 5e-5].map(|h| {
         let mut simulation = scene(atoms()).simulate(start(0), Rattle::new(h)).unwrap();
         let mut energy = 0.0_f64;
-        simulation.run_with((0.1 / h) as u64, |now| energy = energy.max(now.energy_error().abs())).unwrap();
+        for _ in 0..(0.1 / h) as u64 {
+            simulation.run(1).unwrap();
+            energy = energy.max(simulation.energy_error().abs());
+        }
         energy / simulation.energy().abs()
     });
     println!("energy errors {errors:?}");
@@ -477,12 +484,11 @@ fn drift_of_each_ending() {
             for mean in &mut means {
                 let mut last = [0.0; 2];
                 simulation.run(20_000).unwrap();
-                simulation
-                    .run_with(5_000, |now| {
-                        let off = now.energy_error();
-                        last = [last[0] + off / 5_000.0, last[1] + off * off / 5_000.0];
-                    })
-                    .unwrap();
+                for _ in 0..5_000 {
+                    simulation.run(1).unwrap();
+                    let off = simulation.energy_error();
+                    last = [last[0] + off / 5_000.0, last[1] + off * off / 5_000.0];
+                }
                 *mean = last[0];
                 swing = swing.max((last[1] - last[0] * last[0]).sqrt());
             }

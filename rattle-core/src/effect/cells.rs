@@ -98,11 +98,10 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// Sorts bodies, all in finite places, none of whose coordinates is larger than `largest`: who is nearer than `reach` is in a
-    /// cell beside.
-    pub(crate) fn sort<B: Space<D>>(&mut self, positions: &[[f64; D]], space: &B, reach: f64, largest: f64) {
-        let width =
-            reach * MARGIN + 64.0 * f64::EPSILON * largest * f64::from(u8::from(closed::<B, D>(space)));
+    /// Sorts bodies, all in finite places: who is nearer than `reach` is in a cell beside. Where space is closed, the reach is some thousand
+    /// roundings of the largest coordinate at least.
+    pub(crate) fn sort<B: Space<D>>(&mut self, positions: &[[f64; D]], space: &B, reach: f64) {
+        let width = reach * MARGIN;
         self.axes = axes(positions, space, width);
         let axes = self.axes;
         let key = |q: &[f64; D]| {
@@ -183,10 +182,6 @@ fn key(places: [u64; AXES]) -> u64 {
 
 fn places(key: u64) -> [u64; AXES] {
     [2, 1, 0].map(|back| key >> (back * BITS) & ((1 << BITS) - 1))
-}
-
-fn closed<B: Space<D>, const D: usize>(space: &B) -> bool {
-    space.periods().iter().any(|period| period.is_finite())
 }
 
 /// Cells of at least this width along up to three coordinates: those in which some of the bodies lie farthest apart.

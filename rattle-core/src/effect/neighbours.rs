@@ -92,13 +92,7 @@ impl<const D: usize> Neighbours<D> {
         if set.run(stay) {
             return true;
         }
-        let mut largest = 0.0_f64;
-        let mut finite = true;
-        for x in positions.iter().flatten() {
-            finite &= x.is_finite();
-            largest = largest.max(x.abs());
-        }
-        if !finite {
+        if !positions.iter().flatten().all(|x| x.is_finite()) {
             self.made_at.fill([f64::NAN; D]);
             return false;
         }
@@ -108,9 +102,12 @@ impl<const D: usize> Neighbours<D> {
         if self.all {
             return true;
         }
-        // Distances round by some parts of themselves, those across periods by parts of the largest coordinate.
-        let far = (reach + skin) * (1.0 + 1e-12) + 64.0 * f64::EPSILON * largest;
-        self.cells.sort(positions, space, far, largest);
+        // Distances round by some parts of themselves, and across periods by parts of the largest coordinate too.
+        let closed = space.periods().map(f64::is_finite);
+        let largest = |d: usize| positions.iter().fold(0.0_f64, |largest, q| largest.max(q[d].abs()));
+        let largest = (0..D).filter(|&d| closed[d]).map(largest).fold(0.0, f64::max);
+        let far = (reach + skin) * (1.0 + 1e-12) + 4096.0 * f64::EPSILON * largest;
+        self.cells.sort(positions, space, far);
         let find = Find {
             cells: &self.cells,
             space: *space,
@@ -254,5 +251,53 @@ fn mark<B: Space<D>, const D: usize>(
     }
     for l in 0..BLOCK {
         near[l] = u8::from((squares[l] <= far) & (numbers[l] > number) & (l < inside));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::space::{Open, Periodic};
+
+    /// Rows against distances between all bodies: none within reach is missing wherever bodies are, none is listed without need.
+    fn check<B: Space<D>, const D: usize>(space: B, size: f64) {
+        let (bodies, reach, skin) = (400, 0.2, 0.05);
+        let mut list = Neighbours::<D>::new(bodies);
+        let part = |i: usize, d: usize| (1e4 * (1.7 * (D * i + d) as f64).sin()).rem_euclid(1.0) - 0.5;
+        for offset in [0.0, 1e3, -1e9] {
+            let mut places: Vec<[f64; D]> =
+                (0..bodies).map(|i| from_fn(|d| size * part(i, d) + offset)).collect();
+            places[7][D - 1] = 1e300;
+            places[8] = [offset - 1e8; D];
+            assert!(list.renew(&places, &space, reach, skin));
+            let mut near = 0;
+            for i in 0..bodies {
+                let row = list.row(i);
+                assert!(row.is_sorted_by(|a, b| a < b), "{D} coordinates, body {i}: {row:?}");
+                for j in 0..i {
+                    let apart = space.apart(&places[i], &places[j]).iter().map(|x| x * x).sum::<f64>().sqrt();
+                    let listed = row.contains(&(j as u32));
+                    assert!(listed || apart > reach + skin, "{D} coordinates, {i} and {j}, {apart} apart");
+                    let far = apart > (reach + skin) * (1.0 + 1e-9);
+                    assert!(!(listed && far) || list.all || offset != 0.0, "{i} and {j}, {apart} apart");
+                    near += usize::from(!far);
+                }
+            }
+            assert!(near > bodies && (!list.all || B::periods(&space)[0].is_finite()), "{near} pairs");
+        }
+    }
+
+    #[test]
+    fn lists_hold_all_near_pairs_in_any_dimension() {
+        check::<_, 1>(Open, 20.0);
+        check::<_, 2>(Open, 3.0);
+        check::<_, 3>(Open, 1.5);
+        check::<_, 4>(Open, 1.0);
+        check::<_, 6>(Open, 0.6);
+        for period in [0.5, 0.6, 0.9, 2.0] {
+            check(Periodic::new([period]), 40.0);
+            check(Periodic::new([period, f64::INFINITY]), 6.0);
+            check(Periodic::new([2.0 * period, 1.0, f64::INFINITY]), 2.0);
+        }
     }
 }
