@@ -1,4 +1,4 @@
-//! Ten thousand Lennard-Jones atoms on a sphere: at rest at first, they draw together into islands.
+//! Ten thousand Lennard-Jones atoms on a sphere: at rest on a spiral at first, they draw together and grow warm.
 //!
 //! ```text
 //! cargo run --release --example gas      # writes out/gas.html

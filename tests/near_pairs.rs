@@ -6,7 +6,7 @@ use rand::{RngExt, SeedableRng};
 use rattle::Error;
 use rattle::bodies::Many;
 use rattle::effect::{
-    Acting, AlongSurface, BetweenKinds, BetweenNear, BetweenNearKinds, Effect, Effects, Kinds, Moment, Within,
+    Acting, AlongSurface, BetweenKinds, BetweenNear, BetweenNearKinds, Effect, Effects, Moment, Within,
 };
 use rattle::error::PairMistake;
 use rattle::instructions::InstructionSet;
@@ -18,6 +18,7 @@ use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surfaces::{Gyroid, Sphere};
 use std::array::from_fn;
+use std::f64::consts::{PI, TAU};
 
 pair_potential! {
     /// Odd, with a root and a pole.
@@ -46,7 +47,7 @@ fn bits<const D: usize>(vectors: &[[f64; D]]) -> Vec<u64> {
 fn itinerary<const D: usize>(n: usize, far: f64) -> Vec<Vec<[f64; D]>> {
     let mut random = random(D as u64);
     // Some thirty bodies within reach of each.
-    let ball = [2.0, 3.14, 4.19][D - 1];
+    let ball = [2.0, PI, 4.0 / 3.0 * PI][D - 1];
     let size = 0.5 * REACH * (n as f64 / 30.0 * ball).powf(1.0 / D as f64);
     let mut places = vectors::<D>(n, size, &mut random);
     let velocities = vectors::<D>(n, REACH / 20.0, &mut random);
@@ -371,7 +372,7 @@ fn distances_along_a_surface() {
 
 /// A Lennard-Jones gas on the gyroid, of unit period.
 type Gas = Within<LennardJones, Periodic<3>>;
-const GYROID: Gyroid = Gyroid { k: std::f64::consts::TAU, epsilon: 0.0 };
+const GYROID: Gyroid = Gyroid { k: TAU, epsilon: 0.0 };
 const ATOMS: usize = 120;
 
 fn atoms() -> Gas {

@@ -123,7 +123,8 @@ pub(super) fn check_within<P: PairPotential, B: Space<D>, const D: usize>(
         return Err(PairMistake::Skin { what, skin });
     }
     let (periods, reach) = (space.periods(), farther * reach);
-    if let Some(coordinate) = periods.iter().position(|&period| !(period >= 2.0 * reach)) {
+    let serves = |period: &f64| *period >= 2.0 * reach; // not so for NaN
+    if let Some(coordinate) = periods.iter().position(|period| !serves(period)) {
         return Err(PairMistake::Period { what, coordinate, period: periods[coordinate], reach });
     }
     let most = u32::MAX as usize;

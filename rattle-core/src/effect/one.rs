@@ -14,7 +14,7 @@ use std::fmt::Debug;
 ///
 /// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on each body
 /// ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
-/// ([`BetweenPairs`](crate::effect::BetweenPairs)), and a potential `over` chosen bodies among them
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach ([`BetweenNear`](crate::effect::BetweenNear)), and a potential `over` chosen bodies among them
 /// ([`Among`](crate::effect::Among)). An effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",

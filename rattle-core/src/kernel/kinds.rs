@@ -6,7 +6,6 @@ use crate::kernel::within::Within;
 /// Bodies of several kinds, and a potential for every two kinds: one type, each with parameters of its own.
 ///
 /// ```
-/// use rattle::effect::Kinds;
 /// use rattle::potentials::LennardJones;
 /// use rattle::prelude::*;
 ///

@@ -1,9 +1,33 @@
-//! A pair potential as far as a distance, and nothing beyond.
+//! A pair potential as far as a distance, and nothing beyond: U ends by a switch, or less what it is there.
+//!
+//! Sources: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 1.6.3 and 5.3; S. Toxvaerd, J. C. Dyre (2011)
+//! for the potential less its tangent; L. Verlet (1967) for lists.
 
 use crate::kernel::space::{Open, Periodic};
 
 /// A pair potential U between bodies nearer than `reach`, and nothing beyond: made by
 /// [`PairPotential::within`](crate::kernel::PairPotential::within).
+///
+/// **How it ends.** A symplectic method keeps energy without drift where forces are smooth. 120 atoms of Lennard-Jones on a gyroid, of a
+/// kinetic energy of 120 ε, reach 2.5 σ, steps of 0.005 σ √(m/ε); energy errors in ε, means over the last 5 000 of so many steps
+/// (`cargo test --release --test near_pairs -- --ignored --nocapture`):
+///
+/// | ending | 25 000 | 50 000 | 75 000 | 100 000 steps |
+/// |---|---|---|---|---|
+/// | [`shifted`](Self::shifted): the force jumps | −0.190 | −0.196 | −0.184 | −0.167 |
+/// | [`force_shifted`](Self::force_shifted) | −0.171 | −0.171 | −0.170 | −0.170 |
+/// | [`switched`](Self::switched) from 0.95 of the reach | −0.174 | −0.176 | −0.175 | −0.170 |
+/// | from 0.9, which is the default | −0.171 | −0.171 | −0.172 | −0.172 |
+/// | from 0.7 | −0.172 | −0.171 | −0.172 | −0.170 |
+///
+/// All have the error of the method, of second order; the energy of the potential that is only shifted wanders by a tenth of it besides. A
+/// switch leaves U as it is up to where it begins, which is why it is the default; a potential that is zero at its reach by itself, such as
+/// `Wca`, wants `.shifted()`.
+///
+/// **What a step costs**: as many operations as there are near pairs. The list of them is made before the first step, with room for half as many more;
+/// steps do not allocate until bodies crowd beyond that. Where more than a fourth of all pairs are near there is no list. Forces
+/// are sums over partners in the order of their numbers: those of a loop over all pairs to the bit, whatever the skin. Positions that are not finite
+/// give forces that are no numbers. An energy that is asked for makes a list of its own, and allocates. There are no power series (`Taylor`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Within<P, B = Open> {
     pub(crate) potential: P,
