@@ -4,9 +4,10 @@
 //! cargo bench --bench pairs
 //! ```
 //!
-//! A liquid of Lennard-Jones, ρ = 0.8 and T = 1, in a box that repeats itself, with a reach of 2.5 (some 27 near pairs for each
-//! body), and a gas of the same potential on a sphere, 0.4 bodies in a unit of area. Times are of the processor, medians of several runs; the
-//! slope is that of log(time per step) over log(bodies), fitted. The gas of 10 000 is timed without cut-off too, by all pairs.
+//! A liquid of Lennard-Jones, ρ = 0.8 and T = 1, in a box that repeats itself, with a reach of 2.5 (some 27 near pairs
+//! for each body), and a gas of the same potential on a sphere, 0.4 bodies in a unit of area. Times are of the
+//! processor, medians of several runs; the slope is that of log(time per step) over log(bodies), fitted. The gas of 10
+//! 000 is timed without cut-off too, by all pairs.
 
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};

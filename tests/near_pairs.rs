@@ -1,5 +1,5 @@
-//! Forces between near pairs: against plain loops over all pairs, bit for bit, wherever bodies go; cut-offs, kinds and periodic
-//! boxes against their formulas; laws of a gas on a surface that repeats itself; errors.
+//! Forces between near pairs: against plain loops over all pairs, bit for bit, wherever bodies go; cut-offs, kinds and
+//! periodic boxes against their formulas; laws of a gas on a surface that repeats itself; errors.
 
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -42,8 +42,8 @@ fn bits<const D: usize>(vectors: &[[f64; D]]) -> Vec<u64> {
     vectors.iter().flatten().map(|x| x.to_bits()).collect()
 }
 
-/// Bodies that flow, cluster, collapse, fly apart and come back. They move by a twentieth of the reach or so, a fourth of the skin: a
-/// list lasts some moves.
+/// Bodies that flow, cluster, collapse, fly apart and come back. They move by a twentieth of the reach or so, a fourth
+/// of the skin: a list lasts some moves.
 fn itinerary<const D: usize>(n: usize, far: f64) -> Vec<Vec<[f64; D]>> {
     let mut random = random(D as u64);
     // Some thirty bodies within reach of each.
@@ -174,7 +174,8 @@ fn whole_periods_change_nothing() {
             sizes += pull(r).abs() * r;
         }
         let off = (0..3).map(|d| (force[d] - expected[d]).abs()).fold(0.0, f64::max);
-        // A pair rounds by some ε, where it is switched off by as many as the switch is steep: 2r/(reach² − from²) times its slope.
+        // A pair rounds by some ε, where it is switched off by as many as the switch is steep: 2r/(reach² − from²)
+        // times its slope.
         assert!(off <= 1e-14 * sizes && sizes > 0.0, "body {i}: {off:e} of {sizes:e}");
     }
 }
@@ -339,7 +340,8 @@ fn distances_along_a_surface() {
     // d⁶/90 R⁴ and higher terms; of |Δ|² alone it would be 7.5/θ².
     assert!(off.iter().all(|off| (off - 1.0).abs() < 0.05), "{off:?}");
 
-    // On a surface that repeats itself, by a list: forces are the gradient of the energy, and no bit of them is the list's.
+    // On a surface that repeats itself, by a list: forces are the gradient of the energy, and no bit of them is the
+    // list's.
     let n = 60;
     let places = vectors::<3>(n, 1.5, &mut random(9));
     let gas = |skin| Square {}.within(REACH).skin(skin).periodic([1.0; 3]).along(GYROID);
@@ -449,8 +451,9 @@ fn a_gas_on_a_surface_that_repeats_itself() {
     assert_eq!(bits_of(again.positions()), bits_of(usual.positions()));
     assert_eq!(bits_of(cloned.positions()), bits_of(usual.positions()));
 
-    // Eight periods away coordinates are off by 4 ε, and k is 2π but for rounding; what a force is off by is the slope of the force, 10⁴,
-    // times that. In this time, a fifth of that between two atoms that touch, it makes places be off by no more.
+    // Eight periods away coordinates are off by 4 ε, and k is 2π but for rounding; what a force is off by is the slope
+    // of the force, 10⁴, times that. In this time, a fifth of that between two atoms that touch, it makes places be off
+    // by no more.
     let mut elsewhere = scene(atoms()).simulate(start(4), Rattle::new(1e-4)).unwrap();
     let mut here = scene(atoms()).simulate(start(0), Rattle::new(1e-4)).unwrap();
     elsewhere.run(200).unwrap();

@@ -4,8 +4,9 @@
 //! d² = |Δ|² − ⅓ (nᵢ·Δ)(nⱼ·Δ)        Δ = qⱼ − qᵢ,  n = ∇g/|∇g|
 //! ```
 //!
-//! This is the first term of the square of the geodesic distance beyond |Δ|²: on a sphere of radius R, what it is off by is
-//! d⁶/(90 R⁴), where |Δ|² is off by d⁴/(12 R²). Forces are the gradient of the energy that it gives, so that energy is kept:
+//! This is the first term of the square of the geodesic distance beyond |Δ|²: on a sphere of radius R, what it is off
+//! by is d⁶/(90 R⁴), where |Δ|² is off by d⁴/(12 R²). Forces are the gradient of the energy that it gives, so that
+//! energy is kept:
 //!
 //! ```text
 //! ∂d²/∂qⱼ = 2Δ − ⅓ [(nᵢ·Δ) nⱼ + (nⱼ·Δ) nᵢ + (nᵢ·Δ) Dnⱼᵀ Δ]        Dnᵀ = ∇²g (1 − n nᵀ)/|∇g|

@@ -12,7 +12,8 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// The kind of effect that acts between every two bodies, by their kinds, however far: [`Kinds`] of a [`PairPotential`].
+/// The kind of effect that acts between every two bodies, by their kinds, however far: [`Kinds`] of a
+/// [`PairPotential`].
 #[derive(Debug, Clone, Copy)]
 pub struct BetweenKinds;
 

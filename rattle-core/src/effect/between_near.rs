@@ -29,8 +29,8 @@ pub struct BetweenNearKinds;
 
 /// Potentials with cut-offs between every two bodies, over a scalar.
 ///
-/// Doubles go by a [list of near pairs](Neighbours), [several at a time](InstructionSet) where the processor has fused multiply-add;
-/// other scalars go by all pairs.
+/// Doubles go by a [list of near pairs](Neighbours), [several at a time](InstructionSet) where the processor has fused
+/// multiply-add; other scalars go by all pairs.
 #[derive(Debug, Clone)]
 pub struct ActsBetweenNear<L, F, B> {
     laws: L,

@@ -1,11 +1,12 @@
 //! Bodies in the order of cells of space, so that what is near is found near by.
 //!
-//! Cells are cubes, of up to three coordinates, at least as wide as what is looked for reaches. Each has a number, made of its place along
-//! each coordinate, and bodies are sorted by it: memory is that of the bodies, however wide they lie. Cells that follow each
-//! other along the last coordinate follow each other in that order too, so that the cells beside one are few stretches
-//! of bodies, which a loop goes along.
+//! Cells are cubes, of up to three coordinates, at least as wide as what is looked for reaches. Each has a number, made
+//! of its place along each coordinate, and bodies are sorted by it: memory is that of the bodies, however wide they
+//! lie. Cells that follow each other along the last coordinate follow each other in that order too, so that the cells
+//! beside one are few stretches of bodies, which a loop goes along.
 //!
-//! Source: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 5.3.2, with sorted bodies for linked lists.
+//! Source: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 5.3.2, with sorted bodies
+//! for linked lists.
 
 use crate::kernel::space::Space;
 use std::array::from_fn;
@@ -98,8 +99,8 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// Sorts bodies, all in finite places: who is nearer than `reach` is in a cell beside. Where space is closed, the reach is some thousand
-    /// roundings of the largest coordinate at least.
+    /// Sorts bodies, all in finite places: who is nearer than `reach` is in a cell beside. Where space is closed, the
+    /// reach is some thousand roundings of the largest coordinate at least.
     pub(crate) fn sort<B: Space<D>>(&mut self, positions: &[[f64; D]], space: &B, reach: f64) {
         let width = reach * MARGIN;
         self.axes = axes(positions, space, width);
@@ -140,8 +141,8 @@ impl<const D: usize> Cells<D> {
         self.cells[cell].1..self.cells[cell + 1].1
     }
 
-    /// The stretches of bodies in a cell and beside it, and how many there are. Hints are where those of the last cell asked about were, at
-    /// first anything within bounds: the next ones are not far.
+    /// The stretches of bodies in a cell and beside it, and how many there are. Hints are where those of the last cell
+    /// asked about were, at first anything within bounds: the next ones are not far.
     pub(crate) fn beside(
         &self,
         cell: usize,

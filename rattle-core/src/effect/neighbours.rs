@@ -4,11 +4,13 @@
 //! |qᵢ − qⱼ| ≤ reach + skin        where bodies were when the list was made
 //! ```
 //!
-//! As long as no body has moved by more than half of the skin since, every two bodies within reach are in the list (L. Verlet 1967).
-//! It is made anew before it is too short, from [cells](crate::effect::cells), in as many operations as there are near pairs.
+//! As long as no body has moved by more than half of the skin since, every two bodies within reach are in the list (L.
+//! Verlet 1967). It is made anew before it is too short, from [cells](crate::effect::cells), in as many operations as
+//! there are near pairs.
 //!
-//! The row of body i holds its partners j < i in the order of their numbers. A loop over rows, and over partners within reach in each,
-//! goes through the same pairs in the same order whatever the list: sums do not depend on it, not in the last bit.
+//! The row of body i holds its partners j < i in the order of their numbers. A loop over rows, and over partners within
+//! reach in each, goes through the same pairs in the same order whatever the list: sums do not depend on it, not in the
+//! last bit.
 
 use crate::effect::cells::{BLOCK, Cells, STRETCHES};
 use crate::kernel::space::Space;
@@ -41,8 +43,8 @@ pub struct Neighbours<const D: usize> {
 }
 
 impl<const D: usize> Neighbours<D> {
-    /// No list yet, with room for so many bodies. Lists take the room that they need when the first one is made, and half as much
-    /// more; who crowd later have it grow, by half each time.
+    /// No list yet, with room for so many bodies. Lists take the room that they need when the first one is made, and
+    /// half as much more; who crowd later have it grow, by half each time.
     pub(crate) fn new(bodies: usize) -> Self {
         Self {
             made_at: vec![[f64::NAN; D]; bodies],
@@ -78,7 +80,8 @@ impl<const D: usize> Neighbours<D> {
         (0..self.made_at.len()).map(|body| self.row(body).len()).sum()
     }
 
-    /// Makes the list anew if it does not serve at these positions; says whether it does now: not where a position is not finite.
+    /// Makes the list anew if it does not serve at these positions; says whether it does now: not where a position is
+    /// not finite.
     #[inline]
     pub(crate) fn renew<B: Space<D>>(
         &mut self,
@@ -259,7 +262,8 @@ mod tests {
     use super::*;
     use crate::kernel::space::{Open, Periodic};
 
-    /// Rows against distances between all bodies: none within reach is missing wherever bodies are, none is listed without need.
+    /// Rows against distances between all bodies: none within reach is missing wherever bodies are, none is listed
+    /// without need.
     fn check<B: Space<D>, const D: usize>(space: B, size: f64) {
         let (bodies, reach, skin) = (400, 0.2, 0.05);
         let mut list = Neighbours::<D>::new(bodies);

@@ -1,16 +1,16 @@
 //! A pair potential as far as a distance, and nothing beyond: U ends by a switch, or less what it is there.
 //!
-//! Sources: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 1.6.3 and 5.3; S. Toxvaerd, J. C. Dyre (2011)
-//! for the potential less its tangent; L. Verlet (1967) for lists.
+//! Sources: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 1.6.3 and 5.3; S. Toxvaerd,
+//! J. C. Dyre (2011) for the potential less its tangent; L. Verlet (1967) for lists.
 
 use crate::kernel::space::{Open, Periodic};
 
 /// A pair potential U between bodies nearer than `reach`, and nothing beyond: made by
 /// [`PairPotential::within`](crate::kernel::PairPotential::within).
 ///
-/// **How it ends.** A symplectic method keeps energy without drift where forces are smooth. 120 atoms of Lennard-Jones on a gyroid, of a
-/// kinetic energy of 120 ε, reach 2.5 σ, steps of 0.005 σ √(m/ε); energy errors in ε, means over the last 5 000 of so many steps
-/// (`cargo test --release --test near_pairs -- --ignored --nocapture`):
+/// **How it ends.** A symplectic method keeps energy without drift where forces are smooth. 120 atoms of Lennard-Jones
+/// on a gyroid, of a kinetic energy of 120 ε, reach 2.5 σ, steps of 0.005 σ √(m/ε); energy errors in ε, means over the
+/// last 5 000 of so many steps (`cargo test --release --test near_pairs -- --ignored --nocapture`):
 ///
 /// | ending | 25 000 | 50 000 | 75 000 | 100 000 steps |
 /// |---|---|---|---|---|
@@ -20,14 +20,15 @@ use crate::kernel::space::{Open, Periodic};
 /// | from 0.9, which is the default | −0.171 | −0.171 | −0.172 | −0.172 |
 /// | from 0.7 | −0.172 | −0.171 | −0.172 | −0.170 |
 ///
-/// All have the error of the method, of second order; the energy of the potential that is only shifted wanders by a tenth of it besides. A
-/// switch leaves U as it is up to where it begins, which is why it is the default; a potential that is zero at its reach by itself, such as
-/// `Wca`, wants `.shifted()`.
+/// All have the error of the method, of second order; the energy of the potential that is only shifted wanders by a
+/// tenth of it besides. A switch leaves U as it is up to where it begins, which is why it is the default; a potential
+/// that is zero at its reach by itself, such as `Wca`, wants `.shifted()`.
 ///
-/// **What a step costs**: as many operations as there are near pairs. The list of them is made before the first step, with room for half as many more;
-/// steps do not allocate until bodies crowd beyond that. Where more than a fourth of all pairs are near there is no list. Forces
-/// are sums over partners in the order of their numbers: those of a loop over all pairs to the bit, whatever the skin. Positions that are not finite
-/// give forces that are no numbers. An energy that is asked for makes a list of its own, and allocates. There are no power series (`Taylor`).
+/// **What a step costs**: as many operations as there are near pairs. The list of them is made before the first step,
+/// with room for half as many more; steps do not allocate until bodies crowd beyond that. Where more than a fourth of
+/// all pairs are near there is no list. Forces are sums over partners in the order of their numbers: those of a loop
+/// over all pairs to the bit, whatever the skin. Positions that are not finite give forces that are no numbers. An
+/// energy that is asked for makes a list of its own, and allocates. There are no power series (`Taylor`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Within<P, B = Open> {
     pub(crate) potential: P,
@@ -80,41 +81,41 @@ impl<P, B> Within<P, B> {
         Self { ending: Ending::Switched { from }, ..self }
     }
 
-    /// The potential less what it is at the reach, U(r) − U(reach): forces within are those of U. The energy is continuous,
-    /// the force jumps at the reach.
+    /// The potential less what it is at the reach, U(r) − U(reach): forces within are those of U. The energy is
+    /// continuous, the force jumps at the reach.
     #[must_use]
     pub fn shifted(self) -> Self {
         Self { ending: Ending::Shifted, ..self }
     }
 
-    /// The potential less its tangent at the reach, U(r) − U(reach) − (r − reach) U′(reach): energy and force are continuous, and
-    /// the force is everywhere less by that at the reach.
+    /// The potential less its tangent at the reach, U(r) − U(reach) − (r − reach) U′(reach): energy and force are
+    /// continuous, and the force is everywhere less by that at the reach.
     #[must_use]
     pub fn force_shifted(self) -> Self {
         Self { ending: Ending::ForceShifted, ..self }
     }
 
-    /// The list of pairs holds those nearer than reach + `skin`, a length, and is made anew once a body has moved by half
-    /// of the skin: a thick one is made seldom, a thin one holds few pairs. It changes the time that a step takes, and not a bit of
-    /// the forces. If nothing is said, 0.2 of the reach.
+    /// The list of pairs holds those nearer than reach + `skin`, a length, and is made anew once a body has moved by
+    /// half of the skin: a thick one is made seldom, a thin one holds few pairs. It changes the time that a step takes,
+    /// and not a bit of the forces. If nothing is said, 0.2 of the reach.
     #[must_use]
     pub fn skin(self, skin: f64) -> Self {
         Self { skin, ..self }
     }
 
     /// The same in a box that repeats itself after these lengths; `f64::INFINITY` where it does not. Bodies act on the
-    /// nearest image of others, so that the reach is half of a length at most. Positions stay as they are, and may be any number of
-    /// periods away.
+    /// nearest image of others, so that the reach is half of a length at most. Positions stay as they are, and may be
+    /// any number of periods away.
     #[must_use]
     pub fn periodic<const D: usize>(self, periods: [f64; D]) -> Within<P, Periodic<D>> {
         let Self { potential, reach, ending, skin, .. } = self;
         Within { potential, reach, ending, skin, space: Periodic::new(periods) }
     }
 
-    /// The same by distances along this surface of one equation, on which the bodies are, instead of straight ones: to the next order
-    /// in the curvature, see [`effect::along`](crate::effect::along), which serves as long as the reach is less than about a third of
-    /// the radii of curvature. Who is near through space and far along the surface still acts: other parts of the surface must be
-    /// farther than the reach.
+    /// The same by distances along this surface of one equation, on which the bodies are, instead of straight ones: to
+    /// the next order in the curvature, see [`effect::along`](crate::effect::along), which serves as long as the reach
+    /// is less than about a third of the radii of curvature. Who is near through space and far along the surface still
+    /// acts: other parts of the surface must be farther than the reach.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
