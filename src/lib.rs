@@ -108,7 +108,7 @@ pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constrain
 pub mod prelude {
     pub use crate::composition::{Coefficients, Composition, SUZUKI_1990_ORDER_4};
     pub use crate::curvature::Curvature;
-    pub use crate::effect::Over;
+    pub use crate::effect::{Kinds, Over};
     pub use crate::ensemble::{Compensated, Double, Precision, Single};
     pub use crate::guess::{Extrapolated, FromState, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};

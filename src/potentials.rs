@@ -11,6 +11,7 @@
 //! | between chosen bodies | `.with(Spring { … }.over([[0, 1]]))` | [`Spring`], [`InverseDistance`] |
 //! | between bodies by masses or charges | `.with(gravitation(constant, masses))` | [`gravitation`], [`charges`] |
 //! | between every two bodies | `.with(LennardJones { … })` | [`Coulomb`], [`LennardJones`], [`Wca`], [`Morse`], [`Yukawa`], [`Ricker`], [`Gaussian`], [`HarmonicPair`], [`SoftSphere`] |
+//! | between near bodies, of a kind or of several | `.with(LennardJones { … }.within(2.5))`, [`Kinds`](crate::effect::Kinds) | the same |
 //!
 //! Pair potentials depend on the distance alone, so they serve bodies with any number of coordinates. The others here are of
 //! bodies in space; [`planar`] has those of bodies in the plane, by the same names.

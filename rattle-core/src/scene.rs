@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces, With};
 use crate::effect::moment::Moment;
 use crate::effect::one::Effect;
-use crate::error::{Error, NetworkMistake, expect_variables};
+use crate::error::{Error, expect_variables};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::Hold;
@@ -268,15 +268,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         if state.len() != self.count.number() {
             return Err(Error::BodyCount { scene: self.count.number(), state: state.len() });
         }
-        if let Some((what, member, body)) = self.effects.stray(state.len()) {
-            let bodies = state.len();
-            return Err(Error::Network(if body < bodies {
-                NetworkMistake::Repeated { what, member, body }
-            } else {
-                NetworkMistake::NoSuchBody { what, member, body, bodies }
-            }));
-        }
-        self.effects.check(state.len()).map_err(|(effect, mistake)| Error::Effect { effect, mistake })
+        self.effects.check(state.len())
     }
 
     /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a

@@ -22,7 +22,7 @@ pair_potential! {
     /// The potential of Lennard-Jones: repels at short distance, attracts beyond 2^(1/6) `sigma` (Lennard-Jones 1931).
     ///
     /// `sigma` is the distance of U = 0, and `epsilon` the depth of the well, an energy: U = −ε at r = 2^(1/6) σ, where the
-    /// force is zero. There is no cut-off.
+    /// force is zero. There is no cut-off: see `within`.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

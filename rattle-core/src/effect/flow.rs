@@ -3,7 +3,7 @@
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
-use crate::error::EffectMistake;
+use crate::error::{EffectMistake, Error};
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
@@ -189,8 +189,8 @@ impl<F: Flow<D>, const D: usize> Effect<D, Flowing> for F {
         from_fn(|i| ActsByFlow(lane(i).clone()))
     }
 
-    fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
-        Flow::check(self, bodies)
+    fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
+        Flow::check(self, bodies).map_err(|mistake| Error::Effect { effect: what, mistake })
     }
 }
 

@@ -6,7 +6,7 @@ use crate::effect::force::{Absent, Force};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
-use crate::error::EffectMistake;
+use crate::error::Error;
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
@@ -28,17 +28,11 @@ pub trait Effects<const D: usize> {
     where
         Self: 'a;
 
-    /// The first effect that names a body beyond the last one, or a body twice, by the name of its type, its member
-    /// and the body.
-    fn stray(&self, _bodies: usize) -> Option<(&'static str, usize, usize)> {
-        None
-    }
-
-    /// Looks at the parameters of all effects, before a run with so many bodies.
+    /// Says what is wrong with the effects in a scene of so many bodies.
     ///
     /// # Errors
-    /// Which effect, by the name of its type, and what is wrong with it.
-    fn check(&self, _bodies: usize) -> Result<(), (&'static str, EffectMistake)> {
+    /// Those of [`Effect::check`], of the first effect that is wrong.
+    fn check(&self, _bodies: usize) -> Result<(), Error> {
         Ok(())
     }
 }
@@ -181,14 +175,9 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
         Superposed { effect, name: short_name::<P>(), others }
     }
 
-    fn stray(&self, bodies: usize) -> Option<(&'static str, usize, usize)> {
-        let own = self.effect.stray(bodies).map(|(member, body)| (short_name::<P>(), member, body));
-        self.others.stray(bodies).or(own)
-    }
-
-    fn check(&self, bodies: usize) -> Result<(), (&'static str, EffectMistake)> {
+    fn check(&self, bodies: usize) -> Result<(), Error> {
         self.others.check(bodies)?;
-        self.effect.check(bodies).map_err(|mistake| (short_name::<P>(), mistake))
+        self.effect.check(short_name::<P>(), bodies)
     }
 }
 

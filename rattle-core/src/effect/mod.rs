@@ -2,23 +2,30 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`Among`], [`Flowing`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsAmong`], [`ActsByFlow`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Flowing`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsByFlow`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
 
+pub mod along;
 pub mod among;
 pub mod andersen;
+pub mod between_kinds;
+pub mod between_near;
 pub mod between_pairs;
+mod cells;
 pub mod drag;
 pub mod dry_friction;
 pub mod flow;
 pub mod force;
 pub mod langevin;
+pub mod laws;
 pub mod list;
 pub mod magnetic;
 pub mod moment;
+mod near;
+pub mod neighbours;
 pub mod noise;
 pub mod on_each;
 pub mod one;
@@ -26,9 +33,14 @@ pub mod rescaling;
 pub mod swept;
 mod tiles;
 
+pub use crate::kernel::kinds::Kinds;
 pub use crate::kernel::over::Over;
+pub use crate::kernel::within::{Along, Within};
+pub use along::{ActsAlong, AlongSurface};
 pub use among::{ActsAmong, Among};
 pub use andersen::Andersen;
+pub use between_kinds::{ActsBetweenKinds, BetweenKinds};
+pub use between_near::{ActsBetweenNear, BetweenNear, BetweenNearKinds};
 pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
 pub use drag::{LinearDrag, QuadraticDrag};
 pub use dry_friction::DryFriction;

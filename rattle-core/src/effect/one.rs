@@ -4,7 +4,7 @@ use crate::effect::flow::{Interval, Rule};
 use crate::effect::force::Force;
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
-use crate::error::EffectMistake;
+use crate::error::Error;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -15,7 +15,7 @@ use std::fmt::Debug;
 ///
 /// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on each body
 /// ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
-/// ([`BetweenPairs`](crate::effect::BetweenPairs)), and a potential `over` chosen bodies among them
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach ([`BetweenNear`](crate::effect::BetweenNear)), and a potential `over` chosen bodies among them
 /// ([`Among`](crate::effect::Among)). An effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
@@ -34,16 +34,12 @@ pub trait Effect<const D: usize, Kind> {
     where
         Self: 'a;
 
-    /// The first member that names a body beyond the last one, or a body twice, and that body.
-    fn stray(&self, _bodies: usize) -> Option<(usize, usize)> {
-        None
-    }
-
-    /// Looks at the parameters, before a run with so many bodies.
+    /// Says what is wrong with the effect in a scene of so many bodies; `what` is the name of its type. Asked before a run.
     ///
     /// # Errors
-    /// Says which parameter makes no sense.
-    fn check(&self, _bodies: usize) -> Result<(), EffectMistake> {
+    /// [`Error::Network`] for bodies that there are not, [`Error::Pairs`] for a cut-off or a table that makes no sense,
+    /// [`Error::Effect`] for another parameter that makes none.
+    fn check(&self, _what: &'static str, _bodies: usize) -> Result<(), Error> {
         Ok(())
     }
 }

@@ -3,6 +3,7 @@
 mod effect;
 mod network;
 mod numbers;
+mod pairs;
 mod phase;
 mod sizes;
 mod start;
@@ -11,6 +12,7 @@ mod step;
 pub use effect::EffectMistake;
 pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
+pub use pairs::PairMistake;
 pub use phase::PhaseMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
@@ -147,6 +149,9 @@ pub enum Error {
         /// What is wrong with it.
         mistake: EffectMistake,
     },
+    /// Forces between pairs of bodies that make no sense.
+    #[error(transparent)]
+    Pairs(PairMistake),
 
     /// A start that cannot be simulated.
     #[error("start of body {body}: {cause}")]

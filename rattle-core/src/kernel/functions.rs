@@ -11,6 +11,7 @@
 
 use crate::kernel::over::Over;
 use crate::kernel::series::Order;
+use crate::kernel::within::Within;
 use crate::number::real::Real;
 use nalgebra::{SMatrix, SVector};
 use std::array::from_fn;
@@ -280,6 +281,23 @@ pub trait PairPotential: Sized {
     /// U′(r)/r = 2 dU/d(r²): finite at contact for an even potential.
     fn slope_over_distance(&self, r: f64) -> f64 {
         2.0 * self.kernel::<f64>().slope(r * r)
+    }
+
+    /// The potential between bodies nearer than `reach`, a distance, and none beyond: what a scene of many bodies takes, as it
+    /// costs as many operations as there are near pairs. See [`Within`] for how it ends there.
+    ///
+    /// ```
+    /// use rattle::potentials::LennardJones;
+    /// use rattle::prelude::*;
+    ///
+    /// let gas = Scene::points(3).with(LennardJones { epsilon: 1.0, sigma: 1.0 }.within(2.5));
+    /// let start = State::of([[0.0, 0.0], [1.1, 0.0], [9.0, 0.0]]); // the third is out of reach
+    /// let simulation = gas.simulate(start, Rattle::new(1e-3))?;
+    /// assert_eq!(simulation.energy(), LennardJones { epsilon: 1.0, sigma: 1.0 }.value(1.1));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    fn within(self, reach: f64) -> Within<Self> {
+        Within::new(self, reach)
     }
 }
 

@@ -2,14 +2,21 @@
 
 pub mod block;
 pub mod counted;
+pub mod cut_off;
 pub mod functions;
+pub mod kinds;
 pub(crate) mod kinks;
 pub mod over;
 pub mod recurrences;
 pub mod series;
+pub mod space;
+pub mod within;
 
 pub use functions::{
     Constraint, ConstraintKernel, Hamiltonian, HamiltonianKernel, PairKernel, PairPotential, PhaseConstraint,
     PhaseConstraintKernel, Potential, PotentialKernel,
 };
+pub use kinds::Kinds;
 pub use over::Over;
+pub use space::{Open, Periodic, Space};
+pub use within::{Along, Within};

@@ -29,10 +29,12 @@ impl<P, const A: usize> Over<P, A> {
     }
 }
 
-/// The name of a type without paths; of a potential over bodies, that of the potential.
+/// The name of a type without paths; of a potential over bodies, within a reach or by kinds, that of the potential.
 pub(crate) fn short_name<P>() -> &'static str {
-    let name = type_name::<P>();
-    let name = name.split_once("over::Over<").map_or(name, |(_, potential)| potential);
+    let mut name = type_name::<P>();
+    for wrapper in ["over::Over<", "kinds::Kinds<", "within::Along<", "within::Within<"] {
+        name = name.split_once(wrapper).map_or(name, |(_, potential)| potential);
+    }
     let name = name.split(',').next().unwrap_or(name);
     name.split('<').next().and_then(|path| path.rsplit("::").next()).unwrap_or(name)
 }

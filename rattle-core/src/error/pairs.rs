@@ -1,0 +1,111 @@
+//! Forces between pairs of bodies that cannot be set up.
+
+use crate::error::numbers::many;
+
+/// What is wrong with a cut-off, a periodic box or kinds of bodies.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PairMistake {
+    /// A reach that is no length.
+    #[error(
+        "the reach of {what} is {reach}, and must be positive, with a square that is neither 0 nor infinite"
+    )]
+    Reach {
+        /// The type of the potential.
+        what: &'static str,
+        /// The reach.
+        reach: f64,
+    },
+    /// A potential that is no number where it is cut off.
+    #[error("{what} is {value} at its reach {reach}: nothing can be taken from it there")]
+    Value {
+        /// The type of the potential.
+        what: &'static str,
+        /// The reach.
+        reach: f64,
+        /// U or U′ there.
+        value: f64,
+    },
+    /// A switch that does not begin between contact and the reach.
+    #[error("{what} is switched off from {from} on, which must be 0 or more and less than its reach {reach}")]
+    Switch {
+        /// The type of the potential.
+        what: &'static str,
+        /// Where the switch begins.
+        from: f64,
+        /// The reach.
+        reach: f64,
+    },
+    /// A skin that is no length.
+    #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.2 of the reach serves most")]
+    Skin {
+        /// The type of the potential.
+        what: &'static str,
+        /// The skin.
+        skin: f64,
+    },
+    /// A box too small for its reach, or of no size.
+    #[error(
+        "{what} reaches as far as {reach}, and its box repeats itself after {period} along coordinate {coordinate}: a period \
+         must be at least twice the reach, or infinite where there is none"
+    )]
+    Period {
+        /// The type of the potential.
+        what: &'static str,
+        /// Which coordinate, counted from 0.
+        coordinate: usize,
+        /// The period.
+        period: f64,
+        /// The reach.
+        reach: f64,
+    },
+    /// A table that is not of every two kinds.
+    #[error("{what}: a table of k kinds has k (k + 1)/2 potentials, that is 1, 3, 6, 10, …; found {size}")]
+    Table {
+        /// The type of the potential.
+        what: &'static str,
+        /// Its potentials.
+        size: usize,
+    },
+    /// A body of a kind that is not in the table.
+    #[error(
+        "{what}: body {body} is of kind {kind}, and the table is of {}, counted from 0",
+        many(*kinds, "kind", "kinds")
+    )]
+    NoSuchKind {
+        /// The type of the potential.
+        what: &'static str,
+        /// Which body.
+        body: usize,
+        /// Its kind.
+        kind: usize,
+        /// Kinds that there are.
+        kinds: usize,
+    },
+    /// Kinds of another number of bodies.
+    #[error("{what}: {} given for {}", many(*kinds, "kind was", "kinds were"), many(*bodies, "body", "bodies"))]
+    KindCount {
+        /// The type of the potential.
+        what: &'static str,
+        /// Kinds given.
+        kinds: usize,
+        /// Bodies of the scene.
+        bodies: usize,
+    },
+    /// Potentials of one table in different boxes.
+    #[error("{what}: all potentials of a table are in one box; `Kinds::periodic` puts them there")]
+    Boxes {
+        /// The type of the potential.
+        what: &'static str,
+    },
+    /// More bodies than lists of pairs can number.
+    #[error("{what}: lists of near pairs number {most} bodies at most; here are {bodies}")]
+    TooMany {
+        /// The type of the potential.
+        what: &'static str,
+        /// Bodies of the scene.
+        bodies: usize,
+        /// As many as can be numbered.
+        most: usize,
+    },
+}
