@@ -6,6 +6,7 @@
 //! | abs(x)^3, x abs(x), max(x, 0)^2, a capsule, c g with another c | the curvature or the scale jumps | goes on |
 //! | rods by sums of sides, in a chain, moving | as on surfaces | an error that names the link |
 //! | potentials abs(x) | the force jumps | goes on, energy to first order |
+//! | octahedron, roof, `over_kinks` | the same | the straight line on the net laid out in the plane, energy, to rounding |
 
 mod common;
 use common::*;
@@ -17,6 +18,7 @@ use rattle::ensemble::{Double, Precision, Single};
 use rattle::error::StepFailure;
 use rattle::kernel::ConstraintKernel;
 use rattle::prelude::*;
+use rattle::system::System;
 
 constraint! {
     /// Two planes that meet in a ridge.
@@ -24,9 +26,9 @@ constraint! {
     |x, _y, z| z + slope * abs(x)
 }
 constraint! {
-    /// The octahedron.
-    struct Octahedron { r }
-    |x, y, z| abs(x) + abs(y) + abs(z) - r
+    /// The octahedron (a = b = 1, c = 1, d = 0), a roof (a = 1/2, b = c = 0, d = 1).
+    struct Faces { a, b, c, d, r }
+    |x, y, z| a * abs(x) + b * abs(y) + c * abs(z) + d * z - r
 }
 constraint! {
     /// The cube.
@@ -43,6 +45,9 @@ constraint! {
     struct Ramp { slope }
     |x, y, z| { let across = x + y; if across < 1 { z } else { z - slope * (across - 1) } }
 }
+
+const OCTAHEDRON: Faces = Faces { a: 1.0, b: 1.0, c: 1.0, d: 0.0, r: 1.0 };
+const ROOF: Faces = Faces { a: 0.5, b: 0.0, c: 0.0, d: 1.0, r: 0.0 };
 
 /// The step that failed, its argument, the share of the step and the angle by which the normal turns, in degrees.
 fn kink(error: Error) -> (u64, &'static str, f64, f64) {
@@ -81,7 +86,7 @@ fn the_step_across_a_ridge_is_an_error() {
 
 /// Flat sides, ways straight: until the error energy is kept to rounding, however the edges are met.
 fn ends_at_an_edge<C: Constraint<3, 1> + Copy + 'static>(surface: C, arguments: &[&str], degrees: f64) {
-    let (scene, mut random) = (Scene::on(surface), StdRng::seed_from_u64(4));
+    let (scene, mut random) = (Scene::on(surface).with(Gravity { g: 0.0 }), StdRng::seed_from_u64(4));
     let mut ended = 0;
     while ended < 200 {
         let mut draw = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
@@ -98,7 +103,7 @@ fn ends_at_an_edge<C: Constraint<3, 1> + Copy + 'static>(surface: C, arguments: 
 
 #[test]
 fn edges_of_polyhedra_are_errors() {
-    ends_at_an_edge(Octahedron { r: 1.0 }, &["x", "y", "z"], (1.0_f64 / 3.0).acos().to_degrees());
+    ends_at_an_edge(OCTAHEDRON, &["x", "y", "z"], (1.0_f64 / 3.0).acos().to_degrees());
     ends_at_an_edge(Cube { r: 1.0 }, &["abs(x) - abs(y)", "max(abs(x), abs(y)) - abs(z)"], 90.0);
 }
 
@@ -365,5 +370,108 @@ fn smooth_constraints_have_no_list() {
     assert_eq!(listed(&SURFACE), 0);
     assert_eq!(listed(&TorusByDistance { major: 2.0, minor: 1.0 }), 0);
     assert_eq!(listed(&Roof { slope: 0.5 }), 1);
-    assert_eq!(listed(&Octahedron { r: 0.5 }), 3);
+    assert_eq!(listed(&OCTAHEDRON), 3);
+}
+
+fn on_faces(
+    surface: Faces,
+    g: f64,
+    [q, p]: [[f64; 3]; 2],
+    h: f64,
+) -> Simulation<impl System<f64, 3, Count = rattle::bodies::One>, Rattle, 3> {
+    let scene = Scene::on(surface).with(Gravity { g });
+    let start = scene.project(&State::at(q).moving(p)).unwrap();
+    scene.simulate(start, Rattle::new(h)).unwrap().over_kinks().unwrap()
+}
+
+/// A straight line on the net of the octahedron, laid out triangle by triangle: the third corner of the next one is opposite to that of
+/// the last. No normal is looked at.
+struct Net {
+    /// The corners of the face in space, and in the plane.
+    face: [([f64; 3], [f64; 2]); 3],
+    at: [f64; 2],
+    way: [f64; 2],
+    edges: u64,
+}
+
+impl Net {
+    fn new(q: [f64; 3], v: [f64; 3]) -> Self {
+        let corner = |i: usize| std::array::from_fn(|k| if k == i { q[i].signum() } else { 0.0 });
+        let flat = [[0.0, 0.0], [2_f64.sqrt(), 0.0], [0.5_f64.sqrt(), 1.5_f64.sqrt()]];
+        let face = [0, 1, 2].map(|i| (corner(i), flat[i]));
+        let lay = |x: [f64; 3]| [0, 1].map(|k| (0..3).map(|i| x[i].abs() * flat[i][k]).sum());
+        let at = lay(q);
+        // Along the face the sum of the barycentric coordinates does not change.
+        let way = [0, 1].map(|k| (0..3).map(|i| v[i] * q[i].signum() * flat[i][k]).sum());
+        Self { face, at, way, edges: 0 }
+    }
+
+    /// Barycentric coordinates.
+    fn shares(&self, x: [f64; 2]) -> [f64; 3] {
+        let [a, b, c] = self.face.map(|corner| corner.1);
+        let area = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        let whole = area(a, b, c);
+        [area(x, b, c) / whole, area(a, x, c) / whole, area(a, b, x) / whole]
+    }
+
+    /// The place in space at this time; times must not go back.
+    fn place(&mut self, t: f64) -> [f64; 3] {
+        let x = [0, 1].map(|k| self.at[k] + t * self.way[k]);
+        loop {
+            // The edge through which the line leaves: the first of the shares to become negative.
+            let (now, then) = (self.shares(self.at), self.shares(x));
+            let left = (0..3).filter(|&i| then[i] < 0.0 && then[i] < now[i]);
+            let time = |i: usize| now[i] / (now[i] - then[i]);
+            let Some(i) = left.min_by(|&i, &j| time(i).total_cmp(&time(j))) else { break };
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let flat = [0, 1].map(|d| self.face[j].1[d] + self.face[k].1[d] - self.face[i].1[d]);
+            self.face[i] = (self.face[i].0.map(|x| -x), flat);
+            self.edges += 1;
+        }
+        let shares = self.shares(x);
+        std::array::from_fn(|d| (0..3).map(|i| shares[i] * self.face[i].0[d]).sum())
+    }
+}
+
+#[test]
+fn over_the_edges_of_an_octahedron_the_way_is_straight() {
+    for (h, way) in [(0.01, [0.31, 0.47, -0.2]), (0.7, [-0.11, 0.9, 0.23])] {
+        let mut particle = on_faces(OCTAHEDRON, 0.0, [[0.2, 0.3, 0.5], way], h);
+        let mut net = Net::new(particle.position().into(), particle.momentum().into());
+        for _ in 0..(100.0 / h) as u32 {
+            particle.step().unwrap();
+            let off = distance(particle.position(), net.place(particle.time()));
+            assert!(off < 1e-12, "h = {h}, t = {}: {off:e}", particle.time());
+        }
+        assert_eq!(particle.events(), net.edges);
+        assert!(net.edges > 40);
+    }
+}
+
+#[test]
+fn over_ten_thousand_edges_energy_is_kept() {
+    let mut particle = on_faces(OCTAHEDRON, 0.0, [[0.2, 0.3, 0.5], [0.83, 0.31, 0.2]], 0.4);
+    particle.run_while(1_000_000, |now| now.events() < 10_000).unwrap();
+    println!("{} steps, energy {:e}", particle.steps(), particle.energy_error());
+    assert!(particle.energy_error().abs() < 1e-13 && particle.constraint_residual() < 1e-14);
+    // Under gravity: parabolas on the faces, which the method follows exactly.
+    for (surface, g) in [(OCTAHEDRON, 0.2), (ROOF, -0.5)] {
+        let mut particle = on_faces(surface, g, [[-0.4, 0.1, 0.4], [0.3, 0.2, 0.1]], 0.03);
+        particle.run_while(100_000, |now| now.events() < 500).unwrap();
+        assert!(particle.energy_error().abs() < 1e-13, "{:e}", particle.energy_error());
+    }
+}
+
+#[test]
+fn without_being_asked_an_edge_is_an_error() {
+    let scene = Scene::on(ROOF).with(Gravity { g: -0.5 });
+    let start = scene.project(&State::at([-0.4, 0.1, 0.4]).moving([0.3, 0.2, 0.1])).unwrap();
+    let error = scene.simulate(start.clone(), Rattle::new(0.03)).unwrap().run(1000).unwrap_err();
+    assert!(error.to_string().contains("`over_kinks`"), "{error}");
+    let staggered =
+        scene.simulate(scene.staggered(&start, &Shake::new(0.03)).unwrap(), Shake::new(0.03)).unwrap();
+    let error = staggered.over_kinks().map(|_| ()).unwrap_err();
+    assert!(matches!(error, Error::NoEvents { who: "SHAKE", .. }), "{error}");
 }

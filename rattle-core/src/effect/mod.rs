@@ -6,7 +6,8 @@
 //! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsByFlow`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
-//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
+//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are [`Contacts`], which a
+//! simulation takes and a scene does not know.
 
 pub mod along;
 pub mod among;
@@ -15,10 +16,12 @@ pub mod between_kinds;
 pub mod between_near;
 pub mod between_pairs;
 mod cells;
+pub mod contact;
 pub mod drag;
 pub mod dry_friction;
 pub mod flow;
 pub mod force;
+pub mod hard_spheres;
 pub mod langevin;
 pub mod laws;
 pub mod list;
@@ -30,6 +33,7 @@ pub mod noise;
 pub mod on_each;
 pub mod one;
 pub mod rescaling;
+pub mod stop;
 pub mod swept;
 mod tiles;
 
@@ -42,10 +46,12 @@ pub use andersen::Andersen;
 pub use between_kinds::{ActsBetweenKinds, BetweenKinds};
 pub use between_near::{ActsBetweenNear, BetweenNear, BetweenNearKinds};
 pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
+pub use contact::{Contacts, Gradient};
 pub use drag::{LinearDrag, QuadraticDrag};
 pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing, Inertia, Interval, Rule};
 pub use force::{Absent, Force};
+pub use hard_spheres::HardSpheres;
 pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};
 pub use magnetic::MagneticField;
@@ -54,4 +60,5 @@ pub use noise::Noise;
 pub use on_each::{ActsOnEach, OnEach, SweptOnEach};
 pub use one::{Acting, Effect};
 pub use rescaling::VelocityRescaling;
+pub use stop::Stop;
 pub use swept::Swept;

@@ -103,6 +103,36 @@ pub enum Error {
         bins: usize,
     },
 
+    /// A restitution that is not between 0 and 1.
+    #[error("a restitution is a number from 0 to 1, found {0}")]
+    Restitution(f64),
+
+    /// A diameter that is not a positive number.
+    #[error("a diameter is a positive number, found {0}")]
+    Diameter(f64),
+
+    /// Bodies that overlap where contacts are named.
+    #[error(
+        "bodies {bodies:?} are beyond the contact `{contact}` by {:.1e} when it is named; start where its gap is positive", -gap
+    )]
+    Overlap {
+        /// The contact.
+        contact: &'static str,
+        /// Its bodies.
+        bodies: Vec<usize>,
+        /// Its gap, negative.
+        gap: f64,
+    },
+
+    /// Events asked of a method or system whose steps cannot be taken apart at them.
+    #[error("{who} cannot be stopped at events: {why}; see `Simulation::collide`")]
+    NoEvents {
+        /// The method or the kind of system.
+        who: &'static str,
+        /// Why not.
+        why: &'static str,
+    },
+
     /// A composition whose coefficients do not add up to 1, or are not symmetric.
     #[error("the coefficients of {name} must be symmetric and add up to 1; their sum is {sum}")]
     Coefficients {

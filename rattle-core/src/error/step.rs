@@ -337,7 +337,8 @@ pub enum StepFailure {
     /// The normal of a constraint jumps on the way: what the momentum becomes there Newton's laws do not say.
     #[error(
         "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \
-         has none, such as sqrt(x^2 + eps^2) for abs(x), or go around it", constraint(equation.as_deref()), jumps(*angle, *gap)
+         has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or let \
+         `over_kinks` take the momentum over the edge", constraint(equation.as_deref()), jumps(*angle, *gap)
     )]
     Kink {
         /// What changes its sign, as in the constraint's expression.
@@ -352,6 +353,21 @@ pub enum StepFailure {
         angle: f64,
         /// How far the surface jumps, to first order.
         gap: f64,
+    },
+    /// There is no end of impacts within a step: bodies have come to rest on each other, or on a wall.
+    #[error(
+        "the contact `{contact}` of bodies {bodies:?} stays closed after {impacts} more impacts within the step (restitution {restitution}):          what rests \
+         there must be held by a link from here on, or be left out"
+    )]
+    Rests {
+        /// The contact.
+        contact: &'static str,
+        /// Its bodies.
+        bodies: Vec<usize>,
+        /// Impacts so far within the step.
+        impacts: u64,
+        /// The restitution.
+        restitution: f64,
     },
     /// The constraint function is NaN or infinite where the solver evaluated it.
     #[error(

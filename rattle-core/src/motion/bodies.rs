@@ -89,7 +89,7 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub p_low: N::Of<[T; D]>,
     /// The time; only a system with moving constraints looks at it.
     pub time: f64,
-    /// Work done by moving constraints and by flows of momenta since the start.
+    /// Work done by moving constraints, by flows of momenta and by impacts since the start.
     pub work: T,
     /// When random numbers are drawn; only flows look at it.
     pub(crate) noise: Noise,

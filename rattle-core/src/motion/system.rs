@@ -237,6 +237,12 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
+    /// Writes ∇g of the equation of which [`check_kinks`](Self::check_kinks) said that its normal jumps, at the present places, of every
+    /// body; a system that says so says this too.
+    fn kinked_normal(&self, _bodies: &BodiesOf<Self, T, D>, _kink: &Failure, normal: &mut [[T; D]]) {
+        normal.fill([T::from_f64(0.0); D]);
+    }
+
     /// Looks whether a step of length h has passed a singular point. A system that has none says nothing.
     ///
     /// # Errors

@@ -59,6 +59,7 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
     fn potential_energy(&self) -> f64;
     fn energy_error(&self) -> f64;
     fn work(&self) -> f64;
+    fn events(&self) -> u64;
     fn residuals(&self) -> Vec<f64>;
     fn constraint_residual(&self) -> f64;
     fn cotangent_residual(&self) -> f64;
@@ -113,6 +114,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     }
     fn work(&self) -> f64 {
         self.work()
+    }
+    fn events(&self) -> u64 {
+        self.events()
     }
     fn residuals(&self) -> Vec<f64> {
         self.residuals()
@@ -270,6 +274,12 @@ impl<const D: usize> BoxedSimulation<D> {
     #[must_use]
     pub fn work(&self) -> f64 {
         self.0.work()
+    }
+
+    /// Impacts and passages over edges since the start, see [`Simulation::events`].
+    #[must_use]
+    pub fn events(&self) -> u64 {
+        self.0.events()
     }
 
     /// g(q, t) of each equation, in the unit of g.

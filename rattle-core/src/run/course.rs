@@ -20,7 +20,7 @@ const ROUNDINGS: f64 = 64.0;
 
 /// Looks at a whole step of a method.
 #[inline(always)]
-pub(super) fn check<S: Method, Y: System<f64, D>, const D: usize>(
+pub(in crate::run) fn check<S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,
     system: &Y,
     steps: u64,

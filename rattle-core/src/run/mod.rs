@@ -3,8 +3,12 @@
 mod begin;
 pub mod bill;
 pub mod boxed;
+mod collide;
 mod course;
 pub mod ensemble;
+pub(crate) mod events;
 mod readings;
+mod seldom;
 pub mod simulation;
+mod trouble;
 pub mod watch;

@@ -122,10 +122,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, and by
-    /// [flows](crate::effect::Flow) of momenta; 0 where there are none.
+    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, by
+    /// [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0 where there are none.
     pub fn work(&self) -> f64 {
         self.bodies.work
+    }
+
+    /// Impacts and passages over edges since the start, see [`collide`](Self::collide) and [`over_kinks`](Self::over_kinks).
+    pub fn events(&self) -> u64 {
+        self.events.as_ref().map_or(0, |events| events.number)
     }
 
     /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the

@@ -9,12 +9,15 @@ use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
 use crate::motion::state::{Remembered, State};
 use crate::motion::stir::step;
-use crate::motion::system::{BodiesOf, System};
-use crate::motion::witness::{Hears, Whoever, Witness};
+use crate::motion::system::System;
+use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::later;
 use crate::number::vector::add_scaled;
 use crate::run::begin::no_way_back;
 use crate::run::course::check;
+use crate::run::events::{Events, Stretch};
+use crate::run::seldom::seldom;
+use crate::run::trouble::Trouble;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use std::fmt;
@@ -46,6 +49,10 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     halving: Option<Halving<Y, S, D>>,
     /// If every step is to be taken back and compared.
     reversal: Option<Box<Reversal<Y, S, D>>>,
+    /// What is to happen inside steps.
+    pub(super) events: Option<Box<Events<Y, S, D>>>,
+    /// Whether there is reversal or are events, in one look for each step.
+    pub(super) goes_again: bool,
 }
 
 /// How often a step that cannot be taken is halved, and what takes it in parts: compiled for those who ask for it.
@@ -60,41 +67,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Copy for Halving<Y, S, D> {}
 impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
     fn clone(&self) -> Self {
         *self
-    }
-}
-
-/// Why a step is not taken as it is.
-enum Trouble {
-    Refused(Error),
-    Failed(Failure),
-    NotReversed { body: usize, off: f64, tolerance: f64 },
-}
-
-impl Trouble {
-    /// The error that tells of it, of a step that was halved so often.
-    fn told(self, step: u64, time: f64, halvings: u32) -> Error {
-        match (self, halvings) {
-            (Self::Refused(error), _) => error,
-            (Self::Failed(Failure { body, cause }), 0) => Error::Step { step, time, body, cause },
-            (Self::Failed(Failure { body, cause }), _) => {
-                Error::Retried { step, time, body, halvings, cause }
-            }
-            (Self::NotReversed { body, off, tolerance }, _) => {
-                Error::NotReversed { step, time, body, off, tolerance }
-            }
-        }
-    }
-}
-
-impl From<Error> for Trouble {
-    fn from(error: Error) -> Self {
-        Self::Refused(error)
-    }
-}
-
-impl From<Failure> for Trouble {
-    fn from(failure: Failure) -> Self {
-        Self::Failed(failure)
     }
 }
 
@@ -132,7 +104,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let memory_before = memory.clone();
         let start_energy = system.kinetic_energy(&bodies) + system.potential_energy(&bodies);
-        let (steps, halving, reversal) = (0, None, None);
+        let (steps, halving, reversal, events) = (0, None, None, None);
         Ok(Self {
             system,
             method,
@@ -147,6 +119,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             start_energy,
             halving,
             reversal,
+            events,
+            goes_again: false,
         })
     }
 
@@ -202,6 +176,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let (after, blank) = (self.before.clone(), memory.clone());
         self.reversal =
             Some(Box::new(Reversal { take: Self::take_back, tolerance, backwards, after, blank, memory }));
+        self.goes_again = true;
         Ok(self)
     }
 
@@ -360,11 +335,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
                     self.clock = later(self.clock, (taken, 0.0));
                 }
-                if let Err(trouble) = self.compare(1) {
-                    self.take_in_parts(trouble, witness)?;
+                if self.goes_again {
+                    self.go_again(Ok(()), witness)?;
                 }
             }
-            Err(failure) => self.take_in_parts(Trouble::Failed(failure), witness)?,
+            Err(failure) => self.go_again(Err(failure), witness)?,
         }
         self.steps += 1;
         if self.system.moves_with_time() {
@@ -374,9 +349,50 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes the step in trouble in parts, as often halved as is allowed.
+    /// Takes the step just made apart where something happens inside it, back, or in parts.
     #[cold]
     #[inline(never)]
+    fn go_again(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
+        if self.events.is_some() {
+            return self.meet(stepped, witness);
+        }
+        match stepped.map_err(Trouble::from).and_then(|()| self.compare(1)) {
+            Ok(()) => Ok(()),
+            Err(trouble) => self.take_in_parts(trouble, witness),
+        }
+    }
+
+    /// Takes the step just made apart where something happens inside it.
+    fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
+        let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
+        let Events { meet, search, start, aside, .. } = events;
+        self.before.save(start);
+        let halving = self.halving.filter(|_| stepped.is_err());
+        let halvings = halving.map_or(0, |halving| halving.most);
+        let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
+        let (steps, divided) = (self.steps, false);
+        let mut stretch = Stretch { system, method, bodies, start, aside, witness, steps, halvings, divided };
+        let met = meet(search, &mut stretch, stepped.map_err(Trouble::from));
+        let divided = stretch.divided;
+        match met {
+            Ok(number) => {
+                events.number += number;
+                if divided {
+                    self.memory = self.method.memory(view(&self.method, &self.system)?, &self.bodies);
+                } else if let Err(trouble) = self.compare(1) {
+                    return self.take_in_parts(trouble, witness);
+                }
+                Ok(())
+            }
+            Err(mut trouble) => {
+                self.put_back();
+                self.explain(&mut trouble);
+                Err(trouble.told(self.steps + 1, self.time(), halvings))
+            }
+        }
+    }
+
+    /// Takes the step in trouble in parts, as often halved as is allowed.
     fn take_in_parts(&mut self, mut trouble: Trouble, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
         let clock = self.clock;
         self.put_back();
@@ -393,12 +409,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 self.put_back();
             }
         }
-        if let Trouble::Failed(failure) = &mut trouble
-            && !matches!(failure.cause, StepFailure::StepTooLong { .. } | StepFailure::OutOfScale { .. })
+        self.explain(&mut trouble);
+        Err(trouble.told(self.steps + 1, self.time(), most))
+    }
+
+    /// Where bodies could not be moved for a reason that a kink can have, looks for one.
+    fn explain(&mut self, trouble: &mut Trouble) {
+        if let Trouble::Failed(failure) = trouble
+            && !matches!(
+                failure.cause,
+                StepFailure::StepTooLong { .. } | StepFailure::OutOfScale { .. } | StepFailure::Rests { .. }
+            )
         {
             self.look_for_kinks(failure);
         }
-        Err(trouble.told(self.steps + 1, self.time(), most))
     }
 
     /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
@@ -473,19 +497,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-/// A step that is seldom taken, in one place.
-#[cold]
-#[inline(never)]
-fn seldom<Y: System<f64, D>, S: Method, const D: usize>(
-    method: &S,
-    system: &Y,
-    bodies: &mut BodiesOf<Y, f64, D>,
-    memory: &mut [f64],
-    witness: &mut dyn Hears<f64>,
-) -> Result<(), Trouble> {
-    Ok(step(method, view(method, system)?, system, bodies, memory, &mut Whoever(witness))?)
-}
-
 /// The larger one; NaN if one is.
 fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
@@ -513,6 +524,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Simulation<Y, S, D>
             memory: self.memory.clone(),
             memory_before: self.memory_before.clone(),
             reversal: self.reversal.clone(),
+            events: self.events.clone(),
             ..*self
         }
     }

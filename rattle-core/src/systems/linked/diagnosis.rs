@@ -180,6 +180,26 @@ pub(crate) fn kinked<const D: usize>(group: &dyn Group<D>, member: usize, kink: 
     Failure::of_kink(kink, body, Some(Box::new(EquationAt { link, member, equation, of, bodies })))
 }
 
+/// Writes ∇g of this equation for its bodies, if it is one of this group.
+pub(crate) fn gradient<const D: usize>(
+    group: &dyn Group<D>,
+    equation: &EquationAt,
+    time: f64,
+    q: &[[f64; D]],
+    normal: &mut [[f64; D]],
+) {
+    let ((touched, arity), of, member) = (group.bodies(), group.equations(), equation.member);
+    let bodies = touched.get(member * arity..(member + 1) * arity);
+    if group.name() != equation.link || bodies != Some(&equation.bodies[..]) || of != equation.of {
+        return;
+    }
+    let (mut g, mut blocks, mut rates) = (vec![0.0; of], vec![[0.0; D]; of * arity], vec![0.0; of]);
+    group.gradients(member..member + 1, time, q, &mut g, &mut blocks, &mut rates);
+    for (body, block) in equation.bodies.iter().zip(&blocks[equation.equation * arity..]) {
+        normal[*body] = *block;
+    }
+}
+
 /// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.
 fn acting_share<const D: usize>(shape: &Shape<D>, c: usize, row: usize, blocks: &[[f64; D]]) -> f64 {
     let rows = &shape.components[c].rows;

@@ -18,7 +18,7 @@ use crate::solve::aim::{Aim, Pace};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::Course;
 use crate::solve::stop::NOISE;
-use crate::systems::linked::diagnosis::kinked;
+use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -324,6 +324,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             }
         }
         Ok(())
+    }
+
+    fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {
+        normal.fill([0.0; D]);
+        let StepFailure::Kink { equation: Some(equation), .. } = &kink.cause else { return };
+        for group in &self.shape.groups {
+            gradient(&**group, equation, bodies.time, bodies.q.as_ref(), normal);
+        }
     }
 
     fn equations(&self) -> usize {

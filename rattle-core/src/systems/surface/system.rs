@@ -219,6 +219,11 @@ where
         Ok(())
     }
 
+    fn kinked_normal(&self, bodies: &BodiesOf<N, T, F, D>, kink: &Failure, normal: &mut [[T; D]]) {
+        normal.fill([T::from_f64(0.0); D]);
+        normal[kink.body] = bodies.kept.normal.as_ref()[kink.body].gradient;
+    }
+
     #[inline(always)]
     fn check_normals(
         &self,

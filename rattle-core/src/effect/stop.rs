@@ -1,0 +1,110 @@
+//! Walls, slack strings, joint limits: an inequality instead of an equation, by any function that `constraint!` makes.
+
+use crate::effect::contact::{Contacts, Gradient, check_members, check_restitution};
+use crate::error::{Error, expect_variables};
+use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::kernel::over::short_name;
+use std::array::from_fn;
+use std::fmt;
+
+/// A unilateral constraint, g ≥ 0 or g ≤ 0: a wall for each body, or a link of several bodies that holds on one side.
+///
+/// ```text
+/// gap = g(q) or −g(q)                 in the unit of g
+///
+/// Stop::above(Plane { … })            every body stays where g ≥ 0: a floor
+/// Stop::below(Sphere { r: 1.0 })      every body stays where g ≤ 0: a box
+/// Stop::below(Rod { length: 1.0 }).over([[0, 1]])      a string, at most so long
+/// ```
+///
+/// ```
+/// use rattle::{effect::Stop, potentials::planar::Gravity, prelude::*};
+///
+/// constraint! { struct Floor {} |_x, y| y }
+///
+/// let start = State::at([0.0, 0.5]).moving([0.3, 0.0]);
+/// let falling = Scene::point().with(Gravity { g: 1.0 }).simulate(start, Rattle::new(0.01))?;
+/// let mut ball = falling.collide(Stop::above(Floor {}).restitution(0.5))?;
+/// ball.run(200)?; // down for t = 1, then up from y = 0 with v = 0.5 for t = 1
+/// assert!(ball.position().y.abs() < 1e-14 && ball.energy_error().abs() < 1e-14);
+/// assert!((ball.work() + 0.375).abs() < 1e-14); // three quarters of the energy went into the floor
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Stop<X, const K: usize, const A: usize> {
+    name: &'static str,
+    kernel: X,
+    /// 1 where g stays above zero, −1 where below.
+    side: f64,
+    /// The bodies of each; of every body by itself, if none are named.
+    members: Option<Vec<[usize; A]>>,
+    restitution: f64,
+}
+
+impl Stop<(), 0, 0> {
+    /// Motion stays where g ≥ 0, for every body; elastic.
+    pub fn above<C: Constraint<K, 1>, const K: usize>(constraint: C) -> Stop<C::Kernel<f64>, K, 1> {
+        of(&constraint, 1.0)
+    }
+
+    /// Motion stays where g ≤ 0, for every body; elastic.
+    pub fn below<C: Constraint<K, 1>, const K: usize>(constraint: C) -> Stop<C::Kernel<f64>, K, 1> {
+        of(&constraint, -1.0)
+    }
+}
+
+fn of<C: Constraint<K, 1>, const K: usize>(constraint: &C, side: f64) -> Stop<C::Kernel<f64>, K, 1> {
+    Stop { name: short_name::<C>(), kernel: constraint.kernel(), side, members: None, restitution: 1.0 }
+}
+
+impl<X, const K: usize, const A: usize> Stop<X, K, A> {
+    /// The same over these members: g is a function of the coordinates of their bodies in turn.
+    pub fn over<const B: usize>(self, members: impl IntoIterator<Item = [usize; B]>) -> Stop<X, K, B> {
+        let Self { name, kernel, side, restitution, .. } = self;
+        Stop { name, kernel, side, members: Some(members.into_iter().collect()), restitution }
+    }
+
+    /// The same with this restitution, 0 to 1.
+    #[must_use]
+    pub fn restitution(self, restitution: f64) -> Self {
+        Self { restitution, ..self }
+    }
+
+    fn bodies(&self, contact: usize) -> [usize; A] {
+        self.members.as_ref().map_or([contact; A], |members| members[contact])
+    }
+}
+
+impl<X, const K: usize, const A: usize> fmt::Debug for Stop<X, K, A> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} 0", self.name, if self.side > 0.0 { '≥' } else { '≤' })
+    }
+}
+
+impl<X: ConstraintKernel<f64, K, 1>, const D: usize, const K: usize, const A: usize> Contacts<D>
+    for Stop<X, K, A>
+{
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn restitution(&self) -> f64 {
+        self.restitution
+    }
+    fn check(&self, bodies: usize) -> Result<(), Error> {
+        const { expect_variables(K, A, D, false) };
+        check_members(self.name, self.members.as_deref().unwrap_or_default(), bodies)?;
+        check_restitution(self.restitution)
+    }
+    fn near(&self, q: &[[f64; D]], _: f64, _: &mut Vec<usize>, found: &mut Vec<usize>) {
+        found.extend(0..self.members.as_ref().map_or(q.len(), Vec::len));
+    }
+    fn gap(&self, contact: usize, q: &[[f64; D]], gradient: &mut Gradient<D>) -> f64 {
+        let bodies = self.bodies(contact);
+        let variables = from_fn(|k| q[bodies[k / D]][k % D]);
+        let ([g], [row]) = self.kernel.value_and_jacobian(&variables);
+        for (a, &body) in bodies.iter().enumerate() {
+            gradient.push((body, from_fn(|d| self.side * row[a * D + d])));
+        }
+        self.side * g
+    }
+}

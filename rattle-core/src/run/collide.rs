@@ -1,0 +1,100 @@
+//! How a simulation is told of events inside its steps.
+
+use crate::effect::contact::Contacts;
+use crate::error::Error;
+use crate::motion::method::Method;
+use crate::motion::system::System;
+use crate::run::events::{Events, Search};
+use crate::run::simulation::Simulation;
+use std::sync::Arc;
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// The same simulation, in which bodies meet these contacts too: [`HardSpheres`](crate::effect::HardSpheres), a
+    /// [`Stop`](crate::effect::Stop), or [`Contacts`] of your own. The step in which a gap closes is taken up to that instant, which is
+    /// found to the rounding of the gap; momenta change there by the contact's impulse, and the motion goes on with the rest of the
+    /// step. Several that meet at once are taken in the order in which they were named. No fast body passes through another unseen: the gap is
+    /// searched wherever its tangents at the two ends of a step meet below zero, see [`Contacts`].
+    ///
+    /// Impulses act along the constraints, masses included. Elastic ones keep the kinetic energy to rounding; what others take is booked as
+    /// [`work`](Self::work). Time goes on in whole steps; [`events`](Self::events) counts. Contacts are not part of a
+    /// [`State`](crate::State): name them again after a restart. What [`retry`](Self::retry) does within a step that has
+    /// events it does to their parts; [`check_reversal`](Self::check_reversal) passes such steps over. Where a contact would stay closed, as a ball
+    /// at rest on a floor, a step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
+    ///
+    /// # Errors
+    /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and [`Error::Network`] for contacts that
+    /// make no sense, [`Error::NoEvents`] for staggered methods, methods with steps of their own length, rigid bodies and phase space.
+    pub fn collide(mut self, contacts: impl Contacts<D>) -> Result<Self, Error> {
+        self.takes_events()?;
+        contacts.check(self.bodies())?;
+        let mut alone = Search::among(self.bodies());
+        let contacts: Arc<dyn Contacts<D>> = Arc::new(contacts);
+        let search = &mut alone.meetings;
+        search.kinds.push(contacts.clone());
+        search.rooms.push(Vec::new());
+        search.find_near(self.bodies.q.as_ref(), 0.0);
+        if let Some((contact, bodies, gap)) = search.overlaps(&self.system, &self.bodies) {
+            return Err(Error::Overlap { contact, bodies, gap });
+        }
+        let meetings = &mut self.with_events().search.meetings;
+        meetings.kinds.push(contacts);
+        meetings.rooms.push(Vec::new());
+        Ok(self)
+    }
+
+    /// The same simulation, in which a step goes on over an edge of a constraint, where else it fails with
+    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge, and the momentum turned about the edge into the new side: what is along the edge
+    /// is kept, what is across it keeps its size, so energy is kept to rounding, and a free particle goes straight on where
+    /// the two sides are unfolded. Where two edges meet, or the surface ends, the step fails as before.
+    ///
+    /// ```
+    /// use rattle::prelude::*;
+    ///
+    /// constraint! { struct Roof {} |x, _y, z| z + abs(x) }
+    ///
+    /// let start = State::at([-1.0, 0.0, -1.0]).moving([1.0, 0.5, 1.0]);
+    /// let mut simulation = Scene::on(Roof {}).simulate(start, Rattle::new(0.03))?.over_kinks()?;
+    /// simulation.run(100)?; // up to the ridge at t = 1, and down on the other side
+    /// let (q, p) = (simulation.position(), simulation.momentum());
+    /// assert!((q.x - 2.0).abs() < 1e-14 && (q.y - 1.5).abs() < 1e-14 && (p.z + 1.0).abs() < 1e-14);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::NoEvents`] as [`collide`](Self::collide), and where constraints or forces change with time.
+    pub fn over_kinks(mut self) -> Result<Self, Error> {
+        self.takes_events()?;
+        if self.system.moves_with_time() {
+            let why = "an edge is taken where constraints and forces do not change with time";
+            return Err(Error::NoEvents { who: self.system.kind(), why });
+        }
+        self.with_events().search.over_kinks = true;
+        Ok(self)
+    }
+
+    fn takes_events(&self) -> Result<(), Error> {
+        let (method, system) = (self.method.name(), self.system.kind());
+        if self.method.momentum_delay() != 0.0 {
+            return Err(Error::NoEvents {
+                who: method,
+                why: "its momenta are of another time than its places",
+            });
+        }
+        if self.method.time_taken(self.memory.as_ref()).is_some() {
+            return Err(Error::NoEvents { who: method, why: "it chooses the lengths of its steps" });
+        }
+        if !self.system.is_cartesian() || self.system.rates().is_err() {
+            return Err(Error::NoEvents { who: system, why: "momenta are not mass times velocity" });
+        }
+        Ok(())
+    }
+
+    fn with_events(&mut self) -> &mut Events<Y, S, D> {
+        let bodies = self.bodies();
+        self.goes_again = true;
+        self.events.get_or_insert_with(|| {
+            let (start, aside) = (self.before.clone(), [self.before.clone(), self.before.clone()]);
+            Box::new(Events { meet: Search::meet, search: Search::among(bodies), number: 0, start, aside })
+        })
+    }
+}

@@ -1,0 +1,316 @@
+//! When contacts meet: which gap closes first within a stretch, and the instant at which it does.
+//!
+//! A gap is known, with its rate, at both ends of the stretch. It is suspect where it is negative at the end, or falls at first and
+//! rises at last, and the tangents at the two ends meet below zero: a gap that bends upwards lies above both.
+//!
+//! ```text
+//! root     s ← s − gap(s)/rate(s), in brackets, halved where that does not help        until 0 ≤ gap ≤ 2 τ
+//! dip      s where the rate is zero by a straight line through both ends, until the tangents meet above zero
+//! τ = ε Σ |∂gap/∂qᵢ| (|qᵢ| + way)                                                   the rounding of the gap
+//! ```
+//!
+//! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion. A gap that is
+//! closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
+
+use crate::effect::contact::{Contacts, Gradient};
+use crate::error::StepFailure;
+use crate::motion::bodies::Bodies;
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::motion::system::System;
+use crate::number::vector::{add_scaled, dot};
+use crate::run::events::stretch::Stretch;
+use crate::run::trouble::Trouble;
+use std::sync::Arc;
+
+/// Contacts with gaps of less than so many roundings are closed; gaps are landed on to two.
+const TOUCHING: f64 = 64.0;
+/// Newton's corrections until a bracket is halved at every second try.
+const CORRECTIONS: u32 = 12;
+/// Tries until a bracket has come to its rounding, or a dip to its bottom.
+const TRIES: u32 = 128;
+/// How much faster than at its ends a body may be within a stretch.
+const FASTER: f64 = 1.25;
+
+/// Which contact: of which kind, and its number there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Which {
+    pub(super) kind: usize,
+    pub(super) number: usize,
+}
+
+/// A contact at one instant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    gap: f64,
+    /// Of the gap, in the direction in which the run goes.
+    rate: f64,
+    /// The roundings of both.
+    rounding: f64,
+    slow: f64,
+}
+
+impl Look {
+    fn touches(&self) -> bool {
+        self.gap <= TOUCHING * self.rounding
+    }
+    /// Whether the contact is closed and would open into the other body.
+    pub(super) fn meets(&self) -> bool {
+        self.touches() && self.rate < -self.slow
+    }
+}
+
+/// A contact that may close within a stretch, as it is at both ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Suspect {
+    pub(super) which: Which,
+    start: Look,
+    end: Look,
+    /// About when.
+    about: f64,
+}
+
+/// Contacts, and the room to look at them.
+#[derive(Debug, Clone)]
+pub(in crate::run) struct Meetings<const D: usize> {
+    pub(in crate::run) kinds: Vec<Arc<dyn Contacts<D>>>,
+    /// Room of each kind.
+    pub(in crate::run) rooms: Vec<Vec<usize>>,
+    /// Those that can have closed in the stretch.
+    pub(super) near: Vec<Which>,
+    /// Those that do not, though they look like it.
+    cleared: Vec<Which>,
+    found: Vec<usize>,
+    pub(super) gradient: Gradient<D>,
+    /// The farthest that a body goes in the step.
+    way: f64,
+    /// Impacts in the step.
+    pub(super) impacts: u64,
+}
+
+impl<const D: usize> Meetings<D> {
+    pub(in crate::run) fn none() -> Self {
+        Self {
+            kinds: Vec::new(),
+            rooms: Vec::new(),
+            near: Vec::new(),
+            cleared: Vec::new(),
+            found: Vec::new(),
+            gradient: Vec::new(),
+            way: 0.0,
+            impacts: 0,
+        }
+    }
+
+    /// Begins a step.
+    pub(super) fn begin(&mut self) {
+        (self.way, self.impacts) = (0.0, 0);
+    }
+
+    /// Begins a stretch.
+    pub(super) fn begin_stretch(&mut self) {
+        self.cleared.clear();
+    }
+
+    /// A contact as it is at these places; ∇gap is left in `gradient`.
+    pub(super) fn look<Y: System<f64, D>, X>(
+        &mut self,
+        which: Which,
+        sign: f64,
+        system: &Y,
+        bodies: &Bodies<Y::Count, f64, X, D>,
+    ) -> Look {
+        self.gradient.clear();
+        let q = bodies.q.as_ref();
+        let gap = self.kinds[which.kind].gap(which.number, q, &mut self.gradient);
+        let (mut rate, mut rounding, mut slow) = (0.0, 0.0, 0.0);
+        for (body, gradient) in &self.gradient {
+            let v = system.velocity(bodies, *body);
+            rate += sign * dot(gradient, &v);
+            for d in 0..D {
+                rounding += gradient[d].abs() * (q[*body][d].abs() + self.way);
+                slow += (gradient[d] * v[d]).abs();
+            }
+        }
+        Look { gap, rate, rounding: f64::EPSILON * rounding, slow: 4.0 * f64::EPSILON * slow }
+    }
+
+    /// Finds the contacts that can have closed where no body went farther than `way`, more than before.
+    pub(in crate::run) fn find_near(&mut self, q: &[[f64; D]], way: f64) {
+        self.way = self.way.max(way);
+        self.near.clear();
+        for (kind, contacts) in self.kinds.iter().enumerate() {
+            self.found.clear();
+            contacts.near(q, way, &mut self.rooms[kind], &mut self.found);
+            self.near.extend(self.found.iter().map(|&number| Which { kind, number }));
+        }
+    }
+
+    /// The contacts that were found near, by name and bodies, with their gaps in roundings below zero.
+    pub(in crate::run) fn overlaps<Y: System<f64, D>, X>(
+        &mut self,
+        system: &Y,
+        bodies: &Bodies<Y::Count, f64, X, D>,
+    ) -> Option<(&'static str, Vec<usize>, f64)> {
+        for i in 0..self.near.len() {
+            let look = self.look(self.near[i], 1.0, system, bodies);
+            if !(look.gap >= -TOUCHING * look.rounding) {
+                return Some((self.kinds[self.near[i].kind].name(), self.touched(), look.gap));
+            }
+        }
+        None
+    }
+
+    /// The bodies of the contact that was looked at last.
+    fn touched(&self) -> Vec<usize> {
+        self.gradient.iter().map(|(body, _)| *body).collect()
+    }
+
+    /// The failure of a contact at which there is no end of impacts.
+    #[cold]
+    pub(super) fn rests(&mut self, which: Which, q: &[[f64; D]]) -> Failure {
+        self.gradient.clear();
+        self.kinds[which.kind].gap(which.number, q, &mut self.gradient);
+        let (contact, bodies) = (self.kinds[which.kind].name(), self.touched());
+        let (body, restitution) =
+            (bodies.first().copied().unwrap_or(0), self.kinds[which.kind].restitution());
+        Failure { body, cause: StepFailure::Rests { contact, bodies, impacts: self.impacts, restitution } }
+    }
+
+    /// The contact that seems to close first in a stretch of this length, at the end of which bodies are.
+    pub(super) fn suspect<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &Stretch<'_, Y, S, D>,
+        length: f64,
+    ) -> Result<Option<Suspect>, Trouble> {
+        if self.kinds.is_empty() {
+            return Ok(None);
+        }
+        let (system, start, end) = (stretch.system, &*stretch.start, &*stretch.bodies);
+        let mut way = 0.0_f64;
+        for (body, (from, to)) in start.q.as_ref().iter().zip(end.q.as_ref()).enumerate() {
+            let apart = add_scaled(to, -1.0, from);
+            let speeds = [system.velocity(start, body), system.velocity(end, body)].map(|v| dot(&v, &v));
+            way = way.max(dot(&apart, &apart)).max(length * length * speeds[0].max(speeds[1]));
+        }
+        self.find_near(end.q.as_ref(), FASTER * way.sqrt());
+        let mut first: Option<Suspect> = None;
+        for i in 0..self.near.len() {
+            let which = self.near[i];
+            let [start, end] = [
+                self.look(which, stretch.sign(), system, start),
+                self.look(which, stretch.sign(), system, end),
+            ];
+            if end.gap.is_nan() {
+                let position =
+                    self.touched().iter().flat_map(|&body| stretch.bodies.q.as_ref()[body]).collect();
+                let body = self.touched()[0];
+                return Err(Failure { body, cause: StepFailure::ConstraintNotFinite { position } }.into());
+            }
+            let about = if start.meets() {
+                0.0
+            } else if closed(&start, &end) {
+                length * start.gap.max(0.0) / (start.gap.max(0.0) - end.gap)
+            } else if let Some(about) = dips([(0.0, &start), (length, &end)])
+                && !self.cleared.contains(&which)
+            {
+                about
+            } else {
+                continue;
+            };
+            if first.is_none_or(|first| about < first.about) {
+                first = Some(Suspect { which, start, end, about });
+            }
+        }
+        Ok(first)
+    }
+
+    /// The instant at which a suspect meets, and bodies there; none if it does not after all, and then bodies are anywhere.
+    pub(super) fn instant<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        suspect: &Suspect,
+        length: f64,
+    ) -> Result<Option<f64>, Trouble> {
+        let Suspect { which, start, end, .. } = *suspect;
+        if start.meets() {
+            stretch.go_back();
+            return Ok(Some(0.0));
+        }
+        if closed(&start, &end) {
+            return self.root(stretch, which, &start, (length, end)).map(Some);
+        }
+        let (mut low, mut high) = ((0.0, start), (length, end));
+        for _ in 0..TRIES {
+            let Some(_) = dips([(low.0, &low.1), (high.0, &high.1)]) else { break };
+            let at = low.0 + (high.0 - low.0) * low.1.rate / (low.1.rate - high.1.rate);
+            if !(low.0 < at && at < high.0) {
+                break;
+            }
+            stretch.go(at)?;
+            let look = self.look(which, stretch.sign(), stretch.system, stretch.bodies);
+            if closed(&start, &look) {
+                return self.root(stretch, which, &start, (at, look)).map(Some);
+            }
+            *(if look.rate < 0.0 { &mut low } else { &mut high }) = (at, look);
+        }
+        self.cleared.push(which);
+        Ok(None)
+    }
+
+    /// The instant at which the gap is zero, from above, before it is negative.
+    fn root<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        which: Which,
+        start: &Look,
+        (mut high, mut look): (f64, Look),
+    ) -> Result<f64, Trouble> {
+        let opens = start.touches();
+        if opens && start.rate <= start.slow {
+            return Err(self.rests(which, stretch.bodies.q.as_ref()).into());
+        }
+        let level = if opens { start.gap } else { 0.0 };
+        let (mut low, mut at) = (0.0, high);
+        for tried in 0..TRIES {
+            // In the middle of what is landed on.
+            let (gap, rate) = (look.gap - level - look.rounding, look.rate);
+            let slope = if opens { rate - gap / at } else { rate };
+            let newton = at - gap / slope;
+            let halve = tried > CORRECTIONS && tried % 2 == 0;
+            at = if low < newton && newton < high && !halve { newton } else { low + 0.5 * (high - low) };
+            if at <= low || at >= high {
+                break;
+            }
+            stretch.go(at)?;
+            look = self.look(which, stretch.sign(), stretch.system, stretch.bodies);
+            let gap = look.gap - level;
+            if 0.0 <= gap && gap <= 2.0 * look.rounding {
+                return Ok(at);
+            }
+            *(if gap > 0.0 { &mut low } else { &mut high }) = at;
+        }
+        // The gap has more roundings than its gradient tells: the last instant before.
+        if low > 0.0 {
+            stretch.go(low)?
+        } else {
+            stretch.go_back()
+        }
+        Ok(low)
+    }
+}
+
+/// Whether a contact has closed by the end.
+fn closed(start: &Look, end: &Look) -> bool {
+    let level = start.gap.min(0.0);
+    end.gap < level - end.rounding || (end.gap < level && end.rate < -end.slow)
+}
+
+/// Where the tangents at two instants meet, if that is below zero.
+fn dips([(a, low), (b, high)]: [(f64, &Look); 2]) -> Option<f64> {
+    if !(low.rate < 0.0 && high.rate > 0.0) {
+        return None;
+    }
+    let after = ((high.gap - low.gap) - high.rate * (b - a)) / (low.rate - high.rate);
+    (low.gap + low.rate * after < low.gap.min(0.0) - low.rounding).then_some(a + after)
+}

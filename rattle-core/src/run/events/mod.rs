@@ -1,0 +1,168 @@
+//! Events: an instant inside a step at which something happens to the momenta. The instant is found to rounding and landed on, the
+//! momenta are changed, and the motion goes on with the rest of the step.
+//!
+//! ```text
+//! Φ_h  becomes  Φ_{h−s} ∘ event ∘ Φ_s        s the first instant in (0, h] at which a gap closes or a normal jumps
+//! ```
+//!
+//! Every try of an instant s is a step of the method from where the stretch began. An event is an [impact](impact) of a
+//! [contact](crate::effect::contact), or the passage over an [edge](edge). Parts of a step are mirror images when time runs back, so
+//! symmetric methods stay reversible. Each event changes the lengths of two steps: energy errors of the method then differ by their own
+//! size from stretch to stretch, and do no longer stay on one shadow.
+//!
+//! There is no rest: where a restitution below 1, or a force against a closed contact, makes impacts without end, the step fails with
+//! [`StepFailure::Rests`](crate::error::StepFailure::Rests), after 1000 impacts for each body at most. What remains closed is a link.
+
+mod edge;
+mod impact;
+mod meeting;
+mod stretch;
+
+use crate::motion::bodies::Saved;
+use crate::motion::method::Method;
+use crate::motion::system::System;
+use crate::run::trouble::Trouble;
+use edge::Edge;
+pub(in crate::run) use meeting::Meetings;
+use meeting::Which;
+use std::fmt;
+pub(in crate::run) use stretch::Stretch;
+
+/// Impacts in a step, for each body.
+const MOST: u64 = 1000;
+/// How often a stretch that cannot be gone is halved, in search of a contact before what hinders it.
+const SHORTENED: u32 = 10;
+
+/// What is looked for in each step, and the room to do so.
+pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
+    /// What takes a step apart: compiled for those who ask for it.
+    #[allow(clippy::type_complexity, reason = "said once")]
+    pub(in crate::run) meet:
+        fn(&mut Search<D>, &mut Stretch<'_, Y, S, D>, Result<(), Trouble>) -> Result<u64, Trouble>,
+    pub(in crate::run) search: Search<D>,
+    /// How many there were.
+    pub(in crate::run) number: u64,
+    pub(in crate::run) start: Saved<Y::Count, f64, D>,
+    pub(in crate::run) aside: [Saved<Y::Count, f64, D>; 2],
+}
+
+/// What is looked for.
+#[derive(Debug, Clone)]
+pub(in crate::run) struct Search<const D: usize> {
+    pub(in crate::run) meetings: Meetings<D>,
+    pub(in crate::run) over_kinks: bool,
+    normals: [Vec<[f64; D]>; 2],
+}
+
+/// What happens at an instant.
+enum Event {
+    /// Of this contact, and of others that are closed by then.
+    Impacts(Which),
+    Edge(Edge),
+}
+
+impl<const D: usize> Search<D> {
+    pub(in crate::run) fn among(bodies: usize) -> Self {
+        let normals = [(); 2].map(|()| vec![[0.0; D]; bodies]);
+        Self { meetings: Meetings::none(), over_kinks: false, normals }
+    }
+
+    /// Takes the step apart at its events, after it `went` as a whole; says how many there were.
+    pub(in crate::run) fn meet<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        mut went: Result<(), Trouble>,
+    ) -> Result<u64, Trouble> {
+        let whole = stretch.method.step_size().abs();
+        let most = MOST * self.normals[0].len() as u64;
+        let (mut left, mut number) = (whole, 0);
+        self.meetings.begin();
+        loop {
+            let Some((event, after)) = self.first(stretch, left, went)? else { return Ok(number) };
+            number += match event {
+                Event::Impacts(which) => {
+                    let impacts = impact::impacts(&mut self.meetings, stretch, most - number)?;
+                    if impacts == 0 && after == 0.0 {
+                        return Err(self.meetings.rests(which, stretch.bodies.q.as_ref()).into());
+                    }
+                    impacts
+                }
+                Event::Edge(edge) if number == most => return Err(edge.failure.into()),
+                Event::Edge(edge) => {
+                    left -= edge::cross(stretch, edge, &mut self.normals)?;
+                    1
+                }
+            };
+            left -= after;
+            stretch.bodies.save(stretch.start);
+            if left <= f64::EPSILON * whole {
+                return Ok(number);
+            }
+            went = stretch.go(left);
+        }
+    }
+
+    /// The first event of a stretch of this length, and when it comes; bodies are then there, or, without one, at the end.
+    fn first<Y: System<f64, D>, S: Method>(
+        &mut self,
+        stretch: &mut Stretch<'_, Y, S, D>,
+        length: f64,
+        went: Result<(), Trouble>,
+    ) -> Result<Option<(Event, f64)>, Trouble> {
+        self.meetings.begin_stretch();
+        let (mut event, mut end, mut suspect) = (None, length, None);
+        match went {
+            Ok(()) => suspect = self.meetings.suspect(stretch, end)?,
+            Err(trouble) => {
+                let found = if self.over_kinks { edge::edge(stretch, end)? } else { None };
+                if let Some((edge, after)) = found {
+                    (event, end) = (Some(Event::Edge(edge)), after);
+                    suspect = self.meetings.suspect(stretch, end)?;
+                } else {
+                    let mut clear = 0.0;
+                    for _ in 0..SHORTENED {
+                        let middle = 0.5 * (clear + end);
+                        *(if stretch.go(middle).is_ok() {
+                            suspect = self.meetings.suspect(stretch, middle)?;
+                            if suspect.is_some() {
+                                end = middle;
+                                break;
+                            }
+                            &mut clear
+                        } else {
+                            &mut end
+                        }) = middle;
+                    }
+                    if suspect.is_none() {
+                        return Err(trouble);
+                    }
+                }
+            }
+        }
+        while let Some(contact) = suspect {
+            if let Some(instant) = self.meetings.instant(stretch, &contact, end)? {
+                (event, end) = (Some(Event::Impacts(contact.which)), instant);
+            } else {
+                stretch.go(end)?;
+            }
+            suspect = if end > 0.0 { self.meetings.suspect(stretch, end)? } else { None };
+        }
+        Ok(event.map(|event| (event, end)))
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Events<Y, S, D> {
+    fn clone(&self) -> Self {
+        let (start, aside) = (self.start.clone(), self.aside.clone());
+        Self { search: self.search.clone(), start, aside, ..*self }
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> fmt::Debug for Events<Y, S, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Events")
+            .field("search", &self.search)
+            .field("number", &self.number)
+            .finish_non_exhaustive()
+    }
+}

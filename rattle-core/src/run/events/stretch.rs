@@ -1,0 +1,66 @@
+//! A stretch of a step: from where it begins, made for any length.
+
+use crate::methods::able::view;
+use crate::motion::bodies::Saved;
+use crate::motion::method::Method;
+use crate::motion::system::{BodiesOf, System};
+use crate::motion::witness::Hears;
+use crate::run::course::check;
+use crate::run::seldom::seldom;
+use crate::run::trouble::Trouble;
+
+/// A stretch of a step. Lengths are positive, whichever way time runs.
+pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usize> {
+    pub(in crate::run) system: &'a Y,
+    pub(in crate::run) method: &'a S,
+    /// Where the last try has led.
+    pub(in crate::run) bodies: &'a mut BodiesOf<Y, f64, D>,
+    /// Where the stretch begins.
+    pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
+    /// Room for two more places.
+    pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
+    pub(in crate::run) witness: &'a mut dyn Hears<f64>,
+    pub(in crate::run) steps: u64,
+    /// How often a try that fails is halved.
+    pub(in crate::run) halvings: u32,
+    /// Whether anything was tried but the whole step.
+    pub(in crate::run) divided: bool,
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
+    /// The way time runs, 1 or −1.
+    pub(super) fn sign(&self) -> f64 {
+        self.method.step_size().signum()
+    }
+
+    /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers nothing of what was
+    /// before.
+    pub(super) fn go(&mut self, length: f64) -> Result<(), Trouble> {
+        self.divided = true;
+        let mut went = self.go_in_parts(length, 1);
+        for halved in 1..=self.halvings {
+            if went.is_ok() {
+                break;
+            }
+            went = self.go_in_parts(length, 1 << halved);
+        }
+        went
+    }
+
+    fn go_in_parts(&mut self, length: f64, parts: u32) -> Result<(), Trouble> {
+        self.system.put_back(self.bodies, self.start);
+        let whole = self.method.with_step(self.sign() * length);
+        let method =
+            if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
+        let mut memory = method.memory(view(&method, self.system)?, self.bodies);
+        for _ in 0..parts {
+            seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness)?;
+        }
+        Ok(check(&whole, self.system, self.steps, self.start, self.bodies)?)
+    }
+
+    /// Back to where it begins.
+    pub(super) fn go_back(&mut self) {
+        self.system.put_back(self.bodies, self.start);
+    }
+}
