@@ -42,7 +42,7 @@ fn bits<const D: usize>(vectors: &[[f64; D]]) -> Vec<u64> {
     vectors.iter().flatten().map(|x| x.to_bits()).collect()
 }
 
-/// Bodies that flow, cluster, collapse, fly apart and come back. They move by a twentieth of the reach or so, a fourth
+/// Bodies that flow, cluster, collapse, fly apart and come back. They move by a twentieth of the reach or so, a sixth
 /// of the skin: a list lasts some moves.
 fn itinerary<const D: usize>(n: usize, far: f64) -> Vec<Vec<[f64; D]>> {
     let mut random = random(D as u64);

@@ -37,7 +37,7 @@ pub enum PairMistake {
         reach: f64,
     },
     /// A skin that is no length.
-    #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.2 of the reach serves most")]
+    #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.3 of the reach serves most")]
     Skin {
         /// The type of the potential.
         what: &'static str,

@@ -59,7 +59,7 @@ pub(crate) enum Ending {
 /// The part of the reach from which a potential is switched off if nothing else is said.
 const FROM: f64 = 0.9;
 /// The skin as a part of the reach if nothing else is said.
-const SKIN: f64 = 0.2;
+const SKIN: f64 = 0.3;
 
 impl<P> Within<P> {
     pub(crate) fn new(potential: P, reach: f64) -> Self {
@@ -97,7 +97,7 @@ impl<P, B> Within<P, B> {
 
     /// The list of pairs holds those nearer than reach + `skin`, a length, and is made anew once a body has moved by
     /// half of the skin: a thick one is made seldom, a thin one holds few pairs. It changes the time that a step takes,
-    /// and not a bit of the forces. If nothing is said, 0.2 of the reach.
+    /// and not a bit of the forces. If nothing is said, 0.3 of the reach.
     #[must_use]
     pub fn skin(self, skin: f64) -> Self {
         Self { skin, ..self }
@@ -125,7 +125,8 @@ impl<P, B> Within<P, B> {
     /// let sphere = Sphere { r: 10.0 };
     /// let gas = Scene::on(sphere).bodies(2).with(LennardJones { epsilon: 1.0, sigma: 1.0 }.within(2.5).along(sphere));
     /// let (a, d) = (0.15_f64, 1.5); // an angle of 0.15, a way of 1.5, a chord of 1.4986
-    /// let simulation = gas.simulate(State::of([[0.0, 0.0, 10.0], [10.0 * a.sin(), 0.0, 10.0 * a.cos()]]), Rattle::new(1e-3))?;
+    /// let start = State::of([[0.0, 0.0, 10.0], [10.0 * a.sin(), 0.0, 10.0 * a.cos()]]);
+    /// let simulation = gas.simulate(start, Rattle::new(1e-3))?;
     /// assert!((simulation.energy() - LennardJones { epsilon: 1.0, sigma: 1.0 }.value(d)).abs() < 1e-5);
     /// # Ok::<(), rattle::Error>(())
     /// ```
