@@ -76,9 +76,35 @@ pub fn constraint(input: TokenStream) -> TokenStream {
 /// A potential energy U(q): one expression of all coordinates, in the language of [`constraint!`].
 ///
 /// Unlike in a constraint, a variable need not be used: a force may act along one axis only.
+///
+/// A last variable that is called `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three coordinates that
+/// changes with time, by the trait `DrivenPotential`. The work that it does, ∫ ∂U/∂t dt, is told by the simulation.
 #[proc_macro]
 pub fn potential(input: TokenStream) -> TokenStream {
     expand(Macro::Potential, input.into()).into()
+}
+
+/// A force f(q, v, t): as many components as coordinates, in the language of [`constraint!`].
+///
+/// ```text
+/// force! {
+///     /// A motor that turns an arm about z, against friction.
+///     pub struct Motor { torque, friction }
+///     |q: [f64; 3], v: [f64; 3], t| {
+///         let push = torque * sin(t) / (q[0]^2 + q[1]^2);
+///         [-push * q[1] - friction * v[0], push * q[0] - friction * v[1], 0]
+///     }
+/// }
+/// ```
+///
+/// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out where
+/// nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of several bodies, for
+/// `.over(members)`, has the coordinates of all of them, then the velocities of all, and D components for each. It is what is added
+/// to ṗ; on a rigid body, of nine coordinates and as many components, the first three are the torque in the frame of the body. ∂f/∂v is
+/// differentiated, for the implicit steps of stiff friction.
+#[proc_macro]
+pub fn force(input: TokenStream) -> TokenStream {
+    expand(Macro::Force, input.into()).into()
 }
 
 /// A potential energy U(r) of two bodies at distance r, of one variable: `|r| -k / r`.

@@ -30,6 +30,7 @@ impl Kernel<'_> {
         let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
         let functions = functions.map(|method| self.function(&method, which));
         let (acts_along, kinks) = (self.acts_along(which), self.kinks(which));
+        let on_velocity = self.on_velocity(which);
         let series = self.series(which);
         let map = self.map(which);
         let declarations = self.emitter.declarations();
@@ -70,6 +71,7 @@ impl Kernel<'_> {
                 impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
                     #acts_along
+                    #on_velocity
                     #kinks
                     #series
                 }
@@ -107,6 +109,14 @@ impl Kernel<'_> {
             fn acts_along(&self) -> [::core::primitive::bool; #d] {
                 [#(#acts),*]
             }
+        }
+    }
+
+    /// Whether a force depends on velocities.
+    fn on_velocity(&self, which: Macro) -> TokenStream {
+        match (which, self.routines.named("value_and_slopes")) {
+            (Macro::Force, Some(_)) => quote!(const ON_VELOCITY: ::core::primitive::bool = true;),
+            _ => TokenStream::new(),
         }
     }
 

@@ -2,8 +2,8 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Flowing`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsByFlow`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
@@ -17,6 +17,7 @@ pub mod between_pairs;
 mod cells;
 pub mod drag;
 pub mod dry_friction;
+pub mod driven;
 pub mod flow;
 pub mod force;
 pub mod langevin;
@@ -45,6 +46,7 @@ pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
 pub use drag::{LinearDrag, QuadraticDrag};
 pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing, Inertia, Interval, Rule};
+pub use driven::{ActsDriven, Driven, DrivenAmong};
 pub use force::{Absent, Force};
 pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};
