@@ -40,9 +40,20 @@ pub(crate) struct Expectation {
 impl Macro {
     /// What lowering must know of the macro.
     pub(crate) fn expectation(self) -> Expectation {
-        let equations =
-            |of_time| Expectation { several: true, every_variable: true, constant: false, noun: "this equation", of_time };
-        let energy = |noun, of_time| Expectation { several: false, every_variable: false, constant: false, noun, of_time };
+        let equations = |of_time| Expectation {
+            several: true,
+            every_variable: true,
+            constant: false,
+            noun: "this equation",
+            of_time,
+        };
+        let energy = |noun, of_time| Expectation {
+            several: false,
+            every_variable: false,
+            constant: false,
+            noun,
+            of_time,
+        };
         let last = "the time is the last variable, as in `|x, y, z, t|`";
         let pairs = "pair potentials know no time; a potential over two bodies does, with the time as its last variable";
         match self {
@@ -126,7 +137,10 @@ fn check_time(variables: &[Variable], problems: &mut Problems) {
         } else if place + 1 < variables.len() {
             problems.note_at(name, "`t` is the time, and stands last, as in `|x, y, z, t|`");
         } else if place == 0 {
-            problems.note_at(name, "what depends on the time alone moves nothing; write the coordinates before `t`");
+            problems.note_at(
+                name,
+                "what depends on the time alone moves nothing; write the coordinates before `t`",
+            );
         }
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`].
@@ -15,9 +15,10 @@ pub mod between_kinds;
 pub mod between_near;
 pub mod between_pairs;
 mod cells;
+pub mod by_force;
 pub mod drag;
-pub mod dry_friction;
 pub mod driven;
+pub mod dry_friction;
 pub mod flow;
 pub mod force;
 pub mod langevin;
@@ -43,10 +44,11 @@ pub use andersen::Andersen;
 pub use between_kinds::{ActsBetweenKinds, BetweenKinds};
 pub use between_near::{ActsBetweenNear, BetweenNear, BetweenNearKinds};
 pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
+pub use by_force::{ActsByForce, ByForce, ByForceAmong};
 pub use drag::{LinearDrag, QuadraticDrag};
+pub use driven::{ActsDriven, Driven, DrivenAmong};
 pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing, Inertia, Interval, Rule};
-pub use driven::{ActsDriven, Driven, DrivenAmong};
 pub use force::{Absent, Force};
 pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};

@@ -65,6 +65,8 @@ pub trait ForceLaw<const K: usize>: Sized {
 pub trait ForceLawKernel<T: Real, const K: usize>: Clone + Send + Sync + 'static {
     /// Whether f depends on v.
     const ON_VELOCITY: bool = false;
+    /// Whether f depends on t.
+    const ON_TIME: bool = false;
 
     /// f(q, v, t).
     fn value(&self, q: &[T; K], v: &[T; K], t: T) -> [T; K];
