@@ -5,11 +5,12 @@ use rattle::error::{Error, StepFailure};
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
+use std::array::from_fn;
 
 potential! {
     /// A spring, and a uniform field that oscillates.
     struct Shaken { a, w }
-    |x, t| x^2 / 2 - a * cos(w * t) * x
+    |x, _y, t| x^2 / 2 - a * cos(w * t) * x
 }
 
 potential! {
@@ -66,21 +67,31 @@ fn order(errors: [f64; 2]) -> f64 {
 
 /// Classical Runge–Kutta steps of ẏ = f(t, y).
 fn runge_kutta<const N: usize>(
-    f: impl Fn(f64, &SVector<f64, N>) -> SVector<f64, N>,
-    mut y: SVector<f64, N>,
+    f: &dyn Fn(f64, &[f64; N]) -> [f64; N],
+    mut y: [f64; N],
     time: f64,
     steps: u32,
-) -> SVector<f64, N> {
+) -> [f64; N] {
     let h = time / f64::from(steps);
+    let plus = |y: &[f64; N], c: f64, f: &[f64; N]| from_fn(|i| y[i] + c * f[i]);
     for step in 0..steps {
         let t = h * f64::from(step);
         let a = f(t, &y);
-        let b = f(t + 0.5 * h, &(y + 0.5 * h * a));
-        let c = f(t + 0.5 * h, &(y + 0.5 * h * b));
-        let d = f(t + h, &(y + h * c));
-        y += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+        let b = f(t + 0.5 * h, &plus(&y, 0.5 * h, &a));
+        let c = f(t + 0.5 * h, &plus(&y, 0.5 * h, &b));
+        let d = f(t + h, &plus(&y, h, &c));
+        y = from_fn(|i| y[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
     }
     y
+}
+
+/// The largest difference of two lists of numbers.
+fn apart(a: impl IntoIterator<Item = f64>, b: &[f64]) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn composed(h: f64) -> Composition {
+    Composition::new(SUZUKI_1990_ORDER_4, h)
 }
 
 /// ẍ = −x + a cos wt from rest: x = a (cos wt − cos t)/(1 − w²). The energy error, with the work of the field, falls with the order of
@@ -93,7 +104,7 @@ fn forced_oscillator() {
         ($h:expr, $method:expr, $order:expr) => {{
             let errors = [$h, 0.5 * $h].map(|h| {
                 let scene = Scene::point().with(Shaken { a, w });
-                let mut simulation = scene.simulate(State::at([0.0]), $method(h)).unwrap();
+                let mut simulation = scene.simulate(State::at([0.0, 0.0]), $method(h)).unwrap();
                 let mut largest = 0.0_f64;
                 for _ in 0..(end / h).round() as u32 {
                     simulation.step().unwrap();
@@ -113,31 +124,8 @@ fn forced_oscillator() {
             }
         }};
     }
-    check!(0.05, Rattle::new, 2);
-    check!(0.1, |h| Composition::new(SUZUKI_1990_ORDER_4, h), 4);
+    check!(0.1, composed, 4);
     check!(0.2, Lobatto::<4>::new, 6);
-}
-
-/// A spherical pendulum in a field that turns: RATTLE falls towards DOP853 with h², its energy error too, and that does not drift.
-#[test]
-fn driven_pendulum() {
-    let scene = Scene::on(Sphere { r: 1.0 }).with(Turning { g: 1.0, w: 1.7 });
-    let start = || State::at([0.6, 0.0, -0.8]).moving([0.0, 0.5, 0.0]);
-    let mut reference = scene.simulate(start(), Dop853::new(0.05)).unwrap();
-    let energy = reference.energy();
-    reference.run(100).unwrap();
-    // Of eighth order, in steps of 0.05: below 1e-10.
-    assert!(reference.energy_error().abs() < 1e-10, "{:e}", reference.energy_error());
-    assert!((reference.energy() - energy).abs() > 0.05 && reference.work().abs() > 0.05);
-    let errors = [0.02, 0.01].map(|h| {
-        let mut simulation = scene.simulate(start(), Rattle::new(h)).unwrap();
-        simulation.run((5.0 / h).round() as u64).unwrap();
-        [(simulation.position() - reference.position()).norm(), simulation.energy_error().abs()]
-    });
-    for i in 0..2 {
-        let found = order([errors[0][i], errors[1][i]]);
-        assert!((found - 2.0).abs() < 0.2, "{errors:?} {found}");
-    }
 }
 
 /// The energy error of a symplectic method swings, and does not grow: as large in the last quarter of 4000 periods' worth of time as in
@@ -145,7 +133,7 @@ fn driven_pendulum() {
 #[test]
 fn energy_does_not_drift() {
     let scene = Scene::point().with(Shaken { a: 0.7, w: 2.3 });
-    let mut simulation = scene.simulate(State::at([0.0]), Rattle::new(0.05)).unwrap();
+    let mut simulation = scene.simulate(State::at([0.0, 0.0]), composed(0.1)).unwrap();
     let mut quarter = || {
         let (mut error, mut work) = (0.0_f64, 0.0_f64);
         for _ in 0..50_000 {
@@ -160,33 +148,49 @@ fn energy_does_not_drift() {
     assert!((quarters[3].0 / quarters[0].0 - 1.0).abs() < 0.01, "{quarters:?}");
 }
 
-/// On a sphere, where friction, field and push all have parts along the normal: against q̈ = f − (|v|² + n·f) n.
+/// On a sphere, in a field that turns, where friction, field and push all have parts along the normal: against
+/// q̈ = F − (|v|² + n·F) n. DOP853 without the force, RATTLE with it.
 #[test]
-fn force_on_a_surface() {
-    let storm = Storm { friction: 0.2, field: 1.5, push: 0.6 };
-    let scene = Scene::on(Sphere { r: 1.0 }).with(storm);
+fn on_a_surface() {
+    let (storm, turning) = (Storm { friction: 0.2, field: 1.5, push: 0.6 }, Turning { g: 1.0, w: 1.7 });
+    let driven = Scene::on(Sphere { r: 1.0 }).with(turning);
+    let scene = driven.with(storm);
     let (q, v) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(0.0, 1.1, 0.0));
-    let rates = |t: f64, y: &SVector<f64, 6>| {
-        let (q, v) = (y.fixed_rows::<3>(0).into_owned(), y.fixed_rows::<3>(3).into_owned());
-        let f = storm.value(&q, &v, t);
-        let a = f - q * (v.norm_squared() + q.dot(&f)) / q.norm_squared();
-        SVector::from([v.x, v.y, v.z, a.x, a.y, a.z])
+    let start = || State::at(q).moving(v);
+    let end = |share: f64| {
+        let rates = |t: f64, &[x, y, z, u, v, w]: &[f64; 6]| {
+            let (q, v) = (Vector3::new(x, y, z), Vector3::new(u, v, w));
+            let f = share * storm.value(&q, &v, t) - turning.gradient(&q, t);
+            let a = f - q * (v.norm_squared() + q.dot(&f)) / q.norm_squared();
+            [v.x, v.y, v.z, a.x, a.y, a.z]
+        };
+        runge_kutta(&rates, [q.x, q.y, q.z, v.x, v.y, v.z], 3.0, 6000)
     };
-    let exact = runge_kutta(rates, SVector::from([q.x, q.y, q.z, v.x, v.y, v.z]), 3.0, 6000);
-    let errors = [0.04, 0.02].map(|h| {
-        let mut simulation = scene.simulate(State::at(q).moving(v), Rattle::new(h)).unwrap();
+
+    let (exact, mut simulation) = (end(0.0), driven.simulate(start(), Dop853::new(0.05)).unwrap());
+    simulation.run(60).unwrap();
+    // Both far below: DOP853 of eighth order, in steps of 0.05; the reference of fourth, in steps of 5e-4.
+    assert!(apart(<[f64; 3]>::from(simulation.position()), &exact) < 1e-10);
+    assert!(simulation.work().abs() > 0.05 && simulation.energy_error().abs() < 1e-10);
+
+    let exact = end(1.0);
+    let [coarse, fine] = [0.04, 0.02].map(|h| {
+        let mut simulation = scene.simulate(start(), Rattle::new(h)).unwrap();
         let allocated = allocation_counter::measure(|| simulation.run((3.0 / h).round() as u64).unwrap());
         assert_eq!(allocated.count_total, 0);
-        // No potential: all energy that there is to lose went through the force, and RATTLE keeps the rest but for rounding.
-        assert!(simulation.work().abs() > 0.1 && simulation.energy_error().abs() < 1e-13);
-        let place = (simulation.position() - exact.fixed_rows::<3>(0)).norm();
-        place.max((simulation.momentum() - exact.fixed_rows::<3>(3)).norm())
+        let (q, v): ([f64; 3], [f64; 3]) = (simulation.position().into(), simulation.momentum().into());
+        [apart(q.into_iter().chain(v), &exact), simulation.energy_error().abs()]
     });
-    assert!(errors[1] < 1e-3 && (order(errors) - 2.0).abs() < 0.2, "{errors:?}");
+    for (i, coarse) in coarse.into_iter().enumerate() {
+        assert!(fine[i] < 2e-3 && (order([coarse, fine[i]]) - 2.0).abs() < 0.3, "{coarse:e} {fine:?}");
+    }
 
     // Divided symmetrically: a step back undoes a step.
-    let back = scene.simulate(State::at(q).moving(v), Rattle::new(0.02)).unwrap();
-    back.check_reversal(1e-13).unwrap().run(50).unwrap();
+    let mut there = scene.simulate(start(), Rattle::new(0.02)).unwrap();
+    there.run(50).unwrap();
+    let mut back = scene.simulate(there.state(), Rattle::new(-0.02)).unwrap();
+    back.run(50).unwrap();
+    assert!((back.position() - q).norm() < 1e-13 && (back.momentum() - v).norm() < 1e-13);
 }
 
 constraint! {
@@ -208,11 +212,11 @@ fn force_between_linked_bodies() {
         let [q, v] = [q, v].map(SVector::<f64, 4>::from_column_slice);
         between.value(&q, &v, t)
     };
-    let rates = |t: f64, y: &SVector<f64, 12>| {
-        let (q, v) = y.as_slice().split_at(6);
+    let rates = |t: f64, y: &[f64; 12]| {
+        let (q, v) = y.split_at(6);
         let (first, last) = (pair(&q[..4], &v[..4], t), pair(&q[2..], &v[2..], t));
         let force = [first[0], first[1], first[2] + last[0], first[3] + last[1], last[2], last[3]];
-        let mut a: [f64; 6] = std::array::from_fn(|i| force[i] / masses[i / 2]);
+        let mut a: [f64; 6] = from_fn(|i| force[i] / masses[i / 2]);
         let (rod, turn) = ([q[0] - q[2], q[1] - q[3]], [v[0] - v[2], v[1] - v[3]]);
         let bend = turn[0].powi(2) + turn[1].powi(2) + rod[0] * (a[0] - a[2]) + rod[1] * (a[1] - a[3]);
         let pull = -bend / (rod[0].powi(2) + rod[1].powi(2)) / (1.0 / masses[0] + 1.0 / masses[1]);
@@ -220,20 +224,20 @@ fn force_between_linked_bodies() {
             a[i] += pull * rod[i] / masses[0];
             a[2 + i] -= pull * rod[i] / masses[1];
         }
-        SVector::<f64, 12>::from_fn(|i, _| if i < 6 { v[i] } else { a[i - 6] })
+        from_fn(|i| if i < 6 { v[i] } else { a[i - 6] })
     };
     let at_start = scene.project(&start).unwrap();
-    let first: Vec<f64> = at_start.positions().flat_map(|q| [q.x, q.y]).collect();
-    let speeds = at_start.momenta().zip(masses).flat_map(|(p, mass)| [p.x / mass, p.y / mass]);
-    let y = SVector::<f64, 12>::from_iterator(first.into_iter().chain(speeds));
-    let exact = runge_kutta(rates, y, 2.0, 4000);
+    let numbers = |state: &State<2>| -> Vec<f64> {
+        let speeds = state.momenta().zip(masses).flat_map(|(p, mass)| [p.x / mass, p.y / mass]);
+        state.positions().flat_map(|q| [q.x, q.y]).chain(speeds).collect()
+    };
+    let first = numbers(&at_start);
+    let exact = runge_kutta(&rates, from_fn(|i| first[i]), 2.0, 4000);
     let errors = [0.04, 0.02].map(|h| {
         let mut simulation = scene.simulate(at_start.clone(), Rattle::new(h)).unwrap();
         simulation.run((2.0 / h).round() as u64).unwrap();
         assert!(simulation.work().abs() > 0.1 && simulation.energy_error().abs() < 1e-13);
-        let places = simulation.positions().flat_map(|q| [q.x, q.y]);
-        let speeds = simulation.momenta().zip(masses).flat_map(|(p, mass)| [p.x / mass, p.y / mass]);
-        (SVector::<f64, 12>::from_iterator(places.chain(speeds)) - exact).norm()
+        apart(numbers(&simulation.state()), &exact)
     });
     assert!(errors[1] < 1e-3 && (order(errors) - 2.0).abs() < 0.2, "{errors:?}");
 }
