@@ -38,7 +38,7 @@ use rattle_symbolic::{Macro, expand};
 /// constants    pi  e
 /// operators    + - * / ^                     ^ is power: from the right, before the sign: -x^2 = -(x^2)
 /// functions    sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
-///              abs sign erf min max atan2 hypot pow norm dot      also as methods: x.sin()
+///              abs sign floor erf min max mod atan2 hypot pow norm dot      also as methods: x.sin()
 /// blocks       { let f = x^2; f + y }
 /// branches     if x < 1 && y >= 0 { x } else { y }
 /// arrays       |a: [f64; 3], m: [[f64; 2]; 2]|   a[0]   m[i][k]   2 * a - b   struct S { n: [f64; 3] }
@@ -56,11 +56,12 @@ use rattle_symbolic::{Macro, expand};
 /// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
 /// exponent that moves needs a positive base. An exponent of numbers and indices alone is worked out as an exact
 /// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of squares, `min` and `max`
-/// take the first argument on a tie and where either is NaN. Derivatives may be rearranged, always in
+/// take the first argument on a tie and where either is NaN; `mod(x, y)` is `x - y * floor(x / y)`, for what repeats.
+///  Derivatives may be rearranged, always in
 /// the same way. Where a function has no derivative, it is set:
 ///
 /// ```text
-/// abs'(0) = 1     sign' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
+/// abs'(0) = 1     sign' = floor' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
 /// ```
 ///
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has

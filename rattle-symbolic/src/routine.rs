@@ -191,6 +191,7 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     for id in graph.reachable(roots) {
         let kink = match *graph.node(id) {
             Node::Call(Function::Abs | Function::Cbrt | Function::Sign, a) => a,
+            Node::Call(Function::Floor, a) => odd_and_even(graph, a),
             Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => a,
             Node::Select(_, a, b, ..) if graph.as_constant(a) == Some(0.0) => b,
             Node::Select(_, a, b, ..) => graph.sub(a, b),
@@ -201,6 +202,16 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
         }
     }
     list
+}
+
+/// a − 2 floor(a/2) − 1, which changes its sign at every integer, to the last bit.
+fn odd_and_even(graph: &mut Graph, a: Id) -> Id {
+    let [one, two] = [1.0, 2.0].map(|number| graph.constant(number));
+    let half = graph.div(a, two);
+    let floor = graph.call(Function::Floor, half);
+    let even = graph.mul(two, floor);
+    let rest = graph.sub(a, even);
+    graph.sub(rest, one)
 }
 
 /// U and ∇U.
