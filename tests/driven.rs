@@ -48,10 +48,7 @@ force! {
 force! {
     /// A motor about the third axis of a rigid body, with friction.
     struct Motor { torque, friction }
-    |q: [[f64; 3]; 3], v: [[f64; 3]; 3]| {
-        let rate = sum(i in 0..3, q[i][1] * v[i][0]);
-        [0, 0, torque - friction * rate, [0, 0, 0, 0, 0, 0]]
-    }
+    |_attitude: [f64; 9], rate: [f64; 9]| [0, 0, torque - friction * rate[2], [0, 0, 0, 0, 0, 0]]
 }
 
 force! {

@@ -101,8 +101,8 @@ pub fn potential(input: TokenStream) -> TokenStream {
 /// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out where
 /// nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of several bodies, for
 /// `.over(members)`, has the coordinates of all of them, then the velocities of all, and D components for each. It is what is added
-/// to ṗ; on a rigid body, of nine coordinates and as many components, the first three are the torque in the frame of the body. ∂f/∂v is
-/// differentiated, for the implicit steps of stiff friction.
+/// to ṗ; on a rigid body, of nine coordinates, the first three of nine components are the torque in the frame of the body, and the first three of
+/// nine velocities the angular velocity there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
 #[proc_macro]
 pub fn force(input: TokenStream) -> TokenStream {
     expand(Macro::Force, input.into()).into()
