@@ -14,7 +14,7 @@
 
 use rattle::links::Rod;
 use rattle::nalgebra::Vector3;
-use rattle::potentials::Gravity;
+use rattle::potentials::weights;
 use rattle::prelude::*;
 use rattle::view::{Page, Scene3};
 use std::error::Error;
@@ -41,12 +41,14 @@ const G: f64 = 9.81;
 const LENGTH: f64 = 0.5;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let motor = Motor { gain: 4.0, limit: 6.0, friction: 0.3, g: G, length: LENGTH };
+    let masses = [1.0, 1.0, 0.1];
+    let motor = Motor { gain: 20.0, limit: 4.0, friction: 0.3, g: G, length: LENGTH };
     let scene = Scene::points(3)
         .link(Rod { length: LENGTH }, [[0, 1], [1, 2]])
         .link(Axles {}, [[1, 2]])
         .pin(0, [0.0; 3])
-        .with(Gravity { g: G })
+        .masses(masses)
+        .with(weights(G, masses))
         .with(motor.over([[1, 2]]));
     let hanging = [[0.0; 3], [LENGTH, 0.0, 0.0], [LENGTH, 0.01, -LENGTH]];
     let start = scene.project(&State::of(hanging))?;

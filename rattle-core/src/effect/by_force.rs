@@ -164,7 +164,7 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
         from_fn(|i| v[i] + (0..K).map(|j| halves[j][i] * delta[j]).sum::<f64>())
     };
     let rest = |delta: &[f64; K], f: &[f64; K]| add_scaled(delta, -h, f);
-    let mut delta = [0.0; K];
+    let (mut delta, mut last) = ([0.0; K], f64::INFINITY);
     for _ in 0..MAX_ITERATIONS {
         let (f, slopes) = kernel.value_and_slopes(q, &at(&delta), t);
         let residual = rest(&delta, &f);
@@ -176,7 +176,8 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
         });
         let correction = solve(matrix, residual)?;
         let (moved, length) = (largest(&correction), size.max(largest(&delta)));
-        if moved <= 2.0 * f64::EPSILON * length {
+        // The second: what is left is the rounding of the force.
+        if moved <= 2.0 * f64::EPSILON * length || (moved <= STALLED * length && moved >= 0.5 * last) {
             return Some(add_scaled(&delta, -1.0, &correction));
         }
         let (mut step, left) = (1.0, largest(&residual));
@@ -187,13 +188,13 @@ fn midpoint<X: ForceLawKernel<f64, K>, const K: usize>(
             nearer.then_some(next)
         });
         match next {
-            Some(next) => delta = next,
-            None if moved <= STALLED * length => return Some(delta), // the residual is rounding
+            Some(next) => (delta, last) = (next, moved),
+            None if moved <= STALLED * length => return Some(delta),
             None => return None,
         }
     }
     None
 }
 
-/// Corrections of this part of the momentum that bring nothing are rounding of the force.
+/// Corrections of this part of the momentum that bring nothing are the rounding of the force.
 const STALLED: f64 = 1e-9;
