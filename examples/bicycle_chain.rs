@@ -6,8 +6,9 @@
 //! U = g Σ y + k/2 Σ max(0, r − |q − c|)²          the sprockets are stiff, and push outwards alone
 //! ```
 //!
-//! The driving force goes along the chain where it lies on the right sprocket, and grows for five seconds; the brake on the left one is drag.
-//! In the end both do the same work, and the chain runs with one speed: push × links on the right = brake × speed × links on the left.
+//! The driving force goes along the chain where it lies on the right sprocket, and grows for five seconds; the brake on
+//! the left one is drag. In the end both do the same work, and the chain runs with one speed: push × links on the right
+//! = brake × speed × links on the left.
 //!
 //! Writes the page `out/bicycle_chain/index.html`.
 

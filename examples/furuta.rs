@@ -7,8 +7,8 @@
 //! (b − a)·a = 0             its axle points along the arm
 //! ```
 //!
-//! The motor knows the pendulum's energy E and its velocity s along the way of the arm's end: it pushes against s while E is less than that
-//! of standing upright (K. J. Åström, K. Furuta 2000), with limited force. All work is the motor's, less what its bearing takes.
+//! The motor pushes against the pendulum's velocity s along the way of the arm's end, while its energy E is less than
+//! that of standing upright (K. J. Åström, K. Furuta 2000). All work is the motor's, less what its bearing takes.
 //!
 //! Writes the page `out/furuta/index.html`.
 

@@ -1,5 +1,6 @@
-//! Forces beyond potentials: potentials that change with time, and forces f(q, v, t), on surfaces, of links and of rigid bodies; each
-//! against an exact solution or against classical Runge–Kutta steps of the equations written by hand.
+//! Forces beyond potentials: potentials that change with time, and forces f(q, v, t), on surfaces, of links and of
+//! rigid bodies; each against an exact solution or against classical Runge–Kutta steps of the equations written by
+//! hand.
 
 use rattle::error::{Error, StepFailure};
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
@@ -26,8 +27,8 @@ potential! {
 }
 
 force! {
-    /// Friction that is stronger along x, a field that turns velocities about z, and a push that oscillates: on a sphere, all three
-    /// have parts along the normal.
+    /// Friction that is stronger along x, a field that turns velocities about z, and a push that oscillates: on a
+    /// sphere, all three have parts along the normal.
     struct Storm { friction, field, push }
     |q: [f64; 3], v: [f64; 3], t| [
         -3 * friction * v[0] * (1 + norm(v)) + field * v[1] + push * q[1] * cos(t),
@@ -37,7 +38,8 @@ force! {
 }
 
 force! {
-    /// Friction between two bodies that grows with speed and with time, and a push of one by the other that is not returned.
+    /// Friction between two bodies that grows with speed and with time, and a push of one by the other that is not
+    /// returned.
     struct Between { friction, push }
     |a: [f64; 2], b: [f64; 2], va: [f64; 2], vb: [f64; 2], t| {
         let along = friction * (1 + t / 4) * (1 + dot(va - vb, va - vb)) * (va - vb);
@@ -91,8 +93,8 @@ fn composed(h: f64) -> Composition {
     Composition::new(SUZUKI_1990_ORDER_4, h)
 }
 
-/// ẍ = −x + a cos wt from rest: x = a (cos wt − cos t)/(1 − w²). The energy error, with the work of the field, falls with the order of
-/// the method, as the error does.
+/// ẍ = −x + a cos wt from rest: x = a (cos wt − cos t)/(1 − w²). The energy error, with the work of the field, falls
+/// with the order of the method, as the error does.
 #[test]
 fn forced_oscillator() {
     let (a, w, end) = (0.7, 2.3_f64, 6.0_f64);
@@ -125,8 +127,8 @@ fn forced_oscillator() {
     check!(0.2, Lobatto::<4>::new, 6);
 }
 
-/// The energy error of a symplectic method swings, and does not grow: as large in the last quarter of 4000 periods' worth of time as in
-/// the first, while the work is a hundred times as large.
+/// The energy error of a symplectic method swings, and does not grow: as large in the last quarter of 4000 periods'
+/// worth of time as in the first, while the work is a hundred times as large.
 #[test]
 fn energy_does_not_drift() {
     let scene = Scene::point().with(Shaken { a: 0.7, w: 2.3 });
@@ -196,7 +198,8 @@ constraint! {
     |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
 
-/// Three bodies of which two are tied, a force between the first two and between the last two: so that members share a body.
+/// Three bodies of which two are tied, a force between the first two and between the last two: so that members share a
+/// body.
 #[test]
 fn force_between_linked_bodies() {
     let (between, masses) = (Between { friction: 0.4, push: 0.8 }, [1.0, 2.5, 0.7]);

@@ -78,8 +78,9 @@ pub fn constraint(input: TokenStream) -> TokenStream {
 ///
 /// Unlike in a constraint, a variable need not be used: a force may act along one axis only.
 ///
-/// A last variable that is called `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three coordinates that
-/// changes with time, by the trait `DrivenPotential`. The work that it does, ∫ ∂U/∂t dt, is told by the simulation.
+/// A last variable that is called `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three
+/// coordinates that changes with time, by the trait `DrivenPotential`. The work that it does, ∫ ∂U/∂t dt, is told by
+/// the simulation.
 #[proc_macro]
 pub fn potential(input: TokenStream) -> TokenStream {
     expand(Macro::Potential, input.into()).into()
@@ -98,11 +99,12 @@ pub fn potential(input: TokenStream) -> TokenStream {
 /// }
 /// ```
 ///
-/// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out where
-/// nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of several bodies, for
-/// `.over(members)`, has the coordinates of all of them, then the velocities of all, and D components for each. It is what is added
-/// to ṗ; on a rigid body, of nine coordinates, the first three of nine components are the torque in the frame of the body, and the first three of
-/// nine velocities the angular velocity there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
+/// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out
+/// where nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of
+/// several bodies, for `.over(members)`, has the coordinates of all of them, then the velocities of all, and D
+/// components for each. It is what is added to ṗ; on a rigid body, of nine coordinates, the first three of nine
+/// components are the torque in the frame of the body, and the first three of nine velocities the angular velocity
+/// there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
 #[proc_macro]
 pub fn force(input: TokenStream) -> TokenStream {
     expand(Macro::Force, input.into()).into()

@@ -236,8 +236,8 @@ pub fn driven_potential(mut source: Graph, root: Id, variables: u32) -> Result<R
     Ok(routines)
 }
 
-/// f(q, v, t), and, where it depends on v, ∂f/∂v: row i belongs to fᵢ. The variables are as many coordinates as there are
-/// components, then as many velocities or none, then perhaps the time.
+/// f(q, v, t), and, where it depends on v, ∂f/∂v: row i belongs to fᵢ. The variables are as many coordinates as there
+/// are components, then as many velocities or none, then perhaps the time.
 pub fn force(
     mut source: Graph,
     roots: &[Id],

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! It is symmetric, and stable for any friction however stiff. Newton's method solves it, with the ∂f/∂v that the macro
-//! differentiates; its corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly. Members that share a
-//! body take turns, with h/2 each, forth and back.
+//! differentiates; its corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly.
+//! Members that share a body take turns, with h/2 each, forth and back.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 
@@ -26,14 +26,16 @@ use std::array::from_fn;
 #[derive(Debug, Clone, Copy)]
 pub struct ByForce;
 
-/// The kind of effect that is a force on chosen bodies, A at a time: [`Over`] them, a [`ForceLaw`] of K = A·D components.
+/// The kind of effect that is a force on chosen bodies, A at a time: [`Over`] them, a [`ForceLaw`] of K = A·D
+/// components.
 #[derive(Debug, Clone, Copy)]
 pub struct ByForceAmong<const K: usize, const A: usize>;
 
-/// A [`ForceLaw`] of K = A·D components on members of A bodies, or on each body: half of its flow before each step, half after.
+/// A [`ForceLaw`] of K = A·D components on members of A bodies, or on each body: half of its flow before each step,
+/// half after.
 ///
-/// Each half goes by the time that positions have then, t and t + h: with f(q, t) alone the two are kicks by f at both ends of the step, of
-/// second order.
+/// Each half goes by the time that positions have then, t and t + h: with f(q, t) alone the two are kicks by f at both
+/// ends of the step, of second order.
 #[derive(Debug, Clone)]
 pub struct ActsByForce<X, const K: usize, const A: usize> {
     kernels: Vec<X>,

@@ -13,8 +13,8 @@ use std::array::from_fn;
 #[derive(Debug, Clone, Copy)]
 pub struct Driven;
 
-/// The kind of effect that acts among chosen bodies, A at a time, and changes with time: [`Over`] them, a [`DrivenPotential`] of
-/// K = A·D coordinates.
+/// The kind of effect that acts among chosen bodies, A at a time, and changes with time: [`Over`] them, a
+/// [`DrivenPotential`] of K = A·D coordinates.
 #[derive(Debug, Clone, Copy)]
 pub struct DrivenAmong<const K: usize, const A: usize>;
 

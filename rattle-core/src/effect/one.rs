@@ -82,8 +82,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U. Called by observations, not in a step; may allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
-    /// ∂U/∂t: the power that comes with a change of U itself. Asked in a step where [time](Self::changes_with_time) changes forces,
-    /// which neither allocates nor panics; none for forces without U.
+    /// ∂U/∂t: the power that comes with a change of U itself. Asked in a step where [time](Self::changes_with_time)
+    /// changes forces, which neither allocates nor panics; none for forces without U.
     #[inline(always)]
     fn power(&self, _at: Moment<'_, T, D>) -> T {
         T::from_f64(0.0)

@@ -274,7 +274,8 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
-    /// The implicit equation of a force that depends on velocities has no solution that is found, or the force is not finite.
+    /// The implicit equation of a force that depends on velocities has no solution that is found, or the force is not
+    /// finite.
     #[error(
         "no change of the momentum by `{effect}` is found, in a time {h:.3e} from p = {momentum:?} at q = {position:?}: check where \
          the force is a number, and whether it jumps, or try a smaller step"

@@ -4,14 +4,15 @@ use crate::kernel::over::Over;
 use crate::number::real::Real;
 use nalgebra::SVector;
 
-/// A potential energy U(q, t) of one body with D coordinates that changes with time. Written by `potential!` where the last
-/// variable is called `t`.
+/// A potential energy U(q, t) of one body with D coordinates that changes with time. Written by `potential!` where the
+/// last variable is called `t`.
 ///
 /// The energy that the change brings, ∫ ∂U/∂t dt along the motion, is part of
-/// [`Simulation::work`](crate::run::simulation::Simulation::work): T + U − work stays. Each kick of a length c adds c ∂U/∂t(q, t) where
-/// it takes place, and Lobatto methods and `Dop853` add it by their own weights: that is what each method makes of −dE/dt = ∂U/∂t
-/// with t and −E as one more pair of conjugate variables, so that the energy error is of the order of the method, and has no
-/// drift where the method is symplectic. Methods that do not know time, `Taylor` and `Bdf2`, are refused.
+/// [`Simulation::work`](crate::run::simulation::Simulation::work): T + U − work stays. Each kick of a length c adds c
+/// ∂U/∂t(q, t) where it takes place, and Lobatto methods and `Dop853` add it by their own weights: that is what each
+/// method makes of −dE/dt = ∂U/∂t with t and −E as one more pair of conjugate variables, so that the energy error is of
+/// the order of the method, and has no drift where the method is symplectic. Methods that do not know time, `Taylor`
+/// and `Bdf2`, are refused.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -57,7 +58,8 @@ pub trait DrivenPotential<const D: usize>: Sized {
         self.kernel::<f64>().rate(&(*q).into(), t)
     }
 
-    /// The potential as an effect on chosen bodies, or between them, as [`Potential::over`](crate::kernel::Potential::over).
+    /// The potential as an effect on chosen bodies, or between them, as
+    /// [`Potential::over`](crate::kernel::Potential::over).
     fn over<const A: usize>(self, members: impl IntoIterator<Item = [usize; A]>) -> Over<Self, A> {
         Over::new(self, members)
     }

@@ -10,8 +10,8 @@ use nalgebra::{SMatrix, SVector};
 /// ṗ = −∇U + f(q, v, t) + Gᵀλ        in the unit of momentum over time; v = M⁻¹p
 /// ```
 ///
-/// In a scene it acts as a [`Flow`](crate::effect::Flow) of momenta, see [`ActsByForce`](crate::effect::ActsByForce): of second order
-/// whatever the order of the method, its work booked as the change of kinetic energy.
+/// In a scene it acts as a [`Flow`](crate::effect::Flow) of momenta, see [`ActsByForce`](crate::effect::ActsByForce):
+/// of second order whatever the order of the method, its work booked as the change of kinetic energy.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -54,8 +54,8 @@ pub trait ForceLaw<const K: usize>: Sized {
         SMatrix::from_fn(|i, j| slopes[i][j])
     }
 
-    /// The force on chosen bodies, A at a time: the coordinates of all of a member's bodies in turn, then their velocities. On each body
-    /// acts its part of the components.
+    /// The force on chosen bodies, A at a time: the coordinates of all of a member's bodies in turn, then their
+    /// velocities. On each body acts its part of the components.
     fn over<const A: usize>(self, members: impl IntoIterator<Item = [usize; A]>) -> Over<Self, A> {
         Over::new(self, members)
     }

@@ -3,8 +3,8 @@
 use crate::error::{Error, NetworkMistake};
 use std::any::type_name;
 
-/// A potential, or another function of several bodies, on chosen ones, A at a time: its variables are the coordinates of a
-/// member's bodies in turn. Made by [`Potential::over`](crate::kernel::Potential::over) and its like.
+/// A potential, or another function of several bodies, on chosen ones, A at a time: its variables are the coordinates
+/// of a member's bodies in turn. Made by [`Potential::over`](crate::kernel::Potential::over) and its like.
 ///
 /// ```text
 /// scene.with(Spring { stiffness: 9.0, length: 1.0 }.over([[0, 1], [1, 2]]))      // |a: [f64; 3], b: [f64; 3]| …

@@ -20,14 +20,15 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 /// A system with flows, as messages name it.
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
-/// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took, four others.
+/// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
+/// four others.
 pub(crate) const ROOM: usize = 10;
 
 /// A [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
 
-/// What [`Rule::Symmetric`] may lack where no iteration brings it nearer, as part of the largest momentum: of a flow that is stiff along
-/// the normals of many constraints.
+/// What [`Rule::Symmetric`] may lack where no iteration brings it nearer, as part of the largest momentum: of a flow
+/// that is stiff along the normals of many constraints.
 const SETTLED: f64 = 1e-8;
 
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
@@ -229,8 +230,8 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
     }
 
-    /// [`Rule::Symmetric`]: N is found by repetition, each time with what it lacks, r, and from two rounds on by the secant through both
-    /// (D. G. Anderson 1965). `others` are N and r, now and before.
+    /// [`Rule::Symmetric`]: N is found by repetition, each time with what it lacks, r, and from two rounds on by the
+    /// secant through both (D. G. Anderson 1965). `others` are N and r, now and before.
     fn act_symmetrically(
         &mut self,
         h: f64,
@@ -281,8 +282,8 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
     }
 }
 
-/// The next impulses, N + r − γ (N − N₀ + r − r₀), with γ such that |r − γ (r − r₀)| is least; and what is there becomes what was
-/// before.
+/// The next impulses, N + r − γ (N − N₀ + r − r₀), with γ such that |r − γ (r − r₀)| is least; and what is there
+/// becomes what was before.
 fn improve<T: Real, const D: usize>(
     [impulses, lacks]: [&mut [[T; D]]; 2],
     [impulses_before, lacks_before]: [&mut [[T; D]]; 2],
