@@ -173,7 +173,7 @@ fn on_a_surface() {
     assert!(simulation.work().abs() > 0.05 && simulation.energy_error().abs() < 1e-10);
 
     let exact = end(1.0);
-    let [coarse, fine] = [0.04, 0.02].map(|h| {
+    let [coarse, fine] = [0.01, 0.005].map(|h| {
         let mut simulation = scene.simulate(start(), Rattle::new(h)).unwrap();
         let allocated = allocation_counter::measure(|| simulation.run((3.0 / h).round() as u64).unwrap());
         assert_eq!(allocated.count_total, 0);

@@ -23,7 +23,7 @@ use nalgebra::{SMatrix, SVector};
 /// }
 ///
 /// let air = Air { c: 0.5 };
-/// assert_eq!(air.value(&[0.0, 0.0].into(), &[3.0, 4.0].into(), 0.0), [-7.5, -10.0].into());
+/// assert_eq!(air.value(&[0.0, 0.0].into(), &[3.0, 4.0].into(), 0.0).as_slice(), [-7.5, -10.0]);
 ///
 /// let mut simulation = Scene::point().with(air).simulate(State::at([0.0, 0.0]).moving([1.0, 0.0]), Rattle::new(0.01))?;
 /// simulation.run(200)?;
