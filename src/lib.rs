@@ -100,7 +100,7 @@ pub use rattle_core::scene::Scene;
 pub use rattle_core::systems::network::{LinearAlgebra, Mass};
 pub use rattle_core::systems::rigid::Rigid;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
-pub use rattle_macros::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
+pub use rattle_macros::{constraint, force, hamiltonian, pair_potential, phase_constraint, potential};
 
 /// What most programs use. Not in it: [`Error`], a name that programs have of their own; the
 /// [ready-made](crate::surfaces) surfaces, potentials and links; and what those need who write
@@ -112,7 +112,9 @@ pub mod prelude {
     pub use crate::ensemble::{Compensated, Double, Precision, Single};
     pub use crate::guess::{Extrapolated, FromState, LastMultiplier};
     pub use crate::iteration::{Broyden, Newton, Simplified, Symmetric};
-    pub use crate::kernel::{Constraint, Hamiltonian, PairPotential, PhaseConstraint, Potential};
+    pub use crate::kernel::{
+        Constraint, DrivenPotential, ForceLaw, Hamiltonian, PairPotential, PhaseConstraint, Potential,
+    };
     pub use crate::watch::{
         Each, Histogram, Mean, Observer, Progress, Section, ShadowEnergy, Sight, Trajectory,
     };
@@ -123,7 +125,7 @@ pub mod prelude {
     pub use crate::{
         BoxedSimulation, Counted, Ensemble, LinearAlgebra, Mass, Method, Rigid, Scene, Simulation, State,
     };
-    pub use crate::{constraint, hamiltonian, pair_potential, phase_constraint, potential};
+    pub use crate::{constraint, force, hamiltonian, pair_potential, phase_constraint, potential};
 }
 
 #[cfg(doctest)]

@@ -303,7 +303,7 @@ mod catalogue {
         Sqrt sqrt 0.1; Cbrt cbrt 0.1; Exp exp 0.0; Ln ln 0.3; Log10 log10 0.3; Log2 log2 0.3;
         Sin sin 1; Cos cos 1; Tan tan 0.0; Asin asin 0.0; Acos acos 0.1; Atan atan 0.5;
         Sinh sinh 0.5; Cosh cosh 0.5; Tanh tanh 0.5; Asinh asinh 0.5; Acosh acosh 1.5; Atanh atanh 0.1;
-        Abs abs 0.1; Sign sign 0.1; Erf erf 0.2;
+        Abs abs 0.1; Sign sign 0.1; Floor floor 0.1; Erf erf 0.2;
     }
 
     potential! {

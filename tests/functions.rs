@@ -275,7 +275,7 @@ impl Work for All<'_> {
                 bits.extend(from_fn::<_, 64, _>(|i| Real::$name(numbers[i], numbers[(i + 1) % 64]).0.to_bits()));
             )*};
         }
-        of_one!(exp ln sin cos tan sinh cosh tanh atan asin acos log2 log10 cbrt erf asinh acosh atanh sqrt abs);
+        of_one!(exp ln sin cos tan sinh cosh tanh atan asin acos log2 log10 cbrt erf asinh acosh atanh sqrt abs floor);
         of_two!(powf atan2 hypot);
         bits
     }

@@ -48,6 +48,11 @@ constraint! {
 
 const OCTAHEDRON: Faces = Faces { a: 1.0, b: 1.0, c: 1.0, d: 0.0, r: 1.0 };
 const ROOF: Faces = Faces { a: 0.5, b: 0.0, c: 0.0, d: 1.0, r: 0.0 };
+constraint! {
+    /// Steps of a stair, of width 1/2.
+    struct Flight { height }
+    |x, _y, z| z - height * floor(2 * x)
+}
 
 /// The step that failed, its argument, the share of the step and the angle by which the normal turns, in degrees.
 fn kink(error: Error) -> (u64, &'static str, f64, f64) {
@@ -114,6 +119,17 @@ fn steps_of_a_floor_and_branches_are_errors() {
     let error = scene.simulate(start, Rattle::new(0.03)).unwrap().run(1000).unwrap_err();
     assert!(error.to_string().contains("the surface goes on 2.0e-2 away"), "{error}");
     assert_eq!(kink(error).0, 34);
+
+    // Where floor jumps: at all whole numbers, even and odd, up and down.
+    for (x, v, end) in
+        [(-0.25, 1.0, 0.0), (0.25, 1.0, 0.5), (0.75, 1.0, 1.0), (0.25, -1.0, 0.0), (-0.25, -1.0, -0.5)]
+    {
+        let start = State::at([x, 0.0, 0.01 * f64::floor(2.0 * x)]).moving([v, 0.0, 0.0]);
+        let mut simulation = Scene::on(Flight { height: 0.01 }).simulate(start, Rattle::new(0.03)).unwrap();
+        let (step, argument, share, _) = kink(simulation.run(1000).unwrap_err());
+        assert_eq!((step, argument), (9, "x * 2 - 2 * floor(x * 2 / 2) - 1")); // 0.25 is 8⅓ steps
+        assert!((share - 1.0 / 3.0).abs() < 1e-5 && (simulation.position().x - end).abs() < 0.03, "{share}");
+    }
 
     let start = State::at([-1.0, 0.0, 0.0]).moving([1.0, 0.5, 0.0]);
     let mut simulation = Scene::on(Ramp { slope: 0.2 }).simulate(start, Rattle::new(0.03)).unwrap();

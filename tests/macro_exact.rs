@@ -188,12 +188,12 @@ scalar!([] Exact, |x| {
     assert_eq!(scaled.fract(), 0.0, "{x} is a fraction of few bits");
     Exact::new(scaled as i128, 1 << bits)
 }, |a, b| (a - b).above < 0, {}
-    absent abs sign sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
+    absent abs sign floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
 scalar!([T: Real] Dual<T>, |x| Dual { a: T::from_f64(x), b: T::from_f64(0.0) }, |a, b| {
     use rattle::real::Mask;
     a.a.lt(b.a).all()
 }, {}
-    absent abs sign sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
+    absent abs sign floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
 scalar!([] Complex, |x| Complex { re: x, im: 0.0 }, |a, b| a.re < b.re, {
     fn sqrt(self) -> Self {
         let root = self.re.sqrt(); // to first order in the tiny imaginary part, as all of these
@@ -214,7 +214,7 @@ scalar!([] Complex, |x| Complex { re: x, im: 0.0 }, |a, b| a.re < b.re, {
     fn tanh(self) -> Self {
         Complex { re: self.re.tanh(), im: self.im / self.re.cosh().powi(2) }
     }
-} absent abs sign cbrt log10 log2 tan asin acos atan sinh cosh asinh acosh atanh erf);
+} absent abs sign floor cbrt log10 log2 tan asin acos atan sinh cosh asinh acosh atanh erf);
 
 constraint! {
     /// The Bernoulli lemniscate.

@@ -109,6 +109,29 @@ fn branches(x: f64, y: f64, c: f64) -> [f64; 3] {
     ]
 }
 
+constraint! {
+    /// What repeats, and what counts.
+    struct Periodic { period }
+    |x, y| [mod(x, period) * y, floor(x + y), (x * y).mod(-2)]
+}
+
+/// `mod` is x − y ⌊x/y⌋, bit for bit, with the sign of y; slopes are those of x where y stays.
+#[test]
+fn whole_numbers() {
+    let (g, mut generator) = (Periodic { period: 0.7 }, StdRng::seed_from_u64(8));
+    for _ in 0..200 {
+        let (x, y) = (generator.random_range(-5.0..5.0), generator.random_range(-5.0..5.0));
+        let q = SVector::<f64, 2>::from([x, y]);
+        let of = |a: f64, b: f64| a - b * (a / b).floor();
+        assert_eq!(g.value(&q), SVector::from([of(x, 0.7) * y, (x + y).floor(), of(x * y, -2.0)]));
+        assert!((0.0..0.7).contains(&of(x, 0.7)) && (-2.0..=0.0).contains(&of(x * y, -2.0)));
+        let slopes = g.jacobian(&q);
+        assert_eq!(slopes.row(0), SMatrix::<f64, 1, 2>::new(y, of(x, 0.7)));
+        assert_eq!(slopes.row(1), SMatrix::<f64, 1, 2>::zeros());
+        assert_eq!(slopes.row(2), SMatrix::<f64, 1, 2>::new(y, x));
+    }
+}
+
 /// Branches: values by hand, derivatives by differences inside each, and no NaN from the arm not taken.
 #[test]
 fn branches_select() {

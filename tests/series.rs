@@ -168,6 +168,7 @@ functions! {
     choice: if x < c * 9 { x^2 * z * y } else { x };
     other_choice: if x * z >= 5 { x^2 } else { x * z^2 * y };
     sign_of: sign(x) * x^3 * sign(y - 5) * z^2;
+    whole: (floor(x / 9 + 1/2) + x) * y + (z - 9 * floor(z / 9 - 1/2)) * z^2;
 }
 
 pair_potential! {

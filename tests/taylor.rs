@@ -88,6 +88,7 @@ functions! {
     smaller: min(x^2, y + 9) + max(x, -5) * x;
     choice: if x < 9 { x^2 } else { x };
     sign_of: sign(x) * x^3;
+    whole: x - 9 * floor(x / 9 + 1/2) + floor(z / 9 - 1/2) * y / 4;
 }
 
 fn billiard_error(method: Taylor) -> f64 {

@@ -39,7 +39,7 @@ constraint! {
 
 potential! {
     struct Trap { stiffness, scale, g }
-    |x, y, z| stiffness / (1 + scale^2) * (x^2 + y^2) / 2 + g * exp(-scale) * z
+    |x, y, z| stiffness / (1 + scale^2) * (x^2 + y^2) / 2 + g * exp(-scale) * z + mod(z + 50, 100 + scale)^2 / 900
 }
 
 pair_potential! {

@@ -38,7 +38,7 @@ use rattle_symbolic::{Macro, expand};
 /// constants    pi  e
 /// operators    + - * / ^                     ^ is power: from the right, before the sign: -x^2 = -(x^2)
 /// functions    sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh
-///              abs sign erf min max atan2 hypot pow norm dot      also as methods: x.sin()
+///              abs sign floor erf min max mod atan2 hypot pow norm dot      also as methods: x.sin()
 /// blocks       { let f = x^2; f + y }
 /// branches     if x < 1 && y >= 0 { x } else { y }
 /// arrays       |a: [f64; 3], m: [[f64; 2]; 2]|   a[0]   m[i][k]   2 * a - b   struct S { n: [f64; 3] }
@@ -56,11 +56,12 @@ use rattle_symbolic::{Macro, expand};
 /// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
 /// exponent that moves needs a positive base. An exponent of numbers and indices alone is worked out as an exact
 /// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of squares, `min` and `max`
-/// take the first argument on a tie and where either is NaN. Derivatives may be rearranged, always in
+/// take the first argument on a tie and where either is NaN; `mod(x, y)` is `x - y * floor(x / y)`, for what repeats.
+///  Derivatives may be rearranged, always in
 /// the same way. Where a function has no derivative, it is set:
 ///
 /// ```text
-/// abs'(0) = 1     sign' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
+/// abs'(0) = 1     sign' = floor' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
 /// ```
 ///
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
@@ -76,9 +77,37 @@ pub fn constraint(input: TokenStream) -> TokenStream {
 /// A potential energy U(q): one expression of all coordinates, in the language of [`constraint!`].
 ///
 /// Unlike in a constraint, a variable need not be used: a force may act along one axis only.
+///
+/// A last variable that is called `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three
+/// coordinates that changes with time, by the trait `DrivenPotential`. The work that it does, ∫ ∂U/∂t dt, is told by
+/// the simulation.
 #[proc_macro]
 pub fn potential(input: TokenStream) -> TokenStream {
     expand(Macro::Potential, input.into()).into()
+}
+
+/// A force f(q, v, t): as many components as coordinates, in the language of [`constraint!`].
+///
+/// ```text
+/// force! {
+///     /// A motor that turns an arm about z, against friction.
+///     pub struct Motor { torque, friction }
+///     |q: [f64; 3], v: [f64; 3], t| {
+///         let push = torque * sin(t) / (q[0]^2 + q[1]^2);
+///         [-push * q[1] - friction * v[0], push * q[0] - friction * v[1], 0]
+///     }
+/// }
+/// ```
+///
+/// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out
+/// where nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of
+/// several bodies, for `.over(members)`, has the coordinates of all of them, then the velocities of all, and D
+/// components for each. It is what is added to ṗ; on a rigid body, of nine coordinates, the first three of nine
+/// components are the torque in the frame of the body, and the first three of nine velocities the angular velocity
+/// there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
+#[proc_macro]
+pub fn force(input: TokenStream) -> TokenStream {
+    expand(Macro::Force, input.into()).into()
 }
 
 /// A potential energy U(r) of two bodies at distance r, of one variable: `|r| -k / r`.

@@ -16,6 +16,8 @@ pub(crate) enum Callee {
     Two(Binary),
     Min,
     Max,
+    /// What is left of a division with a whole quotient.
+    Mod,
     /// The operator `^` as a function.
     Pow,
     Dot,
@@ -25,9 +27,10 @@ pub(crate) enum Callee {
 }
 
 /// Beside the functions of one argument: name, what it is, fewest and most arguments, how it is written.
-const SPECIAL: [(&str, Callee, usize, usize, &str); 8] = [
+const SPECIAL: [(&str, Callee, usize, usize, &str); 9] = [
     ("min", Callee::Min, 2, 16, "min(a, b)"),
     ("max", Callee::Max, 2, 16, "max(a, b)"),
+    ("mod", Callee::Mod, 2, 2, "mod(x, y)"),
     ("atan2", Callee::Two(Binary::Atan2), 2, 2, "atan2(y, x)"),
     ("hypot", Callee::Two(Binary::Hypot), 2, 2, "hypot(x, y)"),
     ("pow", Callee::Pow, 2, 2, "pow(x, 2)"),
@@ -37,7 +40,7 @@ const SPECIAL: [(&str, Callee, usize, usize, &str); 8] = [
 ];
 
 /// What other languages say, and what is said here.
-const ALIASES: [(&str, &str); 24] = [
+const ALIASES: [(&str, &str); 31] = [
     ("log", "`ln(x)` or `log10(x)`"),
     ("lg", "`log10(x)` or `log2(x)`"),
     ("arctan", "`atan(x)`"),
@@ -62,6 +65,13 @@ const ALIASES: [(&str, &str); 24] = [
     ("signum", "`sign(x)`"),
     ("sgn", "`sign(x)`"),
     ("length", "`norm(a)`"),
+    ("fmod", "`mod(x, y)`, which has the sign of y"),
+    ("rem", "`mod(x, y)`, which has the sign of y"),
+    ("rem_euclid", "`mod(x, y)`, which has the sign of y"),
+    ("fract", "`mod(x, 1)`"),
+    ("ceil", "`-floor(-x)`"),
+    ("round", "`floor(x + 1/2)`"),
+    ("heaviside", "`if x < 0 { 0 } else { 1 }`"),
 ];
 
 /// The largest whole exponent.
@@ -206,7 +216,18 @@ impl Arithmetic<'_> {
                 }
             }
         }
+        if let (Callee::Mod, [_, (_, divisor)]) = (callee, arguments)
+            && self.graph.number(numbers[1]) == Some(0.0)
+        {
+            return self.wrong(*divisor, "division by zero: `mod(x, 0)` is not a number");
+        }
         let combine = |graph: &mut Graph, a: Id, b: Id| match callee {
+            Callee::Mod => {
+                let quotient = graph.div(a, b);
+                let floor = graph.call(Function::Floor, quotient);
+                let whole = graph.mul(b, floor);
+                graph.sub(a, whole)
+            }
             Callee::Min => graph.min(a, b),
             Callee::Max => graph.max(a, b),
             Callee::Two(binary) => graph.call2(binary, a, b),

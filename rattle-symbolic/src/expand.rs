@@ -19,14 +19,15 @@ use quote::quote;
 pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     let mut problems = Problems::default();
     let Some(item) = parse(input, &mut problems) else { return problems.report() };
+    let which = which.of(&item);
     let mut graph = Graph::new();
     let Lowered { roots, named } = lower(&item, which.expectation(), &mut graph, &mut problems);
-    which.check(&item, &mut problems);
-    let sizes = Sizes::of(&item, roots.len());
+    which.check(&item, roots.len(), &mut problems);
+    let sizes = which.sizes(&item, roots.len());
     if problems.any() || roots.is_empty() {
         return which.refused(&item, &sizes, problems);
     }
-    let routines = match which.routines(graph, &roots, sizes.variables as u32) {
+    let routines = match which.routines(graph, &roots, &sizes) {
         Ok(routines) => routines,
         Err(large) => {
             problems.note_at(&item.name, large);
@@ -44,10 +45,13 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
 }
 
 impl Macro {
-    fn routines(self, graph: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
+    fn routines(self, graph: Graph, roots: &[Id], sizes: &Sizes) -> Result<Routines, TooLarge> {
+        let variables = sizes.variables as u32;
         match self {
             Macro::Constraint => routine::constraint(graph, roots, variables),
             Macro::Potential => routine::potential(graph, roots[0], variables),
+            Macro::DrivenPotential => routine::driven_potential(graph, roots[0], variables),
+            Macro::Force => routine::force(graph, roots, variables, sizes.coordinates() > roots.len()),
             Macro::PairPotential => routine::pair(graph, roots[0]),
             Macro::Hamiltonian => routine::hamiltonian(graph, roots[0], variables),
             Macro::PhaseConstraint => routine::phase_constraint(graph, roots, variables),
@@ -95,10 +99,16 @@ impl Macro {
     /// The struct, and functions that only satisfy the compiler, so that no second wave of errors follows.
     fn stub(self, item: &Item, sizes: &Sizes) -> TokenStream {
         let structure = structure(item, &[]);
-        let sizes = Sizes {
-            variables: if sizes.variables == 0 { 3 } else { sizes.variables },
-            roots: sizes.roots.max(1),
+        let variables = match sizes.coordinates() {
+            0 => 3,
+            variables => variables,
         };
+        let roots = match (self, sizes.roots) {
+            (Macro::Force, 0) if variables % 2 == 0 => variables / 2,
+            (Macro::Force, 0) => variables,
+            (_, roots) => roots.max(1),
+        };
+        let sizes = Sizes { variables: variables + usize::from(sizes.time), roots, ..*sizes };
         let routines = Routines::empty();
         let emitter = Emitter::new(&routines);
         let kernel = Kernel { item, emitter: &emitter, routines: &routines, sizes: &sizes, kinks: &[] };

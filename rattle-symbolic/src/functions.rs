@@ -38,6 +38,7 @@ macro_rules! functions_of_one {
             Atanh "atanh", f64::atanh, 2,  |g, x, _| { let d = g.one_minus_square(x); g.reciprocal_of(d) };
             Abs   "abs",   f64::abs,   1,  |g, x, _| g.signum(x);
             Sign  "sign",  sign,       1,  |_, _, _| Scaled::ZERO;
+            Floor "floor", f64::floor, 1,  |_, _, _| Scaled::ZERO;
             Erf   "erf",   libm::erf,  3,  |g, x, _| g.bell(x).times(FRAC_2_SQRT_PI);
         }
     };

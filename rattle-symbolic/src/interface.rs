@@ -106,9 +106,14 @@ impl Macro {
     /// The trait of the struct and that of its kernel, with their arguments.
     pub(crate) fn traits(self, sizes: &Sizes) -> (TokenStream, TokenStream) {
         let [d, half, m] = [sizes.variables, sizes.variables / 2, sizes.roots].map(Literal::usize_unsuffixed);
+        let before = Literal::usize_unsuffixed(sizes.coordinates());
         match self {
             Macro::Constraint => (quote!(Constraint<#d, #m>), quote!(ConstraintKernel<T, #d, #m>)),
             Macro::Potential => (quote!(Potential<#d>), quote!(PotentialKernel<T, #d>)),
+            Macro::DrivenPotential => {
+                (quote!(DrivenPotential<#before>), quote!(DrivenPotentialKernel<T, #before>))
+            }
+            Macro::Force => (quote!(ForceLaw<#m>), quote!(ForceLawKernel<T, #m>)),
             Macro::PairPotential => (quote!(PairPotential), quote!(PairKernel<T>)),
             Macro::Hamiltonian => (quote!(Hamiltonian<#half>), quote!(HamiltonianKernel<T, #half>)),
             Macro::PhaseConstraint => {
@@ -143,6 +148,23 @@ impl Macro {
                 vec![
                     method("value", &[("q", &q)], number.clone()),
                     method("gradient", &[("q", &q)], q.clone()),
+                ]
+            }
+            Macro::DrivenPotential => {
+                let q = Form::array(sizes.coordinates());
+                let place = [("q", &q), ("t", &number)];
+                vec![
+                    method("value", &place, number.clone()),
+                    method("gradient", &place, q.clone()),
+                    method("rate", &place, number.clone()),
+                ]
+            }
+            Macro::Force => {
+                let (q, slopes) = (Form::array(m), Form::array(m).of(m));
+                let place = [("q", &q), ("v", &q), ("t", &number)];
+                vec![
+                    method("value", &place, q.clone()),
+                    method("value_and_slopes", &place, tuple(&[&q, &slopes])),
                 ]
             }
             Macro::PairPotential => {
@@ -184,7 +206,7 @@ impl Macro {
             Macro::PairPotential => {
                 Some(("slope", Method::new("slope_series", &[("s", &number)], number.clone())))
             }
-            Macro::Hamiltonian | Macro::PhaseConstraint => None,
+            Macro::DrivenPotential | Macro::Force | Macro::Hamiltonian | Macro::PhaseConstraint => None,
         }
     }
 
@@ -192,8 +214,11 @@ impl Macro {
     pub(crate) fn spelling(self, sizes: &Sizes) -> impl Fn(Input) -> TokenStream {
         let half = match self {
             Macro::Hamiltonian | Macro::PhaseConstraint => (sizes.variables / 2) as u32,
+            Macro::Force => sizes.roots as u32,
             _ => u32::MAX,
         };
+        let time = if sizes.time { sizes.variables as u32 - 1 } else { u32::MAX };
+        let second = if self == Macro::Force { "v" } else { "p" };
         let directions = if half == u32::MAX { ["v", "v"] } else { ["dq", "dp"] };
         let component = |name: &str, k: u32| {
             let (name, k) = (argument_name(name), Literal::u32_unsuffixed(k));
@@ -201,8 +226,9 @@ impl Macro {
         };
         move |input| match input {
             Input::Variable(_) if self == Macro::PairPotential => quote!(__s),
+            Input::Variable(k) if k == time => quote!(__t),
             Input::Variable(k) if k < half => component("q", k),
-            Input::Variable(k) => component("p", k - half),
+            Input::Variable(k) => component(second, k - half),
             Input::Direction(k) if k < half => component(directions[0], k),
             Input::Direction(k) => component(directions[1], k - half),
             Input::Weight(k) => component("weights", k),

@@ -30,6 +30,7 @@ impl Kernel<'_> {
         let functions = which.methods(self.sizes).into_iter().filter(|method| written(method.name));
         let functions = functions.map(|method| self.function(&method, which));
         let (acts_along, kinks) = (self.acts_along(which), self.kinks(which));
+        let depends_on = self.depends_on(which);
         let series = self.series(which);
         let map = self.map(which);
         let declarations = self.emitter.declarations();
@@ -70,6 +71,7 @@ impl Kernel<'_> {
                 impl<T: ::rattle::real::Real> ::rattle::kernel::#interface for #kernel<T> {
                     #(#functions)*
                     #acts_along
+                    #depends_on
                     #kinks
                     #series
                 }
@@ -107,6 +109,18 @@ impl Kernel<'_> {
             fn acts_along(&self) -> [::core::primitive::bool; #d] {
                 [#(#acts),*]
             }
+        }
+    }
+
+    /// Whether a force depends on velocities and time.
+    fn depends_on(&self, which: Macro) -> TokenStream {
+        if which != Macro::Force {
+            return TokenStream::new();
+        }
+        let (on_velocity, on_time) = (self.routines.named("value_and_slopes").is_some(), self.sizes.time);
+        quote! {
+            const ON_VELOCITY: ::core::primitive::bool = #on_velocity;
+            const ON_TIME: ::core::primitive::bool = #on_time;
         }
     }
 

@@ -150,7 +150,8 @@ impl Lowering<'_> {
                     self.wrong(expr.extent, format!("found an array, expected {}; {advice}", expected.noun));
                     return;
                 }
-                if let Some(still) = numbers.iter().find(|&&id| !self.graph.moving(id)) {
+                if let Some(still) = numbers.iter().find(|&&id| !self.graph.moving(id) && !expected.constant)
+                {
                     let value = match self.graph.number(*still) {
                         Some(number) => format!("it is always {number}"),
                         None => "it holds parameters only".to_owned(),

@@ -1,7 +1,7 @@
 //! The macros, and what each asks of its input.
 
 use crate::problems::Problems;
-use crate::syntax::Item;
+use crate::syntax::{Item, Variable};
 
 /// Which macro it is.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -10,6 +10,10 @@ pub enum Macro {
     Constraint,
     /// `potential!`
     Potential,
+    /// `potential!` with the time as its last variable
+    DrivenPotential,
+    /// `force!`
+    Force,
     /// `pair_potential!`
     PairPotential,
     /// `hamiltonian!`
@@ -25,6 +29,8 @@ pub(crate) struct Expectation {
     pub(crate) several: bool,
     /// Whether a variable that is not used is a mistake.
     pub(crate) every_variable: bool,
+    /// Whether an expression may depend on no variable at all.
+    pub(crate) constant: bool,
     /// What the expression is, for messages.
     pub(crate) noun: &'static str,
     /// What to say to who writes the time into it.
@@ -34,24 +40,59 @@ pub(crate) struct Expectation {
 impl Macro {
     /// What lowering must know of the macro.
     pub(crate) fn expectation(self) -> Expectation {
-        let equations =
-            |of_time| Expectation { several: true, every_variable: true, noun: "this equation", of_time };
-        let energy = |noun, of_time| Expectation { several: false, every_variable: false, noun, of_time };
-        let forces = "potentials know no time; a force that does implements `Effect`";
+        let equations = |of_time| Expectation {
+            several: true,
+            every_variable: true,
+            constant: false,
+            noun: "this equation",
+            of_time,
+        };
+        let energy = |noun, of_time| Expectation {
+            several: false,
+            every_variable: false,
+            constant: false,
+            noun,
+            of_time,
+        };
+        let last = "the time is the last variable, as in `|x, y, z, t|`";
+        let pairs = "pair potentials know no time; a potential over two bodies does, with the time as its last variable";
         match self {
             Macro::Constraint => {
                 equations("a moving constraint, for `link_moving`, has the time as its last variable")
             }
             Macro::PhaseConstraint => equations("constraints on phase space know no time"),
-            Macro::Potential => energy("the potential", forces),
+            Macro::Potential | Macro::DrivenPotential => energy("the potential", last),
+            Macro::Force => Expectation { several: true, constant: true, ..energy("the force", last) },
             Macro::Hamiltonian => energy("the Hamiltonian", "Hamiltonians know no time"),
-            Macro::PairPotential => Expectation { every_variable: true, ..energy("the potential", forces) },
+            Macro::PairPotential => Expectation { every_variable: true, ..energy("the potential", pairs) },
         }
     }
 
-    /// What holds for this macro beyond its expression.
-    pub(crate) fn check(self, item: &Item, problems: &mut Problems) {
+    /// The macro itself, or what it is for an item with the time as a variable.
+    pub(crate) fn of(self, item: &Item) -> Self {
+        let has_time = item.variables.iter().any(|variable| variable.name == TIME);
+        if self == Macro::Potential && has_time { Macro::DrivenPotential } else { self }
+    }
+
+    /// What holds for this macro beyond its expression, of so many components.
+    pub(crate) fn check(self, item: &Item, components: usize, problems: &mut Problems) {
+        if let Macro::DrivenPotential | Macro::Force = self {
+            check_time(&item.variables, problems);
+        }
         match (self, &item.variables[..]) {
+            (Macro::Force, _) if !problems.any() => {
+                let sizes = self.sizes(item, components);
+                let (rest, time) = (sizes.coordinates(), sizes.time);
+                if rest != components && rest != 2 * components {
+                    let message = format!(
+                        "the force has {components} component{}, and so as many coordinates, as many velocities if it depends on \
+                         them, and the time `t` if it does; found {rest} variables{}",
+                        if components == 1 { "" } else { "s" },
+                        if time { " and the time" } else { "" },
+                    );
+                    problems.note_at(&item.name, message);
+                }
+            }
             (Macro::PairPotential, [first, rest @ ..]) => {
                 let message = "a pair potential has one variable, the distance, as in `|r| depth / r`";
                 if let Some(second) = rest.first() {
@@ -78,22 +119,53 @@ impl Macro {
     pub(crate) fn letter(self) -> &'static str {
         match self {
             Macro::Constraint | Macro::PhaseConstraint => "g",
-            Macro::Potential | Macro::PairPotential => "U",
+            Macro::Potential | Macro::DrivenPotential | Macro::PairPotential => "U",
+            Macro::Force => "f",
             Macro::Hamiltonian => "H",
         }
     }
 }
 
-/// How many coordinates and equations there are.
+/// What the time is called, where a variable can be the time.
+const TIME: &str = "t";
+
+/// Notes a time that is not the last variable, no number, or the only variable of a potential.
+fn check_time(variables: &[Variable], problems: &mut Problems) {
+    for (place, Variable { name, shape }) in variables.iter().enumerate().filter(|(_, v)| v.name == TIME) {
+        if !shape.is_empty() {
+            problems.note_at(name, "`t` is the time, a number; call coordinates by another name");
+        } else if place + 1 < variables.len() {
+            problems.note_at(name, "`t` is the time, and stands last, as in `|x, y, z, t|`");
+        } else if place == 0 {
+            problems.note_at(
+                name,
+                "what depends on the time alone moves nothing; write the coordinates before `t`",
+            );
+        }
+    }
+}
+
+/// How many variables there are, whether the last one is the time, and how many equations or components.
 pub(crate) struct Sizes {
     pub(crate) variables: usize,
+    pub(crate) time: bool,
     pub(crate) roots: usize,
 }
 
 impl Sizes {
-    /// Those of an item with so many equations.
-    pub(crate) fn of(item: &Item, roots: usize) -> Self {
+    /// The variables but for the time.
+    pub(crate) fn coordinates(&self) -> usize {
+        self.variables - usize::from(self.time)
+    }
+}
+
+impl Macro {
+    /// The sizes of an item with so many equations or components.
+    pub(crate) fn sizes(self, item: &Item, roots: usize) -> Sizes {
         let size = |shape: &[usize]| shape.iter().product::<usize>();
-        Sizes { variables: item.variables.iter().map(|variable| size(&variable.shape)).sum(), roots }
+        let variables = item.variables.iter().map(|variable| size(&variable.shape)).sum();
+        let knows_time = matches!(self, Macro::DrivenPotential | Macro::Force);
+        let time = knows_time && item.variables.last().is_some_and(|variable| variable.name == TIME);
+        Sizes { variables, time, roots }
     }
 }

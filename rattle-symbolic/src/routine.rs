@@ -191,6 +191,7 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     for id in graph.reachable(roots) {
         let kink = match *graph.node(id) {
             Node::Call(Function::Abs | Function::Cbrt | Function::Sign, a) => a,
+            Node::Call(Function::Floor, a) => odd_and_even(graph, a),
             Node::Select(_, a, b, ..) if graph.as_constant(b) == Some(0.0) => a,
             Node::Select(_, a, b, ..) if graph.as_constant(a) == Some(0.0) => b,
             Node::Select(_, a, b, ..) => graph.sub(a, b),
@@ -203,6 +204,16 @@ fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     list
 }
 
+/// a − 2 floor(a/2) − 1, which changes its sign at every integer, to the last bit.
+fn odd_and_even(graph: &mut Graph, a: Id) -> Id {
+    let [one, two] = [1.0, 2.0].map(|number| graph.constant(number));
+    let half = graph.div(a, two);
+    let floor = graph.call(Function::Floor, half);
+    let even = graph.mul(two, floor);
+    let rest = graph.sub(a, even);
+    graph.sub(rest, one)
+}
+
 /// U and ∇U.
 pub fn potential(mut source: Graph, root: Id, variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
@@ -210,6 +221,41 @@ pub fn potential(mut source: Graph, root: Id, variables: u32) -> Result<Routines
     let gradient = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
     routines.add_beside("gradient", &source, &[root.into()], &gradient)?;
     routines.gradients = (source, gradient);
+    Ok(routines)
+}
+
+/// U(q, t), ∂U/∂q and ∂U/∂t; the time is the last variable.
+pub fn driven_potential(mut source: Graph, root: Id, variables: u32) -> Result<Routines, TooLarge> {
+    let mut routines = Routines::empty();
+    routines.add("value", &source, &[root.into()])?;
+    let all = Calculus::new(&mut source).gradient(&[(Scaled::ONE, root)], variables);
+    let (gradient, rate) = all.split_at(variables as usize - 1);
+    routines.add_beside("gradient", &source, &[root.into()], gradient)?;
+    routines.add("rate", &source, rate)?;
+    routines.gradients = (source, all);
+    Ok(routines)
+}
+
+/// f(q, v, t), and, where it depends on v, ∂f/∂v: row i belongs to fᵢ. The variables are as many coordinates as there
+/// are components, then as many velocities or none, then perhaps the time.
+pub fn force(
+    mut source: Graph,
+    roots: &[Id],
+    variables: u32,
+    has_velocities: bool,
+) -> Result<Routines, TooLarge> {
+    let mut routines = Routines::empty();
+    let (values, k) = (scaled(roots), roots.len());
+    routines.add("value", &source, &values)?;
+    routines.room(variables as usize * k)?;
+    let mut calculus = Calculus::new(&mut source);
+    let rows: Vec<Vec<Scaled>> =
+        roots.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], variables)).collect();
+    let slopes: Vec<Scaled> = rows.iter().filter_map(|row| row.get(k..2 * k)).flatten().copied().collect();
+    if has_velocities && slopes.iter().any(|slope| slope.factor != 0.0) {
+        routines.add("value_and_slopes", &source, &[&values[..], &slopes].concat())?;
+    }
+    routines.gradients = (source, rows.concat());
     Ok(routines)
 }
 

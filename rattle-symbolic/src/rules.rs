@@ -3,7 +3,7 @@
 //! At the edge of its domain a derivative follows these rules:
 //!
 //! ```text
-//! abs′(0) = +1     sign′ = 0      sqrt′(0) = cbrt′(0) = 0      norm′(0) = hypot′(0, 0) = atan2′(0, 0) = 0
+//! abs′(0) = +1     sign′ = floor′ = 0      sqrt′(0) = cbrt′(0) = 0      norm′(0) = hypot′(0, 0) = atan2′(0, 0) = 0
 //! ```
 //!
 //! Everywhere else it is what IEEE 754 makes of the formula: `ln′(0) = ∞`, `asin′(1) = ∞`.

@@ -96,7 +96,7 @@ fn indices_in_conditions() {
 fn mistakes() {
     let functions: Vec<&str> = Function::ALL.iter().map(|function| function.name()).collect();
     let unknown = format!(
-        "unknown function `weihgt`, expected one of {}, min, max, atan2, hypot, pow, dot, norm, delta, sum, product",
+        "unknown function `weihgt`, expected one of {}, min, max, mod, atan2, hypot, pow, dot, norm, delta, sum, product",
         functions.join(", ")
     );
     let rows = [

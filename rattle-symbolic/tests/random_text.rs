@@ -5,15 +5,21 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle_symbolic::{Macro, expand};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-const MACROS: [Macro; 5] =
-    [Macro::Constraint, Macro::Potential, Macro::PairPotential, Macro::Hamiltonian, Macro::PhaseConstraint];
+const MACROS: [Macro; 6] = [
+    Macro::Constraint,
+    Macro::Potential,
+    Macro::Force,
+    Macro::PairPotential,
+    Macro::Hamiltonian,
+    Macro::PhaseConstraint,
+];
 
 /// What inputs are made of, with two spaces between.
 const PIECES: &str = "x  y  a  b  n  q  p  r  t  i  k  _  _z  r#type  type  self  Self  pi  e  0  1  2  3  0.5  1e-3  \
     1e308  1e309  1e400  5e-324  4096  1024  1025  4294967296  18446744073709551616  0x1F  1_000  2x  \
     2f64  1u8  'c'  \"text\"  b\"b\"  true  +  -  *  /  ^  **  <  <=  >  >=  ==  !=  !  =  &&  ||  &  \
     |  .  ..  ..=  ,  ;  :  ::  #  ?  @  $  ~  ->  =>  (  )  [  ]  {  }  let  mut  if  else  for  in  \
-    sum  product  delta  dot  norm  min  atan2  pow  sqrt  sin  exp  struct A {}  |x, y|  'a  \
+    sum  product  delta  dot  norm  min  mod  floor  atan2  pow  sqrt  sin  exp  struct A {}  |x, y|  'a  \
     #[cfg(any())]  [f64; 3]  f32  pub";
 
 /// What they begin as.

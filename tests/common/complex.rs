@@ -71,6 +71,9 @@ impl Real for Complex {
     fn sign(self) -> Self {
         real(Real::sign(self.0))
     }
+    fn floor(self) -> Self {
+        real(Real::floor(self.0))
+    }
     fn sqrt(self) -> Self {
         (self.ln() * real(0.5)).exp()
     }

@@ -78,7 +78,7 @@ impl Real for Four {
     fn select(mask: FourBits, a: Self, b: Self) -> Self {
         Self(from_fn(|i| if mask.0[i] { a.0[i] } else { b.0[i] }))
     }
-    lane_functions!(abs sign sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh
+    lane_functions!(abs sign floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh
         atanh erf);
     fn sin_cos(self) -> (Self, Self) {
         (self.sin(), self.cos())

@@ -2,7 +2,7 @@
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
-use crate::error::{Error, NetworkMistake, expect_variables};
+use crate::error::{Error, expect_variables};
 use crate::kernel::functions::{Potential, PotentialKernel};
 use crate::kernel::over::Over;
 use crate::kernel::series::Order;
@@ -38,17 +38,7 @@ impl<P: Potential<K>, const D: usize, const K: usize, const A: usize> Effect<D, 
     }
 
     fn check(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
-        let ends = self.members.iter().enumerate().flat_map(|(i, of)| (0..A).map(move |end| (i, of, end)));
-        for (member, of, end) in ends {
-            let body = of[end];
-            if body >= bodies {
-                return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
-            }
-            if of[..end].contains(&body) {
-                return Err(Error::Network(NetworkMistake::Repeated { what, member, body }));
-            }
-        }
-        Ok(())
+        self.check_members(what, bodies)
     }
 }
 

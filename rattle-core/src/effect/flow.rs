@@ -155,6 +155,11 @@ pub enum Rule {
     /// Φₕ(p) − p = h ṗ(p), the rate itself. p′ = p + h Πṗ((p + p′)/2) is made, the implicit rule of the midpoint along the constraints, found by
     /// iteration: symmetric, and a rate without power does no work. For rates with h|∂ṗ/∂p| below 2 in a half step.
     Rate,
+    /// Φₕ is symmetric, Φ₋ₕ Φₕ = 1, and of second order. What the constraints give meanwhile, N = Gᵀμ, is added half
+    /// before it and half after it: p′ = Φₕ(p + N/2) + N/2, with N such that p′ is along the constraints, found by
+    /// iteration. Symmetric, and as stable as Φₕ is: where that takes no energy away nor adds any, p′ has that of p (E.
+    /// Hairer, BIT 40 (2000) 726).
+    Symmetric,
     /// Φₕ draws random numbers: ΠΦₕ is made. Exact where Φₕ is a multiple of p, the same for bodies that constraints tie together, and a normal
     /// number of covariance proportional to M. Such a flow does not run backwards.
     Random,

@@ -90,6 +90,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U, summed over the effects. May allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
+    /// ∂U/∂t, summed over the effects. Neither allocates nor panics.
+    fn power(&self, at: Moment<'_, T, D>) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force. Allocates.
     fn culprit(&self, at: Moment<'_, T, D>, body: usize) -> Option<(&'static str, [T; D])>;
 
@@ -140,6 +142,10 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
         p
     }
     fn energy(&self, _: Moment<'_, T, D>) -> T {
+        T::from_f64(0.0)
+    }
+    #[inline(always)]
+    fn power(&self, _: Moment<'_, T, D>) -> T {
         T::from_f64(0.0)
     }
     fn culprit(&self, _: Moment<'_, T, D>, _: usize) -> Option<(&'static str, [T; D])> {
@@ -251,6 +257,10 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
     fn energy(&self, at: Moment<'_, T, D>) -> T {
         self.others.energy(at) + self.effect.energy(at)
+    }
+    #[inline(always)]
+    fn power(&self, at: Moment<'_, T, D>) -> T {
+        self.others.power(at) + self.effect.power(at)
     }
     fn culprit(&self, at: Moment<'_, T, D>, body: usize) -> Option<(&'static str, [T; D])> {
         self.others.culprit(at, body).or_else(|| {

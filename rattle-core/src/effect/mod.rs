@@ -2,8 +2,8 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Flowing`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsByFlow`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are [`Contacts`], which a
@@ -15,9 +15,11 @@ pub mod andersen;
 pub mod between_kinds;
 pub mod between_near;
 pub mod between_pairs;
+pub mod by_force;
 mod cells;
 pub mod contact;
 pub mod drag;
+pub mod driven;
 pub mod dry_friction;
 pub mod flow;
 pub mod force;
@@ -46,8 +48,10 @@ pub use andersen::Andersen;
 pub use between_kinds::{ActsBetweenKinds, BetweenKinds};
 pub use between_near::{ActsBetweenNear, BetweenNear, BetweenNearKinds};
 pub use between_pairs::{ActsBetweenPairs, BetweenPairs};
+pub use by_force::{ActsByForce, ByForce, ByForceAmong};
 pub use contact::{Contacts, Gradient};
 pub use drag::{LinearDrag, QuadraticDrag};
+pub use driven::{ActsDriven, Driven, DrivenAmong};
 pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing, Inertia, Interval, Rule};
 pub use force::{Absent, Force};

@@ -15,11 +15,12 @@ use std::fmt::Debug;
 ///
 /// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on each body
 /// ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
-/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach ([`BetweenNear`](crate::effect::BetweenNear)), and a potential `over` chosen bodies among them
-/// ([`Among`](crate::effect::Among)). An effect written by hand is of a kind of its own.
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach ([`BetweenNear`](crate::effect::BetweenNear)),
+/// and a potential `over` chosen bodies among them ([`Among`](crate::effect::Among)); a potential that changes with time
+/// is [`Driven`](crate::effect::Driven). An effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
-    note = "an effect is made by `potential!` with {D} variables, by `pair_potential!`, from a potential of several bodies by `.over(members)`, or is a `Flow<{D}>` of momenta or an `Effect` written by hand"
+    note = "an effect is made by `potential!` with {D} variables, and perhaps the time `t`, by `force!` with {D} components, by `pair_potential!`, from a potential of several bodies by `.over(members)`, or is a `Flow<{D}>` of momenta or an `Effect` written by hand"
 )]
 pub trait Effect<const D: usize, Kind> {
     /// The effect over the scalar `T`.
@@ -81,6 +82,12 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U. Called by observations, not in a step; may allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
+    /// ∂U/∂t: the power that comes with a change of U itself. Asked in a step where [time](Self::changes_with_time)
+    /// changes forces, which neither allocates nor panics; none for forces without U.
+    #[inline(always)]
+    fn power(&self, _at: Moment<'_, T, D>) -> T {
+        T::from_f64(0.0)
+    }
 
     /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
     fn rule(&self) -> (Rule, bool) {

@@ -274,6 +274,22 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
+    /// The implicit equation of a force that depends on velocities has no solution that is found, or the force is not
+    /// finite.
+    #[error(
+        "no change of the momentum by `{effect}` is found, in a time {h:.3e} from p = {momentum:?} at q = {position:?}: check where \
+         the force is a number, and whether it jumps, or try a smaller step"
+    )]
+    FlowNotFound {
+        /// The type of the effect.
+        effect: &'static str,
+        /// For what time.
+        h: f64,
+        /// The momentum before.
+        momentum: Vec<f64>,
+        /// Where.
+        position: Vec<f64>,
+    },
     /// A flow of momenta whose implicit half is not found: it changes momenta by too much in one step.
     #[error(
         "the flow of `{effect}` cannot be solved for a time of {h:.3e}: it changes momenta by more than themselves; try a smaller step"

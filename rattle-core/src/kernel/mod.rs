@@ -3,6 +3,8 @@
 pub mod block;
 pub mod counted;
 pub mod cut_off;
+pub mod driven;
+pub mod force_law;
 pub mod functions;
 pub mod kinds;
 pub(crate) mod kinks;
@@ -12,6 +14,8 @@ pub mod series;
 pub mod space;
 pub mod within;
 
+pub use driven::{DrivenPotential, DrivenPotentialKernel};
+pub use force_law::{ForceLaw, ForceLawKernel};
 pub use functions::{
     Constraint, ConstraintKernel, Hamiltonian, HamiltonianKernel, PairKernel, PairPotential, PhaseConstraint,
     PhaseConstraintKernel, Potential, PotentialKernel,

@@ -1,9 +1,10 @@
 //! A kernel, and the bodies that each copy of it is over.
 
+use crate::error::{Error, NetworkMistake};
 use std::any::type_name;
 
-/// A potential on chosen bodies, A at a time: its variables are the coordinates of a member's bodies in turn. Made by
-/// [`Potential::over`](crate::kernel::Potential::over).
+/// A potential, or another function of several bodies, on chosen ones, A at a time: its variables are the coordinates
+/// of a member's bodies in turn. Made by [`Potential::over`](crate::kernel::Potential::over) and its like.
 ///
 /// ```text
 /// scene.with(Spring { stiffness: 9.0, length: 1.0 }.over([[0, 1], [1, 2]]))      // |a: [f64; 3], b: [f64; 3]| …
@@ -26,6 +27,24 @@ impl<P, const A: usize> Over<P, A> {
     pub fn each(pairs: impl IntoIterator<Item = (P, [usize; A])>) -> Self {
         let (potentials, members) = pairs.into_iter().unzip();
         Self { potentials, members }
+    }
+
+    /// Looks whether the members name bodies that there are, each once.
+    ///
+    /// # Errors
+    /// Which does not, of the effect called so.
+    pub(crate) fn check_members(&self, what: &'static str, bodies: usize) -> Result<(), Error> {
+        let ends = self.members.iter().enumerate().flat_map(|(i, of)| (0..A).map(move |end| (i, of, end)));
+        for (member, of, end) in ends {
+            let body = of[end];
+            if body >= bodies {
+                return Err(Error::Network(NetworkMistake::NoSuchBody { what, member, body, bodies }));
+            }
+            if of[..end].contains(&body) {
+                return Err(Error::Network(NetworkMistake::Repeated { what, member, body }));
+            }
+        }
+        Ok(())
     }
 }
 

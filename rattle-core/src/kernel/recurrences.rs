@@ -363,4 +363,15 @@ impl<'a, T: Real, const FIRST: bool> Recurrences<'a, T, FIRST> {
         self.note(at, a, zero);
         if FIRST { a.sign() } else { self.tie(at, a, zero) }
     }
+    /// The largest integer that is not above a.
+    #[inline(always)]
+    pub fn floor(&mut self, at: usize, a: T) -> T {
+        let zero = T::from_f64(0.0);
+        if FIRST {
+            self.note(at, a, a.floor());
+            return a.floor();
+        }
+        self.note(at, a, zero);
+        self.tie(at, a, zero)
+    }
 }

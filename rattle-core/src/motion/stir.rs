@@ -15,16 +15,21 @@ use crate::motion::method::{Method, View};
 use crate::motion::system::{BodiesOf, Given, System};
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// A system with flows, as messages name it.
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
-/// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took, others.
-pub(crate) const ROOM: usize = 7;
+/// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
+/// four others.
+pub(crate) const ROOM: usize = 10;
 
 /// A [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
+
+/// What [`Rule::Symmetric`] may lack where no iteration brings it nearer, as part of the largest momentum: of a flow
+/// that is stiff along the normals of many constraints.
+const SETTLED: f64 = 1e-8;
 
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
@@ -84,8 +89,9 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
             let mut flow = Flowing { number, half, feels, system, room, first, low };
             match rule {
                 Rule::Random => flow.act(h, bodies).map(drop)?,
-                Rule::Rate => flow.act_by_rate(h, bodies, other, name)?,
-                Rule::Exact => flow.act_exactly(h, bodies, other)?,
+                Rule::Rate => flow.act_by_rate(h, bodies, &mut other[..n], name)?,
+                Rule::Exact => flow.act_exactly(h, bodies, &mut other[..n])?,
+                Rule::Symmetric => flow.act_symmetrically(h, bodies, other, name)?,
             }
             bodies.noise.place += 1;
         }
@@ -133,8 +139,13 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             }
             let finite = change.iter().all(|x| x.lanes().all(f64::is_finite));
             if !finite {
-                let (effect, q) = (system.flow_rule(self.number).2, bodies.q.as_ref()[body]);
+                let ((rule, _, effect), q) = (system.flow_rule(self.number), bodies.q.as_ref()[body]);
                 let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
+                if rule == Rule::Symmetric {
+                    let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
+                    let cause = StepFailure::FlowNotFound { effect, h, momentum, position };
+                    return Err(Failure { body, cause });
+                }
                 let (force, position) = (numbers(change.map(|x| x / T::from_f64(h))), numbers(q));
                 return Err(Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } });
             }
@@ -219,10 +230,89 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
     }
 
+    /// [`Rule::Symmetric`]: N is found by repetition, each time with what it lacks, r, and from two rounds on by the
+    /// secant through both (D. G. Anderson 1965). `others` are N and r, now and before.
+    fn act_symmetrically(
+        &mut self,
+        h: f64,
+        bodies: &mut BodiesOf<Y, T, D>,
+        others: &mut [[T; D]],
+        effect: &'static str,
+    ) -> Result<(), Failure> {
+        let (system, n, zero) = (self.system, self.first.len(), T::from_f64(0.0));
+        let (now, before) = others.split_at_mut(2 * n);
+        let ((impulses, lacks), (impulses_before, lacks_before)) =
+            (now.split_at_mut(n), before.split_at_mut(n));
+        impulses.fill([zero; D]);
+        for iteration in 0..MOST_ITERATIONS {
+            if iteration > 0 {
+                self.put_back(bodies);
+                let halves = &mut self.room[n..2 * n];
+                halves.iter_mut().zip(&*impulses).for_each(|(half, n)| *half = scaled(T::from_f64(0.5), n));
+                add(halves, bodies);
+            }
+            self.ask(h, bodies)?;
+            self.put_back(bodies);
+            let changes = &mut self.room[3 * n..];
+            changes.iter_mut().zip(&*impulses).for_each(|(change, n)| *change = sum(change, n));
+            add(changes, bodies);
+            system.settle(0.0, h, bodies, &mut ())?;
+            let (mut lack, mut size) = (zero, T::from_f64(f64::MIN_POSITIVE));
+            for (body, change) in changes.iter().enumerate() {
+                let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+                let moved = minus(p, &self.first[body]);
+                lacks[body] = minus(&sum(&moved, &minus(p_low, &self.low[body])), change);
+                lack = lack.max(largest(&lacks[body]));
+                size = size.max(largest(p)).max(largest(change));
+            }
+            if system.equations() == 0 || lack.le(T::from_f64(8.0 * f64::EPSILON) * size).all() {
+                return Ok(());
+            }
+            if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(SETTLED) * size).all() {
+                return Ok(());
+            }
+            improve([impulses, lacks], [impulses_before, lacks_before], iteration > 0);
+        }
+        Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
+    }
+
     fn put_back(&self, bodies: &mut BodiesOf<Y, T, D>) {
         bodies.p.as_mut().copy_from_slice(self.first);
         bodies.p_low.as_mut().copy_from_slice(self.low);
     }
+}
+
+/// The next impulses, N + r − γ (N − N₀ + r − r₀), with γ such that |r − γ (r − r₀)| is least; and what is there
+/// becomes what was before.
+fn improve<T: Real, const D: usize>(
+    [impulses, lacks]: [&mut [[T; D]]; 2],
+    [impulses_before, lacks_before]: [&mut [[T; D]]; 2],
+    both: bool,
+) {
+    let zero = T::from_f64(0.0);
+    let (mut along, mut square) = (zero, zero);
+    if both {
+        for (now, then) in lacks.iter().zip(&*lacks_before) {
+            let change = minus(now, then);
+            (along, square) = (along + dot(&change, now), square + dot(&change, &change));
+        }
+    }
+    let gamma = T::select(zero.lt(square), along / square, zero);
+    for body in 0..impulses.len() {
+        let (impulse, lack) = (impulses[body], lacks[body]);
+        let next = sum(&impulse, &lack);
+        let back = minus(&next, &sum(&impulses_before[body], &lacks_before[body]));
+        if both {
+            impulses[body] = add_scaled(&next, -gamma, &back);
+        } else {
+            impulses[body] = next;
+        }
+        (impulses_before[body], lacks_before[body]) = (impulse, lack);
+    }
+}
+
+fn minus<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+    add_scaled(a, T::from_f64(-1.0), b)
 }
 
 /// Adds changes to the momenta.

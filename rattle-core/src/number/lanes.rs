@@ -152,14 +152,14 @@ impl<S: Lane, const L: usize> Neg for Lanes<S, L> {
 /// Functions of one number, by name.
 macro_rules! each_function {
     ($do:ident $($with:tt)*) => {
-        $do!($($with)* abs sign sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
+        $do!($($with)* abs sign floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh erf);
     };
 }
 
 /// Those of a [`Fused`] number: instructions of the processor, and functions of a module.
 macro_rules! of_the_float {
-    ($functions:ident: abs sign sqrt $($name:ident)*) => {
-        of_the_float!(@its_own abs sign sqrt);
+    ($functions:ident: abs sign floor sqrt $($name:ident)*) => {
+        of_the_float!(@its_own abs sign floor sqrt);
         $(#[inline(always)]
         fn $name(self) -> Self {
             Self($functions::$name(self.0))

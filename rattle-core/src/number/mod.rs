@@ -4,6 +4,7 @@ pub mod clock;
 mod functions;
 pub mod instructions;
 pub mod lanes;
+pub(crate) mod linear;
 pub(crate) mod philox;
 pub mod real;
 pub(crate) mod vector;

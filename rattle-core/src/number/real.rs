@@ -103,6 +103,8 @@ pub trait Real:
     fn abs(self) -> Self;
     /// −1, 0 or 1 by sign; 0 at both zeros, NaN for NaN.
     fn sign(self) -> Self;
+    /// The largest integer that is not above x.
+    fn floor(self) -> Self;
     /// √x.
     fn sqrt(self) -> Self;
     /// ∛x, odd.
@@ -202,7 +204,7 @@ macro_rules! real_float {
             fn erf(self) -> Self {
                 $erf(self)
             }
-            real_float!(@inherent $float: abs sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan
+            real_float!(@inherent $float: abs floor sqrt cbrt exp ln log10 log2 sin cos tan asin acos atan
                 sinh cosh tanh asinh acosh atanh);
             #[inline(always)]
             fn sin_cos(self) -> (Self, Self) {

@@ -281,6 +281,15 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
+        if self.effects.changes_with_time() {
+            let mut power = table.weights[0] * bodies.kept.power;
+            for j in 1..S - 1 {
+                let time = bodies.time + h * table.nodes[j];
+                let at = Moment { time, positions: &stages.q[j * n..][..n] };
+                power += table.weights[j] * self.effects.power(at);
+            }
+            bodies.work += h * power; // the last kick books its own
+        }
         for body in 0..n {
             let increment = self.increment(table, h, bodies, stages, S - 1, body);
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);

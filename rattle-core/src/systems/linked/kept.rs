@@ -27,6 +27,8 @@ pub struct Linked<F, N, const D: usize> {
 #[derive(Clone)]
 pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) force: Vec<F::Force>,
+    /// ∂U/∂t with them, where forces change with time.
+    pub(super) power: f64,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// ∂g/∂q in blocks, and ∂g/∂t, at the positions.
@@ -124,6 +126,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         self.effects.evaluate(at, room, forces);
         for &(body, _) in &self.shape.pins {
             forces[body] = F::Force::zero();
+        }
+    }
+
+    /// Books the work of a kick by potentials that change with time.
+    pub(crate) fn book(&self, kick: f64, bodies: &mut BodiesOf<F, N, D>) {
+        if self.effects.changes_with_time() && kick != 0.0 {
+            bodies.work += kick * bodies.kept.power;
         }
     }
 

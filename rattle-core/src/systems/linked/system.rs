@@ -86,6 +86,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         };
         let kept = Kept {
             force: vec![F::Force::zero(); n],
+            power: 0.0,
             of_effects: self.effects.room(n),
             blocks: vec![[0.0; D]; shape.blocks],
             rates: vec![0.0; shape.equations],
@@ -180,6 +181,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         let shape = &*self.shape;
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
@@ -249,8 +251,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let Kept { of_effects, force, .. } = &mut bodies.kept;
+        let Kept { of_effects, force, power, .. } = &mut bodies.kept;
         self.forces(at, of_effects, force);
+        if self.effects.changes_with_time() {
+            *power = self.effects.power(at);
+        }
     }
 
     fn check_forces(&self, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
@@ -265,6 +270,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         let shape = &*self.shape;
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
         let Kept { force, blocks, rates, solvers, room, .. } = &mut bodies.kept;
@@ -388,13 +394,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
         witness: &mut W,
     ) -> f64 {
         let shape = &*self.shape;
-        let Kept { force, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
+        let Kept { force, power: driven, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
         for (body, root) in shape.roots.iter().enumerate() {
             rates[body] = force[body].components();
             room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
             room.push[body] = root.velocity(&rates[body]);
         }
-        let mut power = 0.0;
+        let mut power = if self.effects.changes_with_time() { *driven } else { 0.0 };
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
             let m = rows.equations();

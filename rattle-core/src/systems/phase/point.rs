@@ -1,6 +1,7 @@
 //! A point (q, p) of phase space, what constraint and energy are there, and the step of the energy alone.
 
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::number::linear::solve;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use std::array::from_fn;
 
@@ -215,30 +216,4 @@ fn settle<const D: usize>(f: impl Fn(&[f64; D]) -> [f64; D]) -> Option<[f64; D]>
         last = moved;
     }
     None
-}
-
-/// The solution of a few linear equations, by elimination with row exchanges; none if they are dependent.
-pub(super) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; M]> {
-    for k in 0..M {
-        let pivot = (k..M).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        if a[k][k] == 0.0 || !a[k][k].is_finite() {
-            return None;
-        }
-        for i in k + 1..M {
-            let factor = a[i][k] / a[k][k];
-            for j in k..M {
-                a[i][j] -= factor * a[k][j];
-            }
-            b[i] -= factor * b[k];
-        }
-    }
-    for k in (0..M).rev() {
-        for j in k + 1..M {
-            b[k] -= a[k][j] * b[j];
-        }
-        b[k] /= a[k][k];
-    }
-    b.iter().all(|x| x.is_finite()).then_some(b)
 }

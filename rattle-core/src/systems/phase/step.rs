@@ -5,11 +5,12 @@ use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::{MAX_PROJECTION_STEPS, finite};
+use crate::number::linear::solve;
 use crate::number::vector::{dot, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::phase::fibre::slide;
 use crate::systems::phase::kept::InPhaseSpace;
-use crate::systems::phase::point::{Hidden, Level, Point, Verlet, solve};
+use crate::systems::phase::point::{Hidden, Level, Point, Verlet};
 use std::array::from_fn;
 
 /// Corrections of a slide after which it is given up; four suffice where there is one.

@@ -52,7 +52,8 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
 
     fn bodies(&self, places: &[Body<f64, 9>], time: f64) -> BodiesOf<F, N> {
         let n = self.count.number();
-        let kept = Kept { force: vec![F::Force::zero(); n], of_effects: self.effects.room(n), series: None };
+        let (force, of_effects) = (vec![F::Force::zero(); n], self.effects.room(n));
+        let kept = Kept { force, power: 0.0, of_effects, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -123,6 +124,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let kicked = place.torque * kick;
@@ -147,6 +149,9 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         self.effects.evaluate(at, &mut bodies.kept.of_effects, &mut bodies.kept.force);
+        if self.effects.changes_with_time() {
+            bodies.kept.power = self.effects.power(at);
+        }
     }
 
     fn check_forces(&self, bodies: &BodiesOf<F, N>) -> Result<(), Failure> {
@@ -161,6 +166,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         _: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let kicked = place.torque * kick;
@@ -231,7 +237,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
             let Place { m, torque, .. } = Place::of(bodies, number);
             *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
         }
-        0.0
+        if self.effects.changes_with_time() { bodies.kept.power } else { 0.0 }
     }
 
     fn project(&self, h: f64, bodies: &mut BodiesOf<F, N>) -> Result<(), Failure> {

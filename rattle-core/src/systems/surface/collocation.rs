@@ -314,6 +314,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         W: Witness<T>,
     {
         let n = self.count.number();
+        if self.effects.changes_with_time() {
+            let mut power = T::from_f64(table.weights[0]) * bodies.kept.power;
+            for j in 1..S - 1 {
+                let time = bodies.time + h * table.nodes[j];
+                let at = Moment { time, positions: &stages.q[j * n..][..n] };
+                power = power + T::from_f64(table.weights[j]) * self.effects.power(at);
+            }
+            bodies.work = bodies.work + T::from_f64(h) * power; // the last kick books its own
+        }
         let row: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).0));
         let rests: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).1));
         for body in 0..n {

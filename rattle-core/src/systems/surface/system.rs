@@ -75,7 +75,8 @@ where
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
         let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
-        let kept = Kept { normal, force, aim, pace, crowd, of_effects, stages: None, series: None };
+        let power = T::from_f64(0.0);
+        let kept = Kept { normal, force, power, aim, pace, crowd, of_effects, stages: None, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -101,6 +102,7 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         if const { may_go_in_tiles::<N, D>() }
             && X::KIND == Kind::Newton
             && let Some(set) = entry::<T, L, N, D>(self.count)
@@ -124,6 +126,9 @@ where
     fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
+        if self.effects.changes_with_time() {
+            bodies.kept.power = self.effects.power(at);
+        }
     }
 
     fn check_forces(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
@@ -139,6 +144,7 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        self.book(kick, bodies);
         if const { may_go_in_tiles::<N, D>() }
             && let Some(set) = entry::<T, L, N, D>(self.count)
         {
@@ -309,7 +315,7 @@ where
             witness.position_multiplier(body, lambda);
             *rate = pull;
         }
-        T::from_f64(0.0)
+        if self.effects.changes_with_time() { bodies.kept.power } else { T::from_f64(0.0) }
     }
 
     #[inline(always)]
