@@ -1,6 +1,7 @@
 //! Heat by collisions with a bath: now and then a momentum is drawn anew.
 
-use crate::effect::flow::{Flow, Interval, Rule};
+use crate::effect::flow::Flow;
+use crate::effect::interval::{Interval, Rule};
 use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;

@@ -10,7 +10,7 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 
-use crate::effect::flow::{Interval, Rule};
+use crate::effect::interval::{Interval, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::error::{Error, expect_variables};

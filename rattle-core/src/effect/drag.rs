@@ -1,7 +1,9 @@
 //! Drag: what slows bodies down in proportion to their velocity, or to its square.
 
-use crate::effect::flow::{Flow, Inertia, Interval};
+use crate::effect::flow::Flow;
+use crate::effect::interval::{Inertia, Interval};
 use crate::error::EffectMistake;
+use crate::number::linear::solve_positive;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, scaled};
 use std::array::from_fn;
@@ -137,24 +139,10 @@ fn slowed<T: Real, const D: usize>(
         let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
         let columns: [[T; D]; D] = from_fn(|i| during.inertia.velocity(body, &unit(i)));
         // (1 + h C M⁻¹) p′ = p: with M⁻¹ positive definite no pivot vanishes.
-        let mut rows: [[T; D]; D] = from_fn(|i| {
+        let rows = from_fn(|i| {
             from_fn(|k| c[i].multiply_add(columns[k][i], T::from_f64(f64::from(u8::from(i == k)))))
         });
-        let mut x = *p;
-        for i in 0..D {
-            for k in i + 1..D {
-                let share = rows[k][i] / rows[i][i];
-                rows[k] = add_scaled(&rows[k], -share, &rows[i]);
-                x[k] = x[k] - share * x[i];
-            }
-        }
-        for i in (0..D).rev() {
-            for k in i + 1..D {
-                x[i] = x[i] - rows[i][k] * x[k];
-            }
-            x[i] = x[i] / rows[i][i];
-        }
-        x
+        solve_positive(rows, *p)
     };
     let twice = step(0.5 * during.h, &step(0.5 * during.h, p));
     let once = step(during.h, p);

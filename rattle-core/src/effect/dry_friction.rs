@@ -1,6 +1,7 @@
 //! Dry friction, with sticking.
 
-use crate::effect::flow::{Flow, Interval};
+use crate::effect::flow::Flow;
+use crate::effect::interval::Interval;
 use crate::error::EffectMistake;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, scaled, sum};

@@ -1,6 +1,7 @@
 //! Heat by friction and noise: Langevin's equation.
 
-use crate::effect::flow::{Flow, Interval, Rule};
+use crate::effect::flow::Flow;
+use crate::effect::interval::{Interval, Rule};
 use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::{scaled, sum};

@@ -1,8 +1,8 @@
 //! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the same over
 //! a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when compiling.
 
-use crate::effect::flow::{Interval, Rule};
 use crate::effect::force::{Absent, Force};
+use crate::effect::interval::{Interval, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
@@ -54,7 +54,7 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn changes_with_time(&self) -> bool;
     /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name of its type.
     fn rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Exact, false, "")
+        (Rule::Symmetric, false, "")
     }
     /// Writes what the momenta change by by the flow of this number.
     fn flow(

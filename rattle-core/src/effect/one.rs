@@ -1,7 +1,7 @@
 //! One effect: as a user names it, and over a scalar.
 
-use crate::effect::flow::{Interval, Rule};
 use crate::effect::force::Force;
+use crate::effect::interval::{Interval, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
 use crate::error::Error;
@@ -91,7 +91,7 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
     fn rule(&self) -> (Rule, bool) {
-        (Rule::Exact, false)
+        (Rule::Symmetric, false)
     }
     /// Writes what the momenta change by, as [`Flow::flow`](crate::effect::Flow::flow) does.
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {

@@ -1,6 +1,7 @@
 //! Heat by rescaling all momenta at random, so that the kinetic energy has the canonical distribution.
 
-use crate::effect::flow::{Flow, Interval, Rule};
+use crate::effect::flow::Flow;
+use crate::effect::interval::{Interval, Rule};
 use crate::effect::noise::Noise;
 use crate::error::EffectMistake;
 use crate::number::philox::normal;

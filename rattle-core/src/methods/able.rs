@@ -1,6 +1,7 @@
 //! Which methods can move a system, and the one place that says that a method cannot.
 
-use crate::error::Error;
+use crate::effect::interval::Rule;
+use crate::error::{EffectMistake, Error};
 use crate::methods::baoab::Baoab;
 use crate::methods::bdf2::Bdf2;
 use crate::methods::brownian::Brownian;
@@ -80,4 +81,13 @@ fn cannot_move(method: &'static str, kind: &'static str, able: [bool; 13]) -> Er
 
 fn moves<S: Method, Y: System<f64, D>, const D: usize>(system: &Y) -> bool {
     S::Need::of(system).is_ok()
+}
+
+/// Refuses flows that draw random numbers, for a motion that runs backwards.
+pub(crate) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
+    let rules = (0..Y::FLOWS).map(|number| system.flow_rule(number));
+    match rules.into_iter().find(|rule| rule.0 == Rule::Random) {
+        Some((.., effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
+        None => Ok(()),
+    }
 }

@@ -91,8 +91,8 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub time: f64,
     /// Work done by moving constraints, by flows of momenta and by impacts since the start.
     pub work: T,
-    /// When random numbers are drawn; only flows look at it.
-    pub(crate) noise: Noise,
+    /// When random numbers are drawn: kept up where a scene has flows, or a method [draws](crate::motion::method::Method::DRAWS).
+    pub noise: Noise,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
     /// Room for a method to work in, made [before a run](crate::motion::method::Method::prepare).

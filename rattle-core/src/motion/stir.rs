@@ -6,7 +6,7 @@
 //!
 //! Source: G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 
-use crate::effect::flow::{Half, Rule};
+use crate::effect::interval::{Half, Rule};
 use crate::effect::noise::Noise;
 use crate::error::StepFailure;
 use crate::motion::bodies::{Bodies, Count};
@@ -24,7 +24,7 @@ pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 /// four others.
 pub(crate) const ROOM: usize = 10;
 
-/// A [`Rule::Rate`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
+/// [`Rule::Symmetric`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
 
 /// What [`Rule::Symmetric`] may lack where no iteration brings it nearer, as part of the largest momentum: of a flow
@@ -88,9 +88,7 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
             low.copy_from_slice(bodies.p_low.as_ref());
             let mut flow = Flowing { number, half, feels, system, room, first, low };
             match rule {
-                Rule::Random => flow.act(h, bodies).map(drop)?,
-                Rule::Rate => flow.act_by_rate(h, bodies, &mut other[..n], name)?,
-                Rule::Exact => flow.act_exactly(h, bodies, &mut other[..n])?,
+                Rule::Random => flow.act(h, bodies)?,
                 Rule::Symmetric => flow.act_symmetrically(h, bodies, other, name)?,
             }
             bodies.noise.place += 1;
@@ -139,15 +137,11 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             }
             let finite = change.iter().all(|x| x.lanes().all(f64::is_finite));
             if !finite {
-                let ((rule, _, effect), q) = (system.flow_rule(self.number), bodies.q.as_ref()[body]);
+                let (effect, q) = (system.flow_rule(self.number).2, bodies.q.as_ref()[body]);
                 let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
-                if rule == Rule::Symmetric {
-                    let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
-                    let cause = StepFailure::FlowNotFound { effect, h, momentum, position };
-                    return Err(Failure { body, cause });
-                }
-                let (force, position) = (numbers(change.map(|x| x / T::from_f64(h))), numbers(q));
-                return Err(Failure { body, cause: StepFailure::ForceNotFinite { effect, force, position } });
+                let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
+                let cause = StepFailure::FlowNotFound { effect, h, momentum, position };
+                return Err(Failure { body, cause });
             }
         }
         Ok(())
@@ -157,77 +151,19 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         &self.room[3 * self.first.len()..]
     }
 
-    /// Adds the change in a time h to the momenta, and makes them those of motion along the constraints again. Returns whether that took
-    /// away more than rounding.
-    fn act(&mut self, h: f64, bodies: &mut BodiesOf<Y, T, D>) -> Result<bool, Failure> {
+    /// [`Rule::Random`].
+    fn act(&mut self, h: f64, bodies: &mut BodiesOf<Y, T, D>) -> Result<(), Failure> {
         self.ask(h, bodies)?;
-        add(self.changes(), bodies);
-        let free = &mut self.room[..self.first.len()];
-        free.copy_from_slice(bodies.p.as_ref());
-        self.system.settle(0.0, h, bodies, &mut ())?;
-        let none = T::from_f64(16.0 * f64::EPSILON);
-        let stays = |(a, b): (&[T; D], &[T; D])| {
-            let largest = |x: &[T; D]| x.iter().fold(T::from_f64(0.0), |most, x| most.max(x.abs()));
-            largest(&add_scaled(a, T::from_f64(-1.0), b)).le(none * largest(a)).all()
-        };
-        Ok(!self.room.iter().zip(bodies.p.as_ref()).all(stays))
-    }
-
-    /// [`Rule::Exact`].
-    fn act_exactly(
-        &mut self,
-        h: f64,
-        bodies: &mut BodiesOf<Y, T, D>,
-        once: &mut [[T; D]],
-    ) -> Result<(), Failure> {
-        if !self.act(h, bodies)? {
+        if self.rests() {
             return Ok(());
         }
-        once.copy_from_slice(bodies.p.as_ref());
-        self.put_back(bodies);
-        self.act(0.5 * h, bodies)?;
-        self.act(0.5 * h, bodies)?;
-        for (once, twice) in once.iter_mut().zip(bodies.p.as_ref()) {
-            *once = add_scaled(twice, T::from_f64(-1.0), once);
-        }
-        add(once, bodies);
+        add(self.changes(), bodies);
         self.system.settle(0.0, h, bodies, &mut ())
     }
 
-    /// [`Rule::Rate`]: p′ = p + Π h ṗ((p + p′)/2), iterated from p′ = p.
-    fn act_by_rate(
-        &mut self,
-        h: f64,
-        bodies: &mut BodiesOf<Y, T, D>,
-        found: &mut [[T; D]],
-        effect: &'static str,
-    ) -> Result<(), Failure> {
-        found.copy_from_slice(self.first);
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_ITERATIONS {
-            let middle = self.first.iter().zip(&*found).map(|(a, b)| scaled(T::from_f64(0.5), &sum(a, b)));
-            bodies.p.as_mut().iter_mut().zip(middle).for_each(|(p, middle)| *p = middle);
-            self.ask(h, bodies)?;
-            self.put_back(bodies);
-            add(self.changes(), bodies);
-            self.system.settle(0.0, h, bodies, &mut ())?;
-            let (mut moved, mut size) = (0.0_f64, 0.0_f64);
-            for (was, is) in found.as_flattened().iter().zip(bodies.p.as_ref().as_flattened()) {
-                for (was, is) in was.lanes().zip(is.lanes()) {
-                    (moved, size) = (moved.max((is - was).abs()), size.max(is.abs()));
-                }
-            }
-            // Once rounding is all that changes, the iteration ends; it may go to and fro by a last bit.
-            if moved <= f64::EPSILON * size || (moved <= 8.0 * f64::EPSILON * size && moved >= last) {
-                return Ok(());
-            }
-            if moved >= last {
-                break;
-            }
-            last = moved;
-            found.copy_from_slice(bodies.p.as_ref());
-        }
-        Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
+    /// Whether there is no change at all: then momenta stay to the bit, as if there were no flow.
+    fn rests(&self) -> bool {
+        self.changes().iter().flatten().all(|x| x.lanes().all(|x| x == 0.0))
     }
 
     /// [`Rule::Symmetric`]: N is found by repetition, each time with what it lacks, r, and from two rounds on by the
@@ -252,6 +188,9 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 add(halves, bodies);
             }
             self.ask(h, bodies)?;
+            if iteration == 0 && self.rests() {
+                return Ok(());
+            }
             self.put_back(bodies);
             let changes = &mut self.room[3 * n..];
             changes.iter_mut().zip(&*impulses).for_each(|(change, n)| *change = sum(change, n));

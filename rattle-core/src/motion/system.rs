@@ -12,7 +12,7 @@
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
 //! [`Linked`](crate::systems::linked::Linked) is for everything else.
 
-use crate::effect::flow::{Inertia, Rule, UnitMasses};
+use crate::effect::interval::{Inertia, Rule, UnitMasses};
 use crate::effect::noise::Noise;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
@@ -193,7 +193,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// The [rule](Rule) of the flow of this number, whether it feels forces, and the name of its type.
     fn flow_rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Exact, false, "")
+        (Rule::Symmetric, false, "")
     }
 
     /// Masses, in the coordinates of the momenta; unit masses if nothing else is said.

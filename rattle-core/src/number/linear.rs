@@ -1,5 +1,8 @@
 //! A few linear equations.
 
+use crate::number::real::Real;
+use crate::number::vector::add_scaled;
+
 /// The solution of a few linear equations, by elimination with row exchanges; none if they are dependent.
 pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Option<[f64; M]> {
     for k in 0..M {
@@ -24,4 +27,24 @@ pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Op
         b[k] /= a[k][k];
     }
     b.iter().all(|x| x.is_finite()).then_some(b)
+}
+
+/// The solution of a few linear equations whose matrix is near to a positive one, such as 1 + A with A small, antisymmetric or a product of positive
+/// ones: by elimination without exchanges. NaN or infinite where a pivot vanishes.
+#[inline]
+pub(crate) fn solve_positive<T: Real, const M: usize>(mut a: [[T; M]; M], mut x: [T; M]) -> [T; M] {
+    for i in 0..M {
+        for k in i + 1..M {
+            let share = a[k][i] / a[i][i];
+            a[k] = add_scaled(&a[k], -share, &a[i]);
+            x[k] = x[k] - share * x[i];
+        }
+    }
+    for i in (0..M).rev() {
+        for k in i + 1..M {
+            x[i] = x[i] - a[i][k] * x[k];
+        }
+        x[i] = x[i] / a[i][i];
+    }
+    x
 }

@@ -1,12 +1,11 @@
 //! How a scene gets under way: a start is checked, and a simulation made.
 
-use crate::effect::flow::Rule;
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::error::{EffectMistake, Error, StartFailure};
-use crate::methods::able::view;
+use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::{Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
@@ -123,15 +122,6 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             }
         }
         Ok(())
-    }
-}
-
-/// Refuses flows that draw random numbers, for a motion that runs backwards.
-pub(super) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
-    let rules = (0..Y::FLOWS).map(|number| system.flow_rule(number));
-    match rules.into_iter().find(|rule| rule.0 == Rule::Random) {
-        Some((.., effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
-        None => Ok(()),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a step costs, and what of it each effect takes: the bill.
 
-use crate::effect::flow::{Half, Rule};
+use crate::effect::interval::{Half, Rule};
 use crate::error::Error;
 use crate::motion::method::Method;
 use crate::motion::stir::stir;

@@ -2,7 +2,7 @@
 
 use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure};
-use crate::methods::able::view;
+use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
@@ -13,7 +13,6 @@ use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::later;
 use crate::number::vector::add_scaled;
-use crate::run::begin::no_way_back;
 use crate::run::course::check;
 use crate::run::events::{Events, Stretch};
 use crate::run::seldom::seldom;

@@ -1,7 +1,7 @@
 //! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
 
-use crate::effect::flow::{Inertia, Interval, Rule};
 use crate::effect::force::Force;
+use crate::effect::interval::{Inertia, Interval, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;

@@ -1,6 +1,6 @@
 //! A network made ready for so many bodies: components, and their equations evaluated.
 
-use crate::effect::flow::Inertia;
+use crate::effect::interval::Inertia;
 use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;

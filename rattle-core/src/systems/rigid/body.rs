@@ -13,7 +13,7 @@
 //!
 //! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to rounding.
 
-use crate::effect::flow::Inertia;
+use crate::effect::interval::Inertia;
 use crate::motion::state::State;
 
 use nalgebra::{Matrix3, Vector3};

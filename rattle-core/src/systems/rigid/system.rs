@@ -1,7 +1,7 @@
 //! The verbs of a [`System`] for rigid bodies.
 
-use crate::effect::flow::{Inertia, Interval, Rule};
 use crate::effect::force::Force;
+use crate::effect::interval::{Inertia, Interval, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{Passing, StepFailure};

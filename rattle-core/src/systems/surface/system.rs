@@ -2,8 +2,8 @@
 //!
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
-use crate::effect::flow::{Interval, Rule, UnitMasses};
 use crate::effect::force::Force;
+use crate::effect::interval::{Interval, Rule, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
