@@ -4,8 +4,9 @@
 //! cargo run --release --example hard_spheres
 //! ```
 //!
-//! Thirty beads that cannot overlap. Prints how often they met, and how energy and distances are kept: a collision keeps the energy to
-//! rounding, so that what is left is the method's. Writes `out/hard_spheres/index.html`, in which the beads move.
+//! Thirty beads that cannot overlap. Prints how often they met, and how energy and distances are kept: a collision
+//! keeps the energy to rounding, so that what is left is the method's. Writes `out/hard_spheres/index.html`, in which
+//! the beads move.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::HardSpheres;

@@ -2,11 +2,11 @@
 //!
 //! | system | compared with | bound |
 //! |---|---|---|
-//! | a ball in a box, in a round one, on a floor | triangle waves, chords, parabolas | rounding, and what an event's rounding in time makes of speed |
+//! | a ball in a box, in a ring, on a floor | folded lines, chords, parabolas | rounding |
 //! | balls in a row, two balls far faster than a step | exchanged and reflected velocities | rounding |
 //! | a string between two bodies | the chords of relative motion | as above |
 //! | restitution | energies, work | rounding |
-//! | hard spheres on a surface of genus two | energy, the way back | the method's error, rounding times what collisions make of it |
+//! | beads on a surface of genus two | energy, the way back | rounding, and what collisions make of it |
 //! | a link with corners | constant speed around them | rounding |
 //!
 //! Edges of surfaces: `tests/kinks.rs`.
@@ -183,7 +183,8 @@ fn balls_in_a_row_hand_a_blow_on() {
     }
 }
 
-/// Two balls that pass through each other many times over in one step, and back within it, unless they are seen to meet.
+/// Two balls that pass through each other many times over in one step, and back within it, unless they are seen to
+/// meet.
 #[test]
 fn fast_balls_do_not_tunnel() {
     let mut draws = Draws(0.0);
@@ -224,8 +225,8 @@ fn fast_balls_do_not_tunnel() {
         let (rest, graze) = (balls.time() - t, (under.sqrt() / dot(w, w).sqrt() / d).max(1e-9));
         for i in 0..2 {
             let exact = a[i] + u[i] * t + rest * (u[i] - impulse * n[i]);
-            // The gap is landed on to 2 τ, τ = ε Σ|∂gap|(|q| + way); over d and the cosine that turns n, and the velocity after by 16 ε
-            // (1 + 3 way); as much for the formulas here.
+            // The gap is landed on to 2 τ, τ = ε Σ|∂gap|(|q| + way); over d and the cosine that turns n, and the
+            // velocity after by 16 ε (1 + 3 way); as much for the formulas here.
             let way = 1.25 * h * [u, v].map(|v| dot(v, v).sqrt()).iter().fold(0.0_f64, |a, b| a.max(*b));
             let bound = 32.0 * f64::EPSILON * (1.0 + 3.0 * way) * dot(w, w).sqrt() / d / graze;
             assert!((q(&balls, 0)[i] - exact).abs() < bound, "{} {exact}, {bound:e}", q(&balls, 0)[i]);
@@ -403,7 +404,8 @@ fn links_go_over_their_edges() {
     }
 }
 
-/// The blow goes through the rod: a pendulum swings to and fro between a wall and itself, and its momentum stays along the circle.
+/// The blow goes through the rod: a pendulum swings to and fro between a wall and itself, and its momentum stays
+/// along the circle.
 #[test]
 fn impacts_act_along_constraints() {
     let scene = Scene::points(2).masses([1.0, 3.0]).with(planar::Gravity { g: 0.0 });

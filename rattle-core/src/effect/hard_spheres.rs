@@ -4,8 +4,8 @@ use crate::effect::contact::{Contacts, Gradient, check_restitution};
 use crate::error::Error;
 use crate::number::vector::{add_scaled, dot, scaled};
 
-/// Bodies as balls of one diameter d, every two of them: disks in the plane, beads on a surface. Distances are straight ones through
-/// space.
+/// Bodies as balls of one diameter d, every two of them: disks in the plane, beads on a surface. Distances are
+/// straight ones through space.
 ///
 /// ```text
 /// gap = (|qᵢ − qⱼ|² − d²) / 2d        a length, near contact the distance of the surfaces

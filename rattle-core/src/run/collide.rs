@@ -10,20 +10,23 @@ use std::sync::Arc;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The same simulation, in which bodies meet these contacts too: [`HardSpheres`](crate::effect::HardSpheres), a
-    /// [`Stop`](crate::effect::Stop), or [`Contacts`] of your own. The step in which a gap closes is taken up to that instant, which is
-    /// found to the rounding of the gap; momenta change there by the contact's impulse, and the motion goes on with the rest of the
-    /// step. Several that meet at once are taken in the order in which they were named. No fast body passes through another unseen: the gap is
-    /// searched wherever its tangents at the two ends of a step meet below zero, see [`Contacts`].
+    /// [`Stop`](crate::effect::Stop), or [`Contacts`] of your own. The step in which a gap closes is taken up to that
+    /// instant, which is found to the rounding of the gap; momenta change there by the contact's impulse, and the
+    /// motion goes on with the rest of the step. Several that meet at once are taken in the order in which they were
+    /// named. No fast body passes through another unseen: the gap is searched wherever its tangents at the two ends
+    /// of a step meet below zero, see [`Contacts`].
     ///
-    /// Impulses act along the constraints, masses included. Elastic ones keep the kinetic energy to rounding; what others take is booked as
-    /// [`work`](Self::work). Time goes on in whole steps; [`events`](Self::events) counts. Contacts are not part of a
-    /// [`State`](crate::State): name them again after a restart. What [`retry`](Self::retry) does within a step that has
-    /// events it does to their parts; [`check_reversal`](Self::check_reversal) passes such steps over. Where a contact would stay closed, as a ball
+    /// Impulses act along the constraints, masses included. Elastic ones keep the kinetic energy to rounding; what
+    /// others take is booked as [`work`](Self::work). Time goes on in whole steps; [`events`](Self::events) counts.
+    /// Contacts are not part of a [`State`](crate::State): name them again after a restart. What
+    /// [`retry`](Self::retry) does within a step that has events it does to their parts;
+    /// [`check_reversal`](Self::check_reversal) passes such steps over. Where a contact would stay closed, as a ball
     /// at rest on a floor, a step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
     ///
     /// # Errors
-    /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and [`Error::Network`] for contacts that
-    /// make no sense, [`Error::NoEvents`] for staggered methods, methods with steps of their own length, rigid bodies and phase space.
+    /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and
+    /// [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
+    /// steps of their own length, rigid bodies and phase space.
     pub fn collide(mut self, contacts: impl Contacts<D>) -> Result<Self, Error> {
         self.takes_events()?;
         contacts.check(self.bodies())?;
@@ -43,9 +46,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The same simulation, in which a step goes on over an edge of a constraint, where else it fails with
-    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge, and the momentum turned about the edge into the new side: what is along the edge
-    /// is kept, what is across it keeps its size, so energy is kept to rounding, and a free particle goes straight on where
-    /// the two sides are unfolded. Where two edges meet, or the surface ends, the step fails as before.
+    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge, and the momentum
+    /// turned about the edge into the new side: what is along the edge is kept, what is across it keeps its size, so
+    /// energy is kept to rounding, and a free particle goes straight on where the two sides are unfolded. Where two
+    /// edges meet, or the surface ends, the step fails as before.
     ///
     /// ```
     /// use rattle::prelude::*;

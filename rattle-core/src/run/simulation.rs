@@ -366,11 +366,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
         let Events { meet, search, start, aside, .. } = events;
         self.before.save(start);
-        let halving = self.halving.filter(|_| stepped.is_err());
-        let halvings = halving.map_or(0, |halving| halving.most);
+        let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
         let (steps, divided) = (self.steps, false);
-        let mut stretch = Stretch { system, method, bodies, start, aside, witness, steps, halvings, divided };
+        let noise = Noise { step: self.first.step + self.steps, ..self.first };
+        let mut stretch =
+            Stretch { system, method, bodies, start, noise, aside, witness, steps, halvings, divided };
         let met = meet(search, &mut stretch, stepped.map_err(Trouble::from));
         let divided = stretch.divided;
         match met {

@@ -5,9 +5,9 @@
 //! p⁺ = p − (p·M⁻¹u₁)(u₁ + u₂)                 what is along the edge is kept, what is across it is turned
 //! ```
 //!
-//! That is the turn about the edge that takes n₁ to n₂; kinetic energy is kept, and a free particle goes straight on where the two sides are
-//! unfolded into a plane. It is the limit of smooth surfaces that are rounded off at the edge ever more narrowly. Where two edges
-//! meet, limits differ, and the step fails as it does if nothing is asked.
+//! That is the turn about the edge that takes n₁ to n₂; kinetic energy is kept, and a free particle goes straight on
+//! where the two sides are unfolded into a plane. It is the limit of smooth surfaces that are rounded off at the edge
+//! ever more narrowly. Where two edges meet, limits differ, and the step fails as it does if nothing is asked.
 
 use crate::error::StepFailure;
 use crate::motion::bodies::Saved;
@@ -23,7 +23,8 @@ use crate::run::trouble::Trouble;
 const ROUNDS: u32 = 80;
 /// How often the way beyond the edge is doubled, from a rounding on.
 const DOUBLINGS: u32 = 20;
-/// The turned momenta must have the length that energy asks for, to this: less is left by rounding, more where a second edge is passed.
+/// The turned momenta must have the length that energy asks for, to this: less is left by rounding, more where a
+/// second edge is passed.
 const KEPT: f64 = 1e-6;
 
 /// An edge ahead.
@@ -146,7 +147,8 @@ pub(super) fn cross<Y: System<f64, D>, S: Method, const D: usize>(
     system.settle(time, time, bodies, &mut ())?;
     bodies.work = before.work;
     let factor = ((energy - system.potential_energy(bodies)) / system.kinetic_energy(bodies)).sqrt();
-    if !((factor - 1.0).abs() < KEPT) {
+    let kept = (factor - 1.0).abs() < KEPT;
+    if !kept {
         return Err(edge.failure.into());
     }
     for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {

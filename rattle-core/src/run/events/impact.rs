@@ -1,7 +1,8 @@
 //! What an impact does to the momenta: the formula is that of [`contact`](crate::effect::contact).
 //!
-//! Several contacts that are closed at one instant are taken in the order of their kinds and numbers, again and again, until no gap
-//! closes any more: so a row of balls that touch hands a blow on. Other orders may lead elsewhere; Newton's laws do not decide.
+//! Several contacts that are closed at one instant are taken in the order of their kinds and numbers, again and
+//! again, until no gap closes any more: so a row of balls that touch hands a blow on. Other orders may lead
+//! elsewhere; Newton's laws do not decide.
 
 use crate::motion::capability::Rates;
 use crate::motion::method::Method;

@@ -1,7 +1,8 @@
 //! When contacts meet: which gap closes first within a stretch, and the instant at which it does.
 //!
-//! A gap is known, with its rate, at both ends of the stretch. It is suspect where it is negative at the end, or falls at first and
-//! rises at last, and the tangents at the two ends meet below zero: a gap that bends upwards lies above both.
+//! A gap is known, with its rate, at both ends of the stretch. It is suspect where it is negative at the end, or
+//! falls at first and rises at last, and the tangents at the two ends meet below zero: a gap that bends upwards lies
+//! above both.
 //!
 //! ```text
 //! root     s ← s − gap(s)/rate(s), in brackets, halved where that does not help        until 0 ≤ gap ≤ 2 τ
@@ -9,8 +10,8 @@
 //! τ = ε Σ |∂gap/∂qᵢ| (|qᵢ| + way)                                                   the rounding of the gap
 //! ```
 //!
-//! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion. A gap that is
-//! closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
+//! Each try is a step of the method from the start of the stretch, so the instant is that of the method's own motion.
+//! A gap that is closed at the start and opens is divided by the time: s = 0 is not the root that is sought.
 
 use crate::effect::contact::{Contacts, Gradient};
 use crate::error::StepFailure;
@@ -154,7 +155,8 @@ impl<const D: usize> Meetings<D> {
     ) -> Option<(&'static str, Vec<usize>, f64)> {
         for i in 0..self.near.len() {
             let look = self.look(self.near[i], 1.0, system, bodies);
-            if !(look.gap >= -TOUCHING * look.rounding) {
+            let apart = look.gap >= -TOUCHING * look.rounding;
+            if !apart {
                 return Some((self.kinds[self.near[i].kind].name(), self.touched(), look.gap));
             }
         }
@@ -225,7 +227,8 @@ impl<const D: usize> Meetings<D> {
         Ok(first)
     }
 
-    /// The instant at which a suspect meets, and bodies there; none if it does not after all, and then bodies are anywhere.
+    /// The instant at which a suspect meets, and bodies there; none if it does not after all, and then bodies are
+    /// anywhere.
     pub(super) fn instant<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,

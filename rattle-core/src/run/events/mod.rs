@@ -1,17 +1,18 @@
-//! Events: an instant inside a step at which something happens to the momenta. The instant is found to rounding and landed on, the
-//! momenta are changed, and the motion goes on with the rest of the step.
+//! Events: an instant inside a step at which something happens to the momenta. The instant is found to rounding and
+//! landed on, the momenta are changed, and the motion goes on with the rest of the step.
 //!
 //! ```text
 //! Φ_h  becomes  Φ_{h−s} ∘ event ∘ Φ_s        s the first instant in (0, h] at which a gap closes or a normal jumps
 //! ```
 //!
 //! Every try of an instant s is a step of the method from where the stretch began. An event is an [impact](impact) of a
-//! [contact](crate::effect::contact), or the passage over an [edge](edge). Parts of a step are mirror images when time runs back, so
-//! symmetric methods stay reversible. Each event changes the lengths of two steps: energy errors of the method then differ by their own
-//! size from stretch to stretch, and do no longer stay on one shadow.
+//! [contact](crate::effect::contact), or the passage over an [edge](edge). Parts of a step are mirror images when
+//! time runs back, so symmetric methods stay reversible. Each event changes the lengths of two steps: energy errors
+//! of the method then differ by their own size from stretch to stretch, and do no longer stay on one shadow.
 //!
-//! There is no rest: where a restitution below 1, or a force against a closed contact, makes impacts without end, the step fails with
-//! [`StepFailure::Rests`](crate::error::StepFailure::Rests), after 1000 impacts for each body at most. What remains closed is a link.
+//! There is no rest: where a restitution below 1, or a force against a closed contact, makes impacts without end, the
+//! step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests), after 1000 impacts for each body at
+//! most. What remains closed is a link.
 
 mod edge;
 mod impact;
@@ -94,7 +95,7 @@ impl<const D: usize> Search<D> {
                 }
             };
             left -= after;
-            stretch.bodies.save(stretch.start);
+            stretch.begin();
             if left <= f64::EPSILON * whole {
                 return Ok(number);
             }
@@ -102,7 +103,8 @@ impl<const D: usize> Search<D> {
         }
     }
 
-    /// The first event of a stretch of this length, and when it comes; bodies are then there, or, without one, at the end.
+    /// The first event of a stretch of this length, and when it comes; bodies are then there, or, without one, at the
+    /// end.
     fn first<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,

@@ -1,5 +1,6 @@
 //! A stretch of a step: from where it begins, made for any length.
 
+use crate::effect::noise::Noise;
 use crate::methods::able::view;
 use crate::motion::bodies::Saved;
 use crate::motion::method::Method;
@@ -17,6 +18,8 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     pub(in crate::run) bodies: &'a mut BodiesOf<Y, f64, D>,
     /// Where the stretch begins.
     pub(in crate::run) start: &'a mut Saved<Y::Count, f64, D>,
+    /// Which random numbers come first there: every try draws the same ones.
+    pub(in crate::run) noise: Noise,
     /// Room for two more places.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
@@ -33,8 +36,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         self.method.step_size().signum()
     }
 
-    /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers nothing of what was
-    /// before.
+    /// Goes this far from the start: in one step, or in parts if that is allowed and needed. The method remembers
+    /// nothing of what was before.
     pub(super) fn go(&mut self, length: f64) -> Result<(), Trouble> {
         self.divided = true;
         let mut went = self.go_in_parts(length, 1);
@@ -48,7 +51,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     }
 
     fn go_in_parts(&mut self, length: f64, parts: u32) -> Result<(), Trouble> {
-        self.system.put_back(self.bodies, self.start);
+        self.go_back();
         let whole = self.method.with_step(self.sign() * length);
         let method =
             if parts == 1 { whole.clone() } else { whole.with_step(whole.step_size() / f64::from(parts)) };
@@ -62,5 +65,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
     /// Back to where it begins.
     pub(super) fn go_back(&mut self) {
         self.system.put_back(self.bodies, self.start);
+        self.bodies.noise = self.noise;
+    }
+
+    /// Begins anew where bodies are.
+    pub(super) fn begin(&mut self) {
+        self.bodies.save(self.start);
+        self.noise = self.bodies.noise;
     }
 }
