@@ -173,7 +173,7 @@ fn what_a_field_does_to_the_symplectic_form() {
     assert!(lost > 1e-3, "{lost:e}");
 }
 
-/// Kinetic energy in a field without forces: no drift in 10⁵ steps, and back and forth to rounding.
+/// Kinetic energy in a field without forces: no drift in 20 000 steps, and back and forth to rounding; a field of any strength, too.
 #[test]
 fn a_field_does_no_work() {
     let ball = Scene::on(Sphere { r: 1.0 }).with(MagneticField::new([0.5, 0.3, 2.0]));
@@ -183,6 +183,11 @@ fn a_field_does_no_work() {
     assert!((simulation.kinetic_energy() - 0.5).abs() < 1e-12, "{:e}", simulation.kinetic_energy() - 0.5);
     let mut there = ball.simulate(start, Rattle::new(0.05)).unwrap().check_reversal(1e-13).unwrap();
     there.run(100).unwrap();
+    let strong = Scene::point().with(MagneticField::new([0.0, 0.0, 1e6]));
+    let mut simulation =
+        strong.simulate(State::at([0.0; 3]).moving([1.0, 0.0, 0.0]), Rattle::new(0.1)).unwrap();
+    simulation.run(100).unwrap();
+    assert!((simulation.kinetic_energy() - 0.5).abs() < 1e-13);
 }
 
 /// On a slope of 45°: starting, sliding and coming to rest, against v = g (sin α ∓ μ cos α) t.
@@ -251,12 +256,4 @@ fn what_makes_no_sense_is_refused() {
     assert_eq!(told(field.clone().charges([1.0])), "effect `MagneticField`: 1 number was given for 2 bodies");
     assert!(told(field.charges([1.0, f64::NAN])).contains("a charge must be finite, found NaN"));
     assert!(told(MagneticField::new([f64::INFINITY, 0.0, 0.0])).contains("must be finite"));
-    // A field that turns by more than a step can follow.
-    let strong = Scene::point().with(MagneticField::new([0.0, 0.0, 1e3]));
-    let mut simulation =
-        strong.simulate(State::at([0.0; 3]).moving([1.0, 0.0, 0.0]), Rattle::new(0.1)).unwrap();
-    let before = simulation.state();
-    let error = simulation.step().unwrap_err().to_string();
-    assert!(error.contains("flow of `MagneticField`"), "{error}");
-    assert_eq!(simulation.state(), before);
 }

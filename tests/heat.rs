@@ -160,14 +160,14 @@ fn mean_height<E: Effects<3>>(
 /// In a harmonic trap ⟨x²⟩ = kT/k by g-BAOAB, whatever the step, and kT/(k (1 − h²k/4)) with heat at the ends of a step.
 #[test]
 fn averages_in_a_trap_are_what_theory_says() {
-    const BODIES: usize = 500;
+    const BODIES: usize = 300;
     fn mean_square(method: impl Method) -> [f64; 2] {
         let heat = Langevin { friction: 1.0, temperature: KT, seed: 3 };
         let scene = Scene::points(BODIES).with(Harmonic { stiffness: 1.0, centre: [0.0; 3] }).with(heat);
         let mut simulation = scene.simulate(State::of([[0.0; 3]; BODIES]), method).unwrap();
         simulation.run(30).unwrap();
         let mut sums = vec![0.0; BODIES];
-        let steps = 500;
+        let steps = 300;
         simulation
             .run_with(steps, |now| {
                 sums.iter_mut().zip(now.positions()).for_each(|(sum, q)| *sum += q.norm_squared() / 3.0);
@@ -182,7 +182,7 @@ fn averages_in_a_trap_are_what_theory_says() {
     assert!((middle - KT).abs() < DEVIATIONS * sigma, "{middle} ± {sigma:.1e} of {KT}");
     let ([ends, sigma], wrong) = (mean_square(Rattle::new(1.0)), KT / 0.75);
     assert!((ends - wrong).abs() < DEVIATIONS * sigma, "{ends} ± {sigma:.1e} of {wrong}");
-    assert!(sigma < 0.01 * KT, "noise that hides a difference of a third");
+    assert!(sigma < 0.02 * KT, "noise that hides a difference of a third");
 }
 
 /// The table in the documentation of [`rattle::methods::baoab`]:
@@ -251,7 +251,7 @@ fn kinetic_energies_are_canonical() {
         let start = State::of([[0.0, 0.0, 1.0]; 10]).moving([1.0, 0.0, 0.0]);
         let mut simulation = gas.simulate(start, Rattle::new(0.05)).unwrap();
         simulation.run(50).unwrap();
-        let (mut energies, steps) = (Vec::new(), 4_000);
+        let (mut energies, steps) = (Vec::new(), 2_000);
         for _ in 0..steps {
             simulation.run(2).unwrap();
             energies.push(simulation.kinetic_energy());
@@ -322,7 +322,7 @@ fn a_bath_without_chance() {
 /// (1 + 2e^{−6Dt/R²})/3 − e^{−4Dt/R²}.
 #[test]
 fn mean_square_displacement_on_a_sphere() {
-    const BODIES: usize = 4000;
+    const BODIES: usize = 1000;
     let (r, friction, temperature, h) = (2.0, 2.0, 1.0, 0.004);
     let d = temperature / friction;
     let start = State::of(vec![[0.0, 0.0, r]; BODIES]);
@@ -343,8 +343,8 @@ fn mean_square_displacement_on_a_sphere() {
 /// Brownian motion under gravity is of the density exp(−U/kT), to first order: a step of 0.02 is off by some 0.02.
 #[test]
 fn brownian_motion_has_the_right_density() {
-    let scene = Scene::on(Sphere { r: 2.0 }).bodies(300).with(Gravity { g: 0.5 });
-    let coarse = mean_height(&scene, 300, Brownian::new(1.0, 0.5, 2, 0.02), 2_000);
+    let scene = Scene::on(Sphere { r: 2.0 }).bodies(100).with(Gravity { g: 0.5 });
+    let coarse = mean_height(&scene, 100, Brownian::new(1.0, 0.5, 2, 0.02), 2_000);
     let off = coarse[0] - height(0.5);
     assert!(off.abs() < DEVIATIONS * coarse[1] + 0.02, "{off:.1e} ± {:.1e}", coarse[1]);
 }

@@ -67,6 +67,7 @@ impl<B: Method> Method for Composition<B> {
     type Memory<T: Real> = B::Memory<T>;
     type Need = B::Need;
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
+    const DRAWS: bool = B::DRAWS;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()

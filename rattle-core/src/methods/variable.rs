@@ -116,6 +116,7 @@ impl<B: Method> Method for Variable<B> {
     type Memory<T: Real> = Vec<T>;
     type Need = (B::Need, Steps, WithRates);
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
+    const DRAWS: bool = B::DRAWS;
 
     fn step_size(&self) -> f64 {
         self.base.step_size()
