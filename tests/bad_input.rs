@@ -34,6 +34,9 @@ fn nobody_is_moved_by_every_method() {
     scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Lobatto::<3>::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Dop853::new(0.1)).unwrap().run(3).unwrap();
+    let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
+    scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody, Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
 }
 
 #[test]
