@@ -301,11 +301,12 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 
-    /// Whether all momenta are numbers.
+    /// Whether all momenta are numbers, as they are kept and as they are shown.
     #[inline(always)]
-    pub(crate) fn check(&self, laws: &impl Laws<S, D>) -> Result<(), Stuck> {
+    pub(crate) fn check(&self, laws: &impl Laws<S, D>, parts: &[Part]) -> Result<(), Stuck> {
         for lane in 0..L {
-            if !is_finite(total(&at(&self.way, lane))) {
+            let [shown, _] = self.momentum(lane, laws, parts);
+            if !is_finite(total(&at(&self.way, lane)) + total(&shown)) {
                 let failure = not_finite(laws, lane, at(&self.q, lane));
                 return Err(Stuck { lane, failure: Some(failure) });
             }

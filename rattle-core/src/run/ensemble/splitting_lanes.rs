@@ -197,7 +197,7 @@ where
                     desk.block.look_around(now, &laws, parts)?;
                 }
             }
-            desk.block.check(&laws)?;
+            desk.block.check(&laws, parts)?;
             if let Some(written) = written {
                 let (q, p) = desk.block.all(&laws, parts);
                 written

@@ -178,7 +178,7 @@ fn check_normals<const D: usize>(
     let Shape { components, roots, .. } = &mut *shape;
     let component = &mut components[c];
     let rows = &component.rows;
-    let (sine, mut row) = component.solver.normals(rows, &acting, roots);
+    let (sine, mut row) = component.solver.first_normals(rows, &acting, roots);
     if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
         let may = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
         if may {
@@ -274,7 +274,7 @@ fn place<const D: usize>(
         let component = &mut components[c];
         let rows = &component.rows;
         let blocks = &start.blocks[..rows.blocks()];
-        let (sine, row) = component.solver.normals(rows, blocks, roots);
+        let (sine, row) = component.solver.first_normals(rows, blocks, roots);
         if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
             if algebra == LinearAlgebra::Automatic && m <= MOST_EQUATIONS {
                 component.solver = Solver::orthogonal(rows);
