@@ -250,9 +250,9 @@ fn check_soak(trajectories: u32, steps: u64) {
         let Health { change, error, off, along } = part;
         let all = f64::from(trajectories) * ensemble.steps() as f64;
         println!("{all:.1e} steps: energy {change:+.2e} ± {error:.0e}, {off:.1e} off the surface, ∇g·p/|p| = {along:.1e}");
-        // Coordinates are below 1.1, each rounded by at most ε/2 of them; the solve leaves a sixteenth of that. Normals are sums of terms
-        // of up to 8, in each of which and in the product with p a few roundings are left.
-        assert!(off <= 2.0 * f64::EPSILON && along <= 64.0 * f64::EPSILON, "{off:e}, {along:e}");
+        // Coordinates are below 1.1, each rounded by at most ε/2; the solve leaves a sixteenth of that, and g here is a sum of terms of up
+        // to 1 with |∇g| from 1/6 on. Normals are sums of terms of up to 8. In each a few roundings are left, at the worst of so many places.
+        assert!(off <= 8.0 * f64::EPSILON && along <= 64.0 * f64::EPSILON, "{off:e}, {along:e}");
         part
     });
     // The energy swings with the place, by the square of the step, so that its mean is not that of the start; but it stays there: five

@@ -15,9 +15,9 @@ pub(crate) struct Remembered {
 
 /// As many coordinates as a body has: an array, a vector of `nalgebra`, or anything else that becomes one.
 #[diagnostic::on_unimplemented(
-    message = "`{Self}` is not known to have {D} coordinates",
-    label = "a place or a momentum is an array `[f64; {D}]` or a vector of `nalgebra`",
-    note = "of a `Vec` or a slice that has as many: `<[f64; {D}]>::try_from(numbers)`, which fails where the number is another",
+    message = "how many coordinates `{Self}` has is not known when compiling",
+    label = "a place or a momentum is an array, such as `[0.0, 0.0, 1.0]`, or a vector of `nalgebra`",
+    note = "of a `Vec` or a slice: `<[f64; 3]>::try_from(numbers)`, which fails where there are not three",
     note = "places of several bodies: `State::of([[0.0, 0.0], [1.0, 0.0]])`"
 )]
 pub trait Coordinates<const D: usize> {
