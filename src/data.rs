@@ -21,6 +21,7 @@
 mod npy;
 
 use crate::Trajectory;
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -33,6 +34,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 pub struct Npz {
     path: PathBuf,
     zip: ZipWriter<BufWriter<File>>,
+    names: HashSet<String>,
 }
 
 impl Npz {
@@ -51,7 +53,7 @@ impl Npz {
         let path = path.as_ref().to_path_buf();
         let file =
             create_with_folder(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
-        Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)) })
+        Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)), names: HashSet::new() })
     }
 
     /// Adds an array; `data` runs with the last index fastest.
@@ -76,11 +78,11 @@ impl Npz {
                 length: data.len(),
             });
         }
+        if !self.names.insert(name.into()) {
+            return Err(DataError::Repeated { path: self.path, name: name.into() });
+        }
         match self.append(name, shape, data) {
             Ok(()) => Ok(self),
-            Err(source) if source.kind() == io::ErrorKind::InvalidInput => {
-                Err(DataError::Repeated { path: self.path, name: name.into() })
-            }
             Err(source) => Err(DataError::Io { path: self.path, source }),
         }
     }
@@ -132,13 +134,11 @@ impl Npz {
     }
 
     fn append(&mut self, name: &str, shape: &[usize], data: &[f64]) -> io::Result<()> {
-        let large = data.len() >= (u32::MAX as usize) / 8; // beyond 4 GiB zip needs its 64-bit form
+        // Beyond 4 GiB, header included, zip needs its 64-bit form.
+        let large = data.len() >= (u32::MAX - 2 * npy::LONGEST_TEXT) as usize / 8;
         let options =
             SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(large);
-        self.zip.start_file(format!("{name}.npy"), options).map_err(|error| match error {
-            zip::result::ZipError::InvalidArchive(_) => io::Error::from(io::ErrorKind::InvalidInput),
-            other => other.into(),
-        })?;
+        self.zip.start_file(format!("{name}.npy"), options)?;
         npy::write(&mut self.zip, shape, data)
     }
 }
@@ -156,7 +156,8 @@ pub struct Array {
 ///
 /// # Errors
 /// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than
-/// `f64` or for Fortran order, [`DataError::Io`].
+/// `f64` or for Fortran order, [`DataError::Io`] for a file that cannot be read: one that is damaged, compressed, or whose header says
+/// more values than follow or fewer. Memory is taken as values come, not as a header says.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -175,7 +176,9 @@ pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
         zip::result::ZipError::FileNotFound => DataError::Missing { path: path.into(), name: name.into() },
         other => failed(other.into()),
     })?;
-    let read = npy::read(member).map_err(failed)?;
+    let of_array =
+        |error: io::Error| failed(io::Error::new(error.kind(), format!("array `{name}`: {error}")));
+    let read = npy::read(member).map_err(of_array)?;
     let (shape, data) = read.ok_or_else(|| DataError::Layout { path: path.into(), name: name.into() })?;
     Ok(Array { shape, data })
 }

@@ -34,6 +34,9 @@ fn nobody_is_moved_by_every_method() {
     scene.simulate(nobody.clone(), Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody.clone(), Lobatto::<3>::new(0.1)).unwrap().run(3).unwrap();
     scene.simulate(nobody, Dop853::new(0.1)).unwrap().run(3).unwrap();
+    let (scene, nobody) = (Scene::on(Sphere { r: 1.0 }).bodies(0), State::of(Vec::<[f64; 3]>::new()));
+    scene.simulate(nobody.clone(), Rattle::new(0.1)).unwrap().run(3).unwrap();
+    scene.simulate(nobody, Taylor::new(8, 0.1)).unwrap().run(3).unwrap();
 }
 
 #[test]
@@ -196,4 +199,35 @@ fn a_histogram_has_no_more_bins_than_there_is_memory_for() {
     let energy = |now: &Sight<'_, 1>| now.energy();
     let error = refused(Histogram::of(energy, 0.0, 1.0, usize::MAX / 2));
     assert!(matches!(error, Error::Bins { .. }), "{error}");
+}
+
+constraint! {
+    /// A rod, times a number.
+    struct ScaledRod { c }
+    |a: [f64; 3], b: [f64; 3]| c * (sum(i in 0..3, (a[i] - b[i])^2) - 1)
+}
+
+/// Steps divide by the square of a gradient. Where the square is beyond the numbers the error says so, and not that there is no gradient.
+#[test]
+fn gradients_whose_squares_are_no_numbers_are_told() {
+    let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]).with_momenta([[0.0; 3], [0.0, 1.0, 0.0]]);
+    let scene = |c: f64| Scene::points(2).link(ScaledRod { c }, [[0, 1]]);
+    for c in [-1.0, 1e-140, 1e140] {
+        let mut simulation = scene(c).simulate(scene(c).project(&start).unwrap(), Rattle::new(0.1)).unwrap();
+        simulation.run(10).unwrap();
+        let [a, b] = [0, 1].map(|i| simulation.positions().nth(i).unwrap());
+        assert!(((a - b).norm() - 1.0).abs() <= 8.0 * f64::EPSILON, "{c:e}: {a} {b}"); // a rounding of each coordinate
+    }
+    for c in [1e-300, -1e-200, 1e-160, 1e160, 1e200, 1e300] {
+        let errors =
+            [refused(scene(c).simulate(start.clone(), Rattle::new(0.1))), refused(scene(c).project(&start))];
+        for error in errors {
+            let Error::Start { cause: StartFailure::OutOfScale { equation, gradient }, .. } = &error else {
+                panic!("{c:e}: {error}")
+            };
+            assert!((gradient / (8.0_f64.sqrt() * c.abs()) - 1.0).abs() < 1e-12, "{c:e}: {error}");
+            assert!(equation.as_ref().is_some_and(|equation| equation.bodies == [0, 1]), "{error}");
+            assert!(error.to_string().contains("multiply the constraint by about"), "{error}");
+        }
+    }
 }

@@ -63,10 +63,11 @@ fn star(leaves: usize) -> Vec<[usize; 2]> {
     (1..=leaves).map(|leaf| [0, leaf]).collect()
 }
 
-/// Four hubs in a row, with leaves each.
-fn caterpillar(leaves: usize) -> Vec<[usize; 2]> {
-    let spine = (0..3).map(|i| [i, i + 1]);
-    spine.chain((0..4).flat_map(|hub| (0..leaves).map(move |leaf| [hub, 4 + hub * leaves + leaf]))).collect()
+/// Hubs in a row, with leaves each.
+fn caterpillar(hubs: usize, leaves: usize) -> Vec<[usize; 2]> {
+    let spine = (1..hubs).map(|i| [i - 1, i]);
+    let leaf = |hub, leaf| hubs + hub * leaves + leaf;
+    spine.chain((0..hubs).flat_map(|hub| (0..leaves).map(move |i| [hub, leaf(hub, i)]))).collect()
 }
 
 fn sceneries() -> Vec<Scenery> {
@@ -83,10 +84,22 @@ fn sceneries() -> Vec<Scenery> {
         straight.places[40 + leaf] =
             std::array::from_fn(|d| 2.0 * straight.places[leaf][d] - straight.places[0][d]);
     }
+    // Two such lines from each of six hubs: twelve equations without a pivot.
+    let (hubs, leaves) = (6, 30);
+    let mut lines = Scenery::new("many lines to pins", {
+        let ends = (0..2 * hubs).map(|i| [hubs + i / 2 * leaves + i % 2, hubs + hubs * leaves + i]);
+        caterpillar(hubs, leaves).into_iter().chain(ends).collect()
+    });
+    for i in 0..2 * hubs {
+        let (hub, leaf, pin) = (i / 2, hubs + i / 2 * leaves + i % 2, hubs + hubs * leaves + i);
+        lines.places[pin] = std::array::from_fn(|d| 2.0 * lines.places[leaf][d] - lines.places[hub][d]);
+        lines.pins.push(pin);
+    }
     vec![
+        lines,
         Scenery::new("star", star(40)),
         Scenery::new("wheel", wheel),
-        Scenery::new("caterpillar", caterpillar(30)),
+        Scenery::new("caterpillar", caterpillar(4, 30)),
         heavy,
         coupled,
         hung,

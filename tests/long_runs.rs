@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! cargo test --release --test long_runs -- --ignored --nocapture
+//! STEPS=10000 cargo test --release --test long_runs soak -- --ignored --nocapture      10⁴ trajectories; 10⁶ steps each if nothing is said
 //! ```
 
 mod common;
@@ -203,4 +204,78 @@ fn energy_does_not_drift_in_1e6_steps_by_collocation() {
     check_drift::<7>(1_000_000, 1e-19);
     check_drift::<8>(1_000_000, 1e-19);
     check_drift::<9>(1_000_000, 1e-19);
+}
+
+/// What an ensemble of billiards with weight is like: the mean of the energies' changes and its standard error, the largest distance from
+/// the surface, and the largest ∇g·p/|p|.
+struct Health {
+    change: f64,
+    error: f64,
+    off: f64,
+    along: f64,
+}
+
+fn health(ensemble: &Ensemble<3>, energies: &[f64]) -> Health {
+    let (n, mut sum, mut squares, mut off, mut along) = (energies.len() as f64, 0.0, 0.0, 0.0_f64, 0.0_f64);
+    for (state, start) in ensemble.states().zip(energies) {
+        let change = energy(&state) - start;
+        (sum, squares) = (sum + change, squares + change * change);
+        let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+        let (g, gradient) = SURFACE.value_and_jacobian(&q);
+        off = off.max(g[0].abs() / gradient.norm());
+        along = along.max((gradient * p)[0].abs() / p.norm());
+        assert!(g[0].is_finite() && p.norm().is_finite(), "{state:?}");
+    }
+    let (change, mean_square) = (sum / n, squares / n);
+    Health { change, error: ((mean_square - change * change) / n).sqrt(), off, along }
+}
+
+fn energy(state: &State<3>) -> f64 {
+    let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+    0.5 * p.norm_squared() + q.z
+}
+
+/// Trajectories of so many steps; told of in ten parts.
+fn check_soak(trajectories: u32, steps: u64) {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let starts: Vec<_> = (0..trajectories).map(|i| billiard(0.001 + 0.0006 * f64::from(i))).collect();
+    let energies: Vec<_> = starts.iter().map(energy).collect();
+    let mut ensemble = scene.ensemble(starts, Rattle::new(0.01)).unwrap();
+    let parts = [(); 10].map(|()| {
+        ensemble.run(steps / 10);
+        if let Some((trajectory, error)) = ensemble.failures().next() {
+            panic!("trajectory {trajectory}: {error}");
+        }
+        let part = health(&ensemble, &energies);
+        let Health { change, error, off, along } = part;
+        let all = f64::from(trajectories) * ensemble.steps() as f64;
+        println!("{all:.1e} steps: energy {change:+.2e} ± {error:.0e}, {off:.1e} off the surface, ∇g·p/|p| = {along:.1e}");
+        // Coordinates are below 1.1, each rounded by at most ε/2; the solve leaves a sixteenth of that, and g here is a sum of terms of up
+        // to 1 with |∇g| from 1/6 on. Normals are sums of terms of up to 8. In each a few roundings are left, at the worst of so many places.
+        assert!(off <= 8.0 * f64::EPSILON && along <= 64.0 * f64::EPSILON, "{off:e}, {along:e}");
+        part
+    });
+    // The energy swings with the place, by the square of the step, so that its mean is not that of the start; but it stays there: five
+    // standard errors, of which one is met in two million such runs.
+    let mean = |parts: &[Health]| {
+        let n = parts.len() as f64;
+        let squares: f64 = parts.iter().map(|part| part.error * part.error).sum();
+        (parts.iter().map(|part| part.change).sum::<f64>() / n, squares / (n * n))
+    };
+    let ((early, of_early), (late, of_late)) = (mean(&parts[..5]), mean(&parts[5..]));
+    let (drift, error) = (late - early, (of_early + of_late).sqrt());
+    println!("energy: {drift:+.1e} ± {error:.0e} from the first half to the second");
+    assert!(drift.abs() <= 5.0 * error, "{drift:e} ± {error:e}");
+}
+
+#[test]
+fn ensembles_stay_healthy() {
+    check_soak(200, 100_000);
+}
+
+#[test]
+#[ignore = "a minute on two cores: 1e10 steps"]
+fn soak() {
+    let steps = std::env::var("STEPS").map_or(1_000_000, |steps| steps.parse().expect("a number of steps"));
+    check_soak(10_000, steps);
 }

@@ -9,7 +9,7 @@ use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::Hold;
 use crate::motion::method::Method;
-use crate::motion::state::State;
+use crate::motion::state::{Coordinates, State};
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, two_sum};
 use crate::systems::network::algebra::LinearAlgebra;
@@ -20,7 +20,6 @@ use crate::systems::network::tie::Tie;
 use crate::systems::phase::PhaseSpace;
 use crate::systems::rigid::Rigid;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
-use nalgebra::SVector;
 use std::marker::PhantomData;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
@@ -199,9 +198,9 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// The same scene with a body held at a place.
-    pub fn pin(self, body: usize, at: impl Into<SVector<f64, D>>) -> Scene<Network<D>, E, N, D> {
+    pub fn pin(self, body: usize, at: impl Coordinates<D>) -> Scene<Network<D>, E, N, D> {
         self.network(|mut network| {
-            network.pins.push((body, at.into().into()));
+            network.pins.push((body, at.coordinates()));
             network
         })
     }

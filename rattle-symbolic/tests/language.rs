@@ -91,6 +91,45 @@ fn indices_in_conditions() {
     }
 }
 
+/// Arithmetic of arrays: each row, and the same number by number.
+#[test]
+fn arrays_are_combined_number_by_number() {
+    let rows = [
+        ("a + b", "[a[0] + b[0], a[1] + b[1]]"),
+        ("a - b", "[a[0] - b[0], a[1] - b[1]]"),
+        ("a * c", "[a[0] * c, a[1] * c]"),
+        ("c * a", "[c * a[0], c * a[1]]"),
+        ("a / c", "[a[0] / c, a[1] / c]"),
+        ("if c > 0 { a } else { b }", "[if c > 0 { a[0] } else { b[0] }, if c > 0 { a[1] } else { b[1] }]"),
+    ];
+    for (written, by_hand) in rows {
+        let item = |array: &str| {
+            format!(
+                "struct A {{ c }} |a: [f64; 2], b: [f64; 2]| {{ let s = {array}; [s[0] + c * a[0], s[1] + b[1] * b[0]] }}"
+            )
+        };
+        assert_eq!(value(&item(written)), value(&item(by_hand)), "{written}");
+    }
+    let no_meaning =
+        |operator| format!("`{operator}` of two arrays has no one meaning; use `dot(a, b)` or indices");
+    let disagree = |what| format!("{what}; the shapes must agree");
+    let rows = [
+        ("a * b", no_meaning('*')),
+        ("a / b", no_meaning('/')),
+        ("a + 1", disagree("`+` of an array of 2 and a number")),
+        ("1 - a", disagree("`-` of a number and an array of 2")),
+        ("1 / a", disagree("`/` of a number and an array of 2")),
+        ("a + d", disagree("`+` of an array of 2 and an array of 3")),
+        ("a / 0", "division by zero".to_owned()),
+    ];
+    for (written, expected) in rows {
+        let item = format!(
+            "struct A {{}} |a: [f64; 2], b: [f64; 2], d: [f64; 3]| dot(a, b) + norm(d) + norm({written})"
+        );
+        assert_eq!(messages(&item), [expected], "{written}");
+    }
+}
+
 /// Each mistake has its message, and no other.
 #[test]
 fn mistakes() {

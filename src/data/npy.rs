@@ -13,6 +13,8 @@ const MAGIC: &[u8; 6] = b"\x93NUMPY";
 const PREFIX: usize = 10;
 /// The values begin at a multiple of it.
 const ALIGNMENT: usize = 64;
+/// The longest text that is read: what version 1.0 can say; longer ones describe records.
+pub(super) const LONGEST_TEXT: u32 = u16::MAX as u32;
 
 /// Writes the array; `data` runs with the last index fastest.
 pub(super) fn write(file: impl Write, shape: &[usize], data: &[f64]) -> io::Result<()> {
@@ -49,17 +51,26 @@ pub(super) fn read(file: impl Read) -> io::Result<Option<(Vec<usize>, Vec<f64>)>
     if !order.starts_with("False") {
         return Ok(None);
     }
-    let shape = extents(shape).ok_or_else(|| broken("the header's shape is no tuple"))?;
+    let shape = extents(shape).ok_or_else(|| broken("the header's shape is no tuple of counts"))?;
     let count = shape.iter().try_fold(1, |size: usize, &n| size.checked_mul(n));
+    let count = count.ok_or_else(|| broken("the header's shape is too large"))?;
 
     let mut data = Vec::new(); // grows with what is there, whatever the header says
     let mut bytes = [0; 8];
-    for _ in 0..count.ok_or_else(|| broken("the header's shape is too large"))? {
-        file.read_exact(&mut bytes)?;
+    for _ in 0..count {
+        file.read_exact(&mut bytes).map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => {
+                broken(&format!("its header says {count} values, and it ends after {}", data.len()))
+            }
+            _ => error,
+        })?;
         data.push(number(bytes));
     }
-    io::copy(&mut file, &mut io::sink())?; // at the end the container compares its checksum
-    Ok(Some((shape, data)))
+    match io::copy(&mut file, &mut io::sink())? {
+        // at the end the container compares its checksum
+        0 => Ok(Some((shape, data))),
+        more => Err(broken(&format!("its header says {count} values, and {more} bytes follow them"))),
+    }
 }
 
 /// The text of the header, with single quotes only: Python takes both.
@@ -75,8 +86,12 @@ fn header(file: &mut impl BufRead) -> io::Result<String> {
         2 | 3 => file.read_exact(&mut length)?,
         version => return Err(broken(&format!("version {version} of the format"))),
     }
+    let length = u32::from_le_bytes(length);
+    if length > LONGEST_TEXT {
+        return Err(broken(&format!("a header of {length} bytes")));
+    }
     let mut text = Vec::new();
-    file.take(u32::from_le_bytes(length).into()).read_to_end(&mut text)?;
+    file.take(length.into()).read_to_end(&mut text)?;
     Ok(String::from_utf8_lossy(&text).replace('"', "'"))
 }
 

@@ -4,6 +4,7 @@ use crate::case::{Case, Kind, Measured};
 use crate::common::distance;
 use crate::scenes::*;
 use rattle::Error;
+use rattle::error::StartFailure::OutOfScale;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
 
@@ -39,11 +40,13 @@ pub fn cases() -> Vec<Case> {
             range.case(format!("sphere of radius {radius:e}"), 0.0, move || Ok(refused_or_right(radius))),
         );
     }
-    for c in [1e-200, 1e200] {
+    for c in [1e-300, 1e-200, 1e-155, -1e-153, 1e153, 1e155, 1e200, 1e300] {
         cases.push(range.case(format!("g times {c:e}"), 0.0, move || {
             Ok(match any_multiple(c) {
                 Ok(off) => f64::from(off.is_nan() || off > 1e-14),
-                other => unless(other, |error| matches!(error, Error::Start { .. })),
+                other => {
+                    unless(other, |error| matches!(error, Error::Start { cause: OutOfScale { .. }, .. }))
+                }
             })
         }));
     }

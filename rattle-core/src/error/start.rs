@@ -20,7 +20,7 @@ pub enum StartFailure {
     },
     /// The constraint function is NaN or infinite at the start.
     #[error(
-        "at q = {position:?} the constraint is {value} and its gradient {gradient:?}; both must be finite, and |∇g| below 1e154"
+        "at q = {position:?} the constraint is {value} and its gradient {gradient:?}; both must be finite"
     )]
     ConstraintNotFinite {
         /// g(q).
@@ -209,6 +209,17 @@ pub enum StartFailure {
         gradient: f64,
         /// |∇g|/|∇²g n| with n = ∇g/|∇g|, to first order the distance to the point where ∇g = 0.
         distance: f64,
+    },
+    /// The gradient is so long or so short that its square, by which steps divide, is beyond the numbers.
+    #[error(
+        "the gradient of {} has the length {gradient:.1e}, and its square is beyond the numbers; multiply the constraint by about {:.0e}, \
+         which does not change where it holds", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
+    )]
+    OutOfScale {
+        /// Which equation, of linked bodies; else none.
+        equation: Option<Box<EquationAt>>,
+        /// |∇g|.
+        gradient: f64,
     },
     /// The force at the start is NaN or infinite.
     #[error("the force of `{effect}` is {force:?}; check the start against the potential's domain")]

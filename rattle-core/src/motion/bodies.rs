@@ -17,6 +17,17 @@ pub trait Count: Copy + Debug + Send + Sync + 'static {
     fn each<X: Copy + Debug + Send + Sync>(self, x: X) -> Self::Of<X>;
 }
 
+/// Exactly one body, known when compiling: what has *the* position.
+#[diagnostic::on_unimplemented(
+    message = "there may be many bodies here, and none of them is the one that is asked for",
+    label = "a scene of one body has one position, momentum, velocity and multiplier",
+    note = "of many bodies: `.positions()`, `.momenta()`, `.velocities()`, which are iterators, and `.multipliers()`",
+    note = "a scene is one of many bodies after `.bodies(n)` and `Scene::points(n)`, even for n = 1; `Scene::on` and `Scene::point` make one of one"
+)]
+pub trait Alone: Count {}
+
+impl Alone for One {}
+
 /// One body: its state lives in arrays of length one, and loops over bodies vanish.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct One;

@@ -20,3 +20,13 @@ pub(crate) fn finite<const D: usize>(quantity: &'static str, x: &[f64; D]) -> Re
         None => Ok(()),
     }
 }
+
+/// The length of a vector, be its square beyond the numbers or not.
+pub(crate) fn length_of<'a>(vector: impl IntoIterator<Item = &'a f64>) -> f64 {
+    vector.into_iter().fold(0.0, |length: f64, &x| length.hypot(x))
+}
+
+/// Whether steps can do with a gradient of this length, of which they take the square.
+pub(crate) fn has_square(length: f64) -> bool {
+    (f64::MIN_POSITIVE..=f64::MAX).contains(&(length * length))
+}

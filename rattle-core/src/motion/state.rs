@@ -13,6 +13,25 @@ pub(crate) struct Remembered {
     pub(crate) numbers: Box<[f64]>,
 }
 
+/// As many coordinates as a body has: an array, a vector of `nalgebra`, or anything else that becomes one.
+#[diagnostic::on_unimplemented(
+    message = "how many coordinates `{Self}` has is not known when compiling",
+    label = "a place or a momentum is an array, such as `[0.0, 0.0, 1.0]`, or a vector of `nalgebra`",
+    note = "of a `Vec` or a slice: `<[f64; 3]>::try_from(numbers)`, which fails where there are not three",
+    note = "places of several bodies: `State::of([[0.0, 0.0], [1.0, 0.0]])`"
+)]
+pub trait Coordinates<const D: usize> {
+    /// The coordinates in turn.
+    fn coordinates(self) -> [f64; D];
+}
+
+#[diagnostic::do_not_recommend]
+impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
+    fn coordinates(self) -> [f64; D] {
+        self.into().into()
+    }
+}
+
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
 /// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
@@ -44,15 +63,15 @@ pub struct State<const D: usize> {
 impl<const D: usize> State<D> {
     /// One body at rest at `position`.
     #[must_use]
-    pub fn at(position: impl Into<SVector<f64, D>>) -> Self {
+    pub fn at(position: impl Coordinates<D>) -> Self {
         Self::of([position])
     }
 
     /// Bodies at rest at these positions.
     #[must_use]
-    pub fn of<Q: Into<SVector<f64, D>>>(positions: impl IntoIterator<Item = Q>) -> Self {
+    pub fn of<Q: Coordinates<D>>(positions: impl IntoIterator<Item = Q>) -> Self {
         let zero = [0.0; D];
-        let at_rest = |q: Q| Body { q: q.into().into(), q_low: zero, p: zero, p_low: zero };
+        let at_rest = |q: Q| Body { q: q.coordinates(), q_low: zero, p: zero, p_low: zero };
         let bodies = positions.into_iter().map(at_rest).collect();
         let (time, time_low, steps) = (0.0, 0.0, 0);
         Self { bodies, time, time_low, remembered: None, steps, number: None, surplus_momenta: None }
@@ -60,8 +79,8 @@ impl<const D: usize> State<D> {
 
     /// The same, every body with this momentum.
     #[must_use]
-    pub fn moving(mut self, momentum: impl Into<SVector<f64, D>>) -> Self {
-        let p = momentum.into().into();
+    pub fn moving(mut self, momentum: impl Coordinates<D>) -> Self {
+        let p = momentum.coordinates();
         for body in &mut self.bodies {
             (body.p, body.p_low) = (p, [0.0; D]);
         }
@@ -72,10 +91,10 @@ impl<const D: usize> State<D> {
     /// The same, with these momenta in turn; bodies beyond the last one keep theirs. More momenta than bodies are
     /// refused when the simulation is made.
     #[must_use]
-    pub fn with_momenta<P: Into<SVector<f64, D>>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
+    pub fn with_momenta<P: Coordinates<D>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
         let mut momenta = momenta.into_iter();
         for (body, p) in self.bodies.iter_mut().zip(&mut momenta) {
-            (body.p, body.p_low) = (p.into().into(), [0.0; D]);
+            (body.p, body.p_low) = (p.coordinates(), [0.0; D]);
         }
         self.remembered = None;
         let surplus = momenta.count();

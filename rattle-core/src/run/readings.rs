@@ -1,7 +1,7 @@
 //! What can be read off a simulation: time, positions and momenta, energies, residuals, multipliers.
 
 use crate::effect::list::Forces;
-use crate::motion::bodies::{Body, Count, One};
+use crate::motion::bodies::{Alone, Body, Count};
 use crate::motion::capability::Rates;
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
@@ -189,25 +189,37 @@ impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F
     }
 }
 
-impl<Y: System<f64, D, Count = One>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The body's position.
-    pub fn position(&self) -> SVector<f64, D> {
-        self.bodies.q[0].into()
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// The position of the one body that there is; of many see [`Self::positions`].
+    pub fn position(&self) -> SVector<f64, D>
+    where
+        Y::Count: Alone,
+    {
+        self.bodies.q.as_ref()[0].into()
     }
 
     /// The body's momentum; with unit mass also its velocity.
-    pub fn momentum(&self) -> SVector<f64, D> {
-        self.bodies.p[0].into()
+    pub fn momentum(&self) -> SVector<f64, D>
+    where
+        Y::Count: Alone,
+    {
+        self.bodies.p.as_ref()[0].into()
     }
 
     /// Its velocity M⁻¹p.
-    pub fn velocity(&self) -> SVector<f64, D> {
+    pub fn velocity(&self) -> SVector<f64, D>
+    where
+        Y::Count: Alone,
+    {
         self.system.velocity(&self.bodies, 0).into()
     }
 
     /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
     /// [`Self::multipliers`].
-    pub fn multiplier(&self) -> f64 {
+    pub fn multiplier(&self) -> f64
+    where
+        Y::Count: Alone,
+    {
         self.multipliers().first().copied().unwrap_or(f64::NAN)
     }
 }

@@ -27,6 +27,10 @@ pub(crate) const SHORT_PATH: f64 = 0.5;
 /// What [`straight`] is in double precision: well above rounding, and 10⁷ corrections make a bend.
 const STRAIGHT: f64 = 1e-7;
 
+/// A slope at a root differs by less than this factor from that where the step began. Where forces displace a body by more than 10¹² of
+/// its place, the rounding of that way is all that a solve can tell, and it may end anywhere.
+const ALIKE: f64 = 1e3;
+
 /// The smallest part of a step in which a root is followed.
 const SMALLEST_PART: f64 = 1.0 / 4096.0;
 
@@ -38,19 +42,29 @@ pub(crate) const fn straight<T: Real>() -> f64 {
     if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
 }
 
-/// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) at the first guess and at the root.
+/// Whether a slope is that of a surface upright, and no other surface altogether than where it was `square`.
+#[inline(always)]
+pub(crate) fn is_upright<T: Real>(slope: T, square: T) -> T::Mask {
+    (T::from_f64(1.0 / ALIKE) * square).lt(slope).and(slope.le(T::from_f64(ALIKE) * square))
+}
+
+/// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) where the step began, at the first guess, and at the root.
 ///
 /// `off_square` is the square of the first correction, `path_square` that of the path, both lengths; `far` is
 /// [`FAR_GUESS`] or [`FAR_EXTRAPOLATION`].
 #[inline(always)]
-pub(crate) fn is_the_root<T: Real>(off_square: T, first: T, slope: T, path_square: T, far: f64) -> T::Mask {
+pub(crate) fn is_the_root<T: Real>(
+    off_square: T,
+    [square, first, slope]: [T; 3],
+    path_square: T,
+    far: f64,
+) -> T::Mask {
     let change = (slope - first) / slope; // of no unit: g may be scaled by any number
     let change_square = change * change;
     let near_guess = off_square.le(T::from_f64(far * far) * path_square);
     let short_path = (change_square * path_square).le(T::from_f64(SHORT_PATH * SHORT_PATH) * off_square);
     let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
-    let upright = T::from_f64(0.0).lt(slope);
-    upright.and(straight.or(near_guess.and(short_path)))
+    is_upright(slope, square).and(straight.or(near_guess.and(short_path)))
 }
 
 /// A part of a step, from one share of the step to another; in each lane its own.

@@ -177,7 +177,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     }
 
     /// Puts a trajectory at q with momentum p, which are along the constraint, into a lane; `parts` are those of the
-    /// method, of which the block's is to come.
+    /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther off than twice the
+    /// path of the step, which then has no end on the surface, it takes the digits of the way; and where either is no number.
     pub(crate) fn set(
         &mut self,
         lane: usize,
@@ -185,7 +186,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         parts: &[Part],
         q: [[S; D]; 2],
         p: [[S; D]; 2],
-    ) {
+    ) -> bool {
         let (part, constraint) = (&parts[self.part], laws.constraint(lane));
         let (h, unit) = (S::from_f64(part.h), S::from_f64(part.unit));
         let [gradient] = constraint.borrow().jacobian(&q[0]);
@@ -195,6 +196,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         let (ahead, ahead_low) = two_sum(&p[0], &sum(&pushed, &back));
         let [bend] = constraint.borrow().jet(&q[0], &ahead).2;
         let guess = S::from_f64(-0.5) * h * h * bend * normal.inverse_square;
+        let (path, off) = (h * h * dot(&ahead, &ahead), guess * guess * dot(&gradient, &gradient));
+        let holds = off.le(S::from_f64(4.0) * path) && is_finite(path);
         // Equal steps: as if one had led here, which would have left half of Λ in the way.
         let ahead = if EQUAL { add_scaled(&ahead, -guess / h, &gradient) } else { ahead };
         let guess = if EQUAL { guess + guess } else { guess };
@@ -213,6 +216,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         for past in &mut self.past {
             past[lane] = S::from_f64(part.before) * guess;
         }
+        holds
     }
 
     /// Copies a lane.
@@ -297,11 +301,12 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 
-    /// Whether all momenta are numbers.
+    /// Whether all momenta are numbers, as they are kept and as they are shown.
     #[inline(always)]
-    pub(crate) fn check(&self, laws: &impl Laws<S, D>) -> Result<(), Stuck> {
+    pub(crate) fn check(&self, laws: &impl Laws<S, D>, parts: &[Part]) -> Result<(), Stuck> {
         for lane in 0..L {
-            if !is_finite(total(&at(&self.way, lane))) {
+            let [shown, _] = self.momentum(lane, laws, parts);
+            if !is_finite(total(&at(&self.way, lane)) + total(&shown)) {
                 let failure = not_finite(laws, lane, at(&self.q, lane));
                 return Err(Stuck { lane, failure: Some(failure) });
             }

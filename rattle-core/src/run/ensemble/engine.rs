@@ -65,8 +65,8 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
     /// Goes on from there.
     fn keep(&mut self, lanes: Self::Lanes);
 
-    /// Puts a body, which is along the constraint, into a lane.
-    fn set(&mut self, lane: usize, body: &Body<f64, D>);
+    /// Puts a body, which is along the constraint, into a lane. False where the lane cannot hold it.
+    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool;
     /// Has lane `to` be, and obey, what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
     /// What the lanes obey.

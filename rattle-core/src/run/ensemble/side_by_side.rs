@@ -36,7 +36,8 @@ pub(crate) struct SideBySide<E, const D: usize> {
     moving: [bool; LANES],
     copy_of: [usize; LANES],
     ended: Vec<Ended<D>>,
-    /// By lane: whether it goes by itself, since other sheets are near, and where it is then; and when that ends.
+    /// By lane: whether it goes by itself, since other sheets are near or the lane cannot hold it, and where it is then; and when that
+    /// ends.
     crowded: [bool; LANES],
     own: Vec<(usize, Body<f64, D>)>,
     crowded_until: u64,
@@ -54,16 +55,10 @@ struct Ended<const D: usize> {
 
 impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// The trajectories that start so, one per lane, at most as many as there are lanes; with steps of this length.
-    pub(crate) fn new(mut engine: E, starts: &[State<D>], h: f64) -> Self {
+    pub(crate) fn new(engine: E, starts: &[State<D>], h: f64) -> Self {
         let number = starts.len().min(E::WIDTH);
-        for (lane, start) in starts.iter().enumerate().take(number) {
-            engine.set(lane, &start.bodies[0]);
-        }
-        for lane in number..E::WIDTH {
-            engine.copy(0, lane);
-        }
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
-        Self {
+        let mut group = Self {
             engine,
             h,
             steps: 0,
@@ -73,8 +68,34 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             ended: Vec::new(),
             crowded: [false; LANES],
             own: Vec::new(),
-            crowded_until: 0,
+            crowded_until: 1,
             halvings: 0,
+        };
+        for (lane, start) in starts.iter().enumerate().take(number) {
+            group.set(lane, &start.bodies[0]);
+        }
+        for lane in number..E::WIDTH {
+            group.engine.copy(0, lane);
+        }
+        group
+    }
+
+    /// Puts a body, which is along the constraint, into a lane; and beside it where other sheets are near, or where the lane cannot
+    /// hold it.
+    fn set(&mut self, lane: usize, body: &Body<f64, D>) {
+        let holds = self.engine.set(lane, body) && self.engine.body(lane).p.iter().all(|p| p.is_finite());
+        self.own.retain(|own| own.0 != lane);
+        self.crowded[lane] |= !holds;
+        if self.crowded[lane] {
+            self.own.push((lane, *body));
+        }
+    }
+
+    /// Has all go side by side again that lanes have a place for.
+    fn disperse(&mut self) {
+        self.crowded.fill(false);
+        for (lane, body) in std::mem::take(&mut self.own) {
+            self.set(lane, &body);
         }
     }
 
@@ -159,11 +180,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         if !apart.is_empty() {
             *self.engine.laws() = before.1;
             for (lane, body) in apart {
-                self.engine.set(lane, &body);
-                self.own.retain(|own| own.0 != lane);
-                if self.crowded[lane] {
-                    self.own.push((lane, body));
-                }
+                self.set(lane, &body);
             }
             self.stand_in(&self.moving.clone());
         }
@@ -271,8 +288,7 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
             let stretch = STRETCH.min(end - self.steps);
             if self.steps / CROWDED >= self.crowded_until {
                 self.crowded_until = self.steps / CROWDED + 1;
-                self.crowded.fill(false);
-                self.own.clear();
+                self.disperse();
             }
             if self.crowded.contains(&true) || self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
                 self.go_on(stretch, onlooker.as_deref_mut());

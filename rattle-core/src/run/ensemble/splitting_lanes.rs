@@ -76,9 +76,9 @@ where
         self.block = lanes;
     }
 
-    fn set(&mut self, lane: usize, body: &Body<f64, D>) {
+    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool {
         let Body { q, q_low, p, p_low } = body.map(S::from_f64);
-        self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+        self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low])
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -197,7 +197,7 @@ where
                     desk.block.look_around(now, &laws, parts)?;
                 }
             }
-            desk.block.check(&laws)?;
+            desk.block.check(&laws, parts)?;
             if let Some(written) = written {
                 let (q, p) = desk.block.all(&laws, parts);
                 written

@@ -147,10 +147,8 @@ impl<const D: usize> Ensemble<D> {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
             for (scene, start) in trajectories.by_ref().take(LANES) {
                 let trajectory = ensemble.len + scenes.len();
-                let system = match beyond(most, &start) {
-                    Some(error) => Err(error),
-                    None => scene.ready(&start, &method),
-                };
+                let system = scene.ready(&start, &method);
+                let system = system.and_then(|system| beyond(most, &start).map_or(Ok(system), Err));
                 let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
                 ready.push(system.map_err(error)?);
                 starts.push(start);

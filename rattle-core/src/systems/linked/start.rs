@@ -3,9 +3,9 @@
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::motion::bodies::Body;
 use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite};
+use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite, has_square, length_of};
 use crate::motion::state::State;
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
+use crate::number::vector::{add_scaled, dot, largest, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
@@ -55,7 +55,7 @@ impl<const D: usize> Start<D> {
     /// |∇gᵢ| of the coordinates that can move.
     fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
         let blocks = shape.components[c].rows.blocks_of(row);
-        blocks.map(|(block, _)| dot(&self.blocks[block], &self.blocks[block])).sum::<f64>().sqrt()
+        length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
     }
 }
 
@@ -133,10 +133,11 @@ fn check_row<const D: usize>(
         return Err(StartFailure::ConstraintNotFinite { value, gradient, position });
     }
 
-    // |∇²g n| along the normal: how far it is to a point without one. The velocities make room for n.
+    // |∇²g n|/|∇g| along the normal: how far it is to a point without one. The velocities make room for n/|∇g|, whose product with
+    // ∇²g can be squared however g is scaled.
     let saved: Vec<_> = rows.blocks_of(row).map(|(_, body)| start.v[rows.bodies[body]]).collect();
     for (block, body) in rows.blocks_of(row) {
-        start.v[rows.bodies[body]] = scaled(1.0 / length, &start.blocks[block]);
+        start.v[rows.bodies[body]] = start.blocks[block].map(|n| n / length / length);
     }
     let (group, member, equation) = rows.find(&shape.groups, row);
     let equations = shape.groups[group].equations();
@@ -145,12 +146,15 @@ fn check_row<const D: usize>(
     for ((_, body), v) in rows.blocks_of(row).zip(saved) {
         start.v[rows.bodies[body]] = v;
     }
-    let singular = length / turns[equation].sqrt();
+    let singular = 1.0 / turns[equation].sqrt();
     let rounding = f64::EPSILON * size;
     let at = || shape.equation_at(c, row);
     if length == 0.0 || singular < rounding / DIRECTION {
         let distance = if length == 0.0 { 0.0 } else { singular };
         return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
+    }
+    if !has_square(length) {
+        return Err(StartFailure::OutOfScale { equation: Some(at()), gradient: length });
     }
     let distance = value.abs() / length;
     let size = size.max(h.abs() * speed).min(singular);
@@ -178,7 +182,7 @@ fn check_normals<const D: usize>(
     let Shape { components, roots, .. } = &mut *shape;
     let component = &mut components[c];
     let rows = &component.rows;
-    let (sine, mut row) = component.solver.normals(rows, &acting, roots);
+    let (sine, mut row) = component.solver.first_normals(rows, &acting, roots);
     if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
         let may = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
         if may {
@@ -265,7 +269,12 @@ fn place<const D: usize>(
         start.evaluate(shape, c, time);
         let mut distance = 0.0;
         for row in 0..m {
-            let off = start.g[row].abs() / start.length(shape, c, row);
+            let length = start.length(shape, c, row);
+            if length.is_finite() && length > 0.0 && !has_square(length) {
+                let equation = Some(shape.equation_at(c, row));
+                return Err(at(shape, c, row, StartFailure::OutOfScale { equation, gradient: length }));
+            }
+            let off = start.g[row].abs() / length;
             if off > distance || off.is_nan() {
                 (distance, worst) = (off, row);
             }
@@ -274,7 +283,7 @@ fn place<const D: usize>(
         let component = &mut components[c];
         let rows = &component.rows;
         let blocks = &start.blocks[..rows.blocks()];
-        let (sine, row) = component.solver.normals(rows, blocks, roots);
+        let (sine, row) = component.solver.first_normals(rows, blocks, roots);
         if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
             if algebra == LinearAlgebra::Automatic && m <= MOST_EQUATIONS {
                 component.solver = Solver::orthogonal(rows);
@@ -330,7 +339,7 @@ fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(),
         let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
         for equation in 0..of {
             let blocks = &blocks[equation * arity..][..arity];
-            let length = blocks.iter().map(|block| dot(block, block)).sum::<f64>().sqrt();
+            let length = length_of(blocks.iter().flatten());
             let distance = g[equation].abs() / length;
             if links.moving() || distance.is_nan() || distance > START_TOLERANCE * size {
                 let body = bodies[0];

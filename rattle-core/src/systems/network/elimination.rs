@@ -162,6 +162,13 @@ impl<const D: usize> Elimination<D> {
         supernodal.factor()
     }
 
+    /// Makes room for as many late equations as the last normals had; whether there was too little. Allocates.
+    pub(crate) fn make_room(&mut self) -> bool {
+        let Some(late) = self.late_at_start.grown() else { return false };
+        (self.late_at_start, self.late_at_trial) = (late.clone(), late);
+        true
+    }
+
     /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest pivot,
     /// relative to its entry.
     pub(crate) fn chord<const SYMMETRIC: bool>(

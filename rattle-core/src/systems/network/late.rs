@@ -9,19 +9,24 @@
 //! r x  + a x_late = g_late                  x = A′⁻¹g − z x_late
 //! ```
 //!
-//! A hub of D coordinates makes at most D equations late, where others do not depend on each other.
+//! A hub of D coordinates makes at most D equations late, where others do not depend on each other. Room for all would be too much where
+//! hubs are many and late equations few: there is room for [`FEWEST`], and at the start of a run, where more are found to be late, for
+//! twice as many as are.
 
 use crate::systems::network::factor::Factor;
 use crate::systems::network::pattern::Pattern;
 
-/// Late equations of one factor that there is room for.
-const MOST: usize = 8;
+/// Late equations of one factor that there is room for at least, if hubs have as many coordinates.
+const FEWEST: usize = 8;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Late {
-    /// Unknowns of the factor, and late equations that there is room for.
+    /// Unknowns of the factor, those among them that are coordinates of hubs, and late equations that there is room for.
     unknowns: usize,
+    coordinates: usize,
     most: usize,
+    /// Late equations for which there was no room.
+    refused: usize,
     rows: Vec<usize>,
     /// z and r, one after the other.
     responses: Vec<f64>,
@@ -30,28 +35,40 @@ pub(super) struct Late {
     corner: Vec<f64>,
     right: Vec<f64>,
     room: Vec<f64>,
-    last: [f64; MOST],
+    last: Vec<f64>,
 }
 
 impl Late {
     /// For so many unknowns, of which so many are coordinates of hubs.
     pub(super) fn new(unknowns: usize, coordinates: usize) -> Self {
-        let most = coordinates.min(MOST);
+        Self::with_room(unknowns, coordinates, coordinates.min(FEWEST))
+    }
+
+    /// One with more room, if late equations were refused for want of it, and as many may be late.
+    pub(super) fn grown(&self) -> Option<Self> {
+        let most = self.coordinates.min(2 * (self.rows.len() + self.refused));
+        (self.refused > 0 && most > self.most).then(|| Self::with_room(self.unknowns, self.coordinates, most))
+    }
+
+    fn with_room(unknowns: usize, coordinates: usize, most: usize) -> Self {
         Self {
             unknowns,
+            coordinates,
             most,
+            refused: 0,
             rows: Vec::with_capacity(most),
             responses: vec![0.0; most * unknowns],
             lines: vec![0.0; most * unknowns],
             corner: vec![0.0; most * most],
             right: vec![0.0; unknowns],
             room: vec![0.0; unknowns],
-            last: [0.0; MOST],
+            last: vec![0.0; most],
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.rows.clear();
+        self.refused = 0;
     }
 
     /// Takes an equation. False if there is no room for it.
@@ -59,6 +76,8 @@ impl Late {
         let room = self.rows.len() < self.most;
         if room {
             self.rows.push(row);
+        } else {
+            self.refused += 1;
         }
         room
     }

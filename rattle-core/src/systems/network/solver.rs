@@ -42,6 +42,22 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// The same before a run, where room may be made.
+    pub(crate) fn first_normals(
+        &mut self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        roots: &[Root<D>],
+    ) -> (f64, usize) {
+        loop {
+            let found = self.normals(rows, blocks, roots);
+            let Self::Elimination(elimination) = self else { return found };
+            if !elimination.make_room() {
+                return found;
+            }
+        }
+    }
+
     pub(crate) fn chord<const SYMMETRIC: bool>(
         &mut self,
         rows: &Rows,

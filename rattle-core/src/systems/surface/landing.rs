@@ -8,7 +8,9 @@ use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::{Aim, INSIDE, LITTLE, NOISY, ROUNDINGS, grows_to};
-use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root};
+use crate::solve::root::{
+    Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root, is_upright,
+};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::{Equation, rounding_of};
 use crate::systems::surface::position::{Departure, Landing};
@@ -150,6 +152,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     }
 
     /// The slope of g along its normal where the step begins.
+    #[inline(always)]
     fn square(&self) -> T {
         dot(&self.normal.gradient, &self.normal.gradient)
     }
@@ -240,7 +243,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
         let [first, slope] = landing.slopes;
         let off_square = landing.first_correction * landing.first_correction;
-        landing.converged.and(is_the_root(off_square, first, slope, path_square, far))
+        let slopes = [self.square(), first, slope];
+        landing.converged.and(is_the_root(off_square, slopes, path_square, far))
     }
 
     /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is
@@ -252,7 +256,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
         let short_path = dot(&turned, &turned).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
-        let upright = T::from_f64(0.0).lt(landing.slopes[1]);
+        let upright = is_upright(landing.slopes[1], square);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }
 }

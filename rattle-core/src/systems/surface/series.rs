@@ -46,6 +46,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         W: Witness<T>,
     {
         let (n, zero) = (self.count.number(), T::from_f64(0.0));
+        if n == 0 {
+            return;
+        }
         let room = bodies.kept.series.get_or_insert_with(|| self.room_for_series(series.len() / n));
         let SeriesRoom { products, force } = &mut **room;
         let (start, v) = (bodies.kept.normal.as_ref(), bodies.p.as_ref());

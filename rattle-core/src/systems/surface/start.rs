@@ -6,7 +6,7 @@ use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::finite;
+use crate::motion::start::{finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::NOISY;
@@ -28,18 +28,20 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     finite("position", &body.q)?;
     finite("momentum", &body.p)?;
     let ([value], [gradient]) = constraint.value_and_jacobian(&body.q);
-    let square = dot(&gradient, &gradient);
-    if !(value.is_finite() && square.is_finite()) {
+    if !(value.is_finite() && gradient.iter().all(|n| n.is_finite())) {
         return Err(not_finite(value, &gradient, &body.q));
     }
-    let length = square.sqrt();
+    let length = length_of(&gradient);
     let rounding = f64::EPSILON * largest(&body.q);
 
     let [bend] = constraint.hessian_vector(&body.q, &scaled(1.0 / length, &gradient));
-    let singular = length / dot(&bend, &bend).sqrt(); // to the next point where ∇g = 0; ∞ for a plane
+    let singular = length / length_of(&bend); // to the next point where ∇g = 0; ∞ for a plane
     if length == 0.0 || singular < rounding / DIRECTION {
         let distance = if length == 0.0 { 0.0 } else { singular };
         return Err(StartFailure::SingularPoint { gradient: length, distance });
+    }
+    if !has_square(length) {
+        return Err(StartFailure::OutOfScale { equation: None, gradient: length });
     }
     let distance = value.abs() / length;
     // Where q is near zero the terms of g, and their rounding, are of the size of the surface.
@@ -91,13 +93,17 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let (mut nearing, mut last_square) = (Nearing::leaving(f64::INFINITY), 0.0);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([value], [gradient]) = constraint.value_and_jacobian(&q);
-        let square = dot(&gradient, &gradient);
-        if !(value.is_finite() && square.is_finite()) {
+        if !(value.is_finite() && gradient.iter().all(|n| n.is_finite())) {
             return Err(not_finite(value, &gradient, &q));
         }
-        if square == 0.0 {
+        let length = length_of(&gradient);
+        if length == 0.0 {
             return Err(StartFailure::SingularPoint { gradient: 0.0, distance: 0.0 });
         }
+        if !has_square(length) {
+            return Err(StartFailure::OutOfScale { equation: None, gradient: length });
+        }
+        let square = dot(&gradient, &gradient);
         let distance = value.abs() / square.sqrt();
         // Where ∇g stays, distances that do not shrink are the rounding of g, however large.
         let near = (square - last_square).abs() <= straight::<f64>() * square;

@@ -359,7 +359,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
             let [gradient] = constraint.jacobian(&point(&q, &free, &normal, &multiplier, l));
             let off_square = first[l] * first[l] * square[l];
             let last_slope = dot(&gradient, &at(&normal, l));
-            let root = is_the_root(off_square, slope[l], last_slope, path_square[l], FAR_GUESS);
+            let root = is_the_root(off_square, [square[l], slope[l], last_slope], path_square[l], FAR_GUESS);
             put(&mut next, l, gradient);
             arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
         }
