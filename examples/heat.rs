@@ -5,9 +5,10 @@
 //! dp = (−∇U − γ p + ∇g λ) dt + √(2γ kT) Π dW
 //! ```
 //!
-//! 100 particles with Lennard-Jones forces start at a fifth of the temperature of their bath. The table shows them become
-//! warm: ½kT for each of the two momenta of a particle on a surface; heat is booked as work, so that the energy error is that of the
-//! method. The same seed gives the same run on any machine, after a restart too. The page in `out/heat/` shows the motion.
+//! 100 particles with Lennard-Jones forces start at a fifth of the temperature of their bath. The table shows them
+//! become warm: ½kT for each of the two momenta of a particle on a surface; heat is booked as work, so that the energy
+//! error is that of the method. The same seed gives the same run on any machine, after a restart too. The page in
+//! `out/heat/` shows the motion.
 
 use rattle::curvature::points;
 use rattle::effect::Langevin;

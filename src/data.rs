@@ -87,8 +87,8 @@ impl Npz {
         }
     }
 
-    /// Adds a trajectory: `t` of shape \[rows\], `q` and `p` of shape \[rows, bodies, D\], and if it has multipliers `lambda`
-    /// and `mu` of shape \[rows, equations\].
+    /// Adds a trajectory: `t` of shape \[rows\], `q` and `p` of shape \[rows, bodies, D\], and if it has multipliers
+    /// `lambda` and `mu` of shape \[rows, equations\].
     ///
     /// # Errors
     /// As [`array`](Npz::array).
@@ -156,8 +156,8 @@ pub struct Array {
 ///
 /// # Errors
 /// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than
-/// `f64` or for Fortran order, [`DataError::Io`] for a file that cannot be read: one that is damaged, compressed, or whose header says
-/// more values than follow or fewer. Memory is taken as values come, not as a header says.
+/// `f64` or for Fortran order, [`DataError::Io`] for a file that cannot be read: one that is damaged, compressed, or
+/// whose header says more values than follow or fewer. Memory is taken as values come, not as a header says.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;

@@ -35,8 +35,9 @@
 //! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`],
 //! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
 //!
-//! What many need is ready-made: [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde` all of
-//! them serialise; a type of your own does so by `#[derive(serde::Serialize, serde::Deserialize)]` inside its macro.
+//! What many need is ready-made: [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde`
+//! all of them serialise; a type of your own does so by `#[derive(serde::Serialize, serde::Deserialize)]` inside its
+//! macro.
 //!
 //! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
 //!

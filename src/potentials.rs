@@ -1,8 +1,8 @@
 //! Ready-made potentials: on each body, between chosen bodies, and between every two.
 //!
-//! Each is a plain [`potential!`](crate::potential) or [`pair_potential!`](crate::pair_potential); its page shows the formula,
-//! the gradient and the number of operations. To vary one, copy its line into a macro of your own. Units are the user's:
-//! an energy, a length and a mass fit together. Forces are −∇U.
+//! Each is a plain [`potential!`](crate::potential) or [`pair_potential!`](crate::pair_potential); its page shows the
+//! formula, the gradient and the number of operations. To vary one, copy its line into a macro of your own. Units are
+//! the user's: an energy, a length and a mass fit together. Forces are −∇U.
 //!
 //! | acts | how a scene takes it | which |
 //! |---|---|---|
@@ -13,8 +13,8 @@
 //! | between every two bodies | `.with(LennardJones { … })` | [`Coulomb`], [`LennardJones`], [`Wca`], [`Morse`], [`Yukawa`], [`Ricker`], [`Gaussian`], [`HarmonicPair`], [`SoftSphere`] |
 //! | between near bodies, of a kind or of several | `.with(LennardJones { … }.within(2.5))`, [`Kinds`](crate::effect::Kinds) | the same |
 //!
-//! Pair potentials depend on the distance alone, so they serve bodies with any number of coordinates. The others here are of
-//! bodies in space; [`planar`] has those of bodies in the plane, by the same names.
+//! Pair potentials depend on the distance alone, so they serve bodies with any number of coordinates. The others here
+//! are of bodies in space; [`planar`] has those of bodies in the plane, by the same names.
 //!
 //! ```
 //! use rattle::potentials::{LennardJones, weights};
@@ -42,8 +42,8 @@ use crate::ready_made::potential;
 potential! {
     /// Uniform gravity along −z, on a body of unit mass: z points up.
     ///
-    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of different masses
-    /// have [`weights`].
+    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of
+    /// different masses have [`weights`].
     ///
     /// ```
     /// use rattle::potentials::Gravity;
@@ -127,7 +127,8 @@ potential! {
 potential! {
     /// A spring between two bodies that pushes when it is shorter than `length`, and pulls when it is longer.
     ///
-    /// `stiffness` is a force over a length. Where both bodies are at one place, the spring has no direction and no force.
+    /// `stiffness` is a force over a length. Where both bodies are at one place, the spring has no direction and no
+    /// force.
     ///
     /// ```
     /// use rattle::potentials::Spring;
@@ -180,8 +181,8 @@ pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1
     Over::each(masses.into_iter().enumerate().map(|(body, mass)| (Gravity { g: g * mass }, [body])))
 }
 
-/// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. For `Scene::masses` of the same
-/// numbers; `constant` is G.
+/// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. For `Scene::masses` of
+/// the same numbers; `constant` is G.
 ///
 /// ```
 /// use rattle::potentials::gravitation;
@@ -199,8 +200,8 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
     charges(-constant, masses)
 }
 
-/// Coulomb's law between every two bodies of these charges: U = Σ k qᵢ qⱼ / |qᵢ − qⱼ|; like charges repel for `constant` k > 0.
-/// Bodies without charge are left out.
+/// Coulomb's law between every two bodies of these charges: U = Σ k qᵢ qⱼ / |qᵢ − qⱼ|; like charges repel for
+/// `constant` k > 0. Bodies without charge are left out.
 ///
 /// ```
 /// use rattle::potentials::charges;

@@ -1,5 +1,5 @@
-//! Pay for what you use: an effect that is absent, and one whose strength is zero, give the same motion to the bit; a program of a scene
-//! without pairs and heat has no code of them; and what a particle takes in memory is counted.
+//! Pay for what you use: an effect that is absent, and one whose strength is zero, give the same motion to the bit; a
+//! program of a scene without pairs and heat has no code of them; and what a particle takes in memory is counted.
 
 use rattle::bodies::Many;
 use rattle::effect::{

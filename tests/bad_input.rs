@@ -207,7 +207,8 @@ constraint! {
     |a: [f64; 3], b: [f64; 3]| c * (sum(i in 0..3, (a[i] - b[i])^2) - 1)
 }
 
-/// Steps divide by the square of a gradient. Where the square is beyond the numbers the error says so, and not that there is no gradient.
+/// Steps divide by the square of a gradient. Where the square is beyond the numbers the error says so, and not that
+/// there is no gradient.
 #[test]
 fn gradients_whose_squares_are_no_numbers_are_told() {
     let start = State::of([[0.0; 3], [1.0, 0.0, 0.0]]).with_momenta([[0.0; 3], [0.0, 1.0, 0.0]]);

@@ -180,8 +180,8 @@ fn array(length: Option<u32>, header: &str) -> Vec<u8> {
     [&b"\x93NUMPY\x02\0"[..], &length, header.as_bytes(), &values].concat()
 }
 
-/// What comes of a file, and that no more memory is taken for it than its size allows: 64 bytes for each of its own, beside
-/// what buffers take.
+/// What comes of a file, and that no more memory is taken for it than its size allows: 64 bytes for each of its own,
+/// beside what buffers take.
 fn read_within_bounds(path: &Path, file: &[u8]) -> Result<rattle::data::Array, DataError> {
     fs::write(path, file).unwrap();
     let mut result = None;

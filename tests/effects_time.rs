@@ -1,5 +1,5 @@
-//! Effects that see time, and effects that see momenta: a force that changes with time, and drag as a flow of momenta, on
-//! surfaces, of links and of rigid bodies.
+//! Effects that see time, and effects that see momenta: a force that changes with time, and drag as a flow of momenta,
+//! on surfaces, of links and of rigid bodies.
 
 use rattle::effect::{Acting, Effect, Flow, Interval, Moment};
 use rattle::lanes::Lane;
@@ -168,7 +168,8 @@ fn forces_that_grow_with_time() {
             [off_after_two!(floor(), on_floor(), $method), off_after_two!(point(), at_point(), $method)]
         };
     }
-    // Of second order: momenta exact where kicks are those of the trapezoid or midpoint, positions off by h²/3 and h²/6.
+    // Of second order: momenta exact where kicks are those of the trapezoid or midpoint, positions off by h²/3 and
+    // h²/6.
     for [place, momentum] in both!(Rattle::new(0.125)) {
         assert!(
             (place - 0.125_f64.powi(2) / 3.0).abs() < 1e-14 && momentum < 1e-14,
@@ -267,7 +268,8 @@ fn rods() -> Scene<rattle::network::Network<2>, (), rattle::bodies::Many, 2> {
     Scene::points::<2>(2).link(Rod { length: 1.0 }, [[0, 1]])
 }
 
-/// With forces the division is of second order, and the energy error is that of the method, however much energy drag takes.
+/// With forces the division is of second order, and the energy error is that of the method, however much energy drag
+/// takes.
 #[test]
 fn drag_with_weight() {
     let (start, sphere) = (State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.5]), Sphere { r: 1.0 });

@@ -1,5 +1,5 @@
-//! Fekete points: twenty particles on a sphere that repel each other, slowed down by drag until they rest, against the reference of the
-//! test set for initial value problems. Solvers that reduce the index leave the sphere soon.
+//! Fekete points: twenty particles on a sphere that repel each other, slowed down by drag until they rest, against the
+//! reference of the test set for initial value problems. Solvers that reduce the index leave the sphere soon.
 
 mod common;
 
@@ -29,8 +29,9 @@ fn start() -> State<3> {
     }))
 }
 
-/// Where they rest at t = 1000: places of second order in h, which differ by the turn that the motion leaves behind; extrapolated they are
-/// the reference, which was found at tolerances of 1e-12, to 1e-9. Energy goes into work, and particles stay on the sphere.
+/// Where they rest at t = 1000: places of second order in h, which differ by the turn that the motion leaves behind;
+/// extrapolated they are the reference, which was found at tolerances of 1e-12, to 1e-9. Energy goes into work, and
+/// particles stay on the sphere.
 #[test]
 fn twenty_particles_come_to_rest_where_the_reference_has_them() {
     let reference: Vec<[f64; 3]> =

@@ -1,5 +1,5 @@
-//! Flows of momenta that are ready-made: drag, dry friction and magnetic fields, against exact motions; their order along curved
-//! constraints, their work, and what a magnetic field keeps.
+//! Flows of momenta that are ready-made: drag, dry friction and magnetic fields, against exact motions; their order
+//! along curved constraints, their work, and what a magnetic field keeps.
 
 mod common;
 
@@ -126,8 +126,8 @@ fn charges_run_around_circles() {
 }
 type Vector = rattle::nalgebra::Vector2<f64>;
 
-/// ω = dq ∧ d(p + B × q/2) of a uniform field: kept to second order on a torus, as the motion is, and to rounding by free bodies, with the
-/// field and the momenta that Boris' method has.
+/// ω = dq ∧ d(p + B × q/2) of a uniform field: kept to second order on a torus, as the motion is, and to rounding by
+/// free bodies, with the field and the momenta that Boris' method has.
 #[test]
 fn what_a_field_does_to_the_symplectic_form() {
     let field = Vector3::new(0.7, -0.4, 1.5);
@@ -173,7 +173,8 @@ fn what_a_field_does_to_the_symplectic_form() {
     assert!(lost > 1e-3, "{lost:e}");
 }
 
-/// Kinetic energy in a field without forces: no drift in 20 000 steps, and back and forth to rounding; a field of any strength, too.
+/// Kinetic energy in a field without forces: no drift in 20 000 steps, and back and forth to rounding; a field of any
+/// strength, too.
 #[test]
 fn a_field_does_no_work() {
     let ball = Scene::on(Sphere { r: 1.0 }).with(MagneticField::new([0.5, 0.3, 2.0]));

@@ -7,8 +7,8 @@ use rattle::lanes::{Fused, Lane};
 use rattle::real::Real;
 use std::array::from_fn;
 
-/// A function, that of the system, and the largest error allowed in units of the last place, over a range; and how far the
-/// system's may be from ours there.
+/// A function, that of the system, and the largest error allowed in units of the last place, over a range; and how far
+/// the system's may be from ours there.
 struct Row {
     name: &'static str,
     lanes: fn(Fused<f64>) -> Fused<f64>,
@@ -33,11 +33,11 @@ macro_rules! rows {
     };
 }
 
-/// Half a unit is the rounding of the result. Where the last operation adds a number to a larger one, the rounding of the
-/// smaller one comes to it: a quarter of a unit or half of one where it is a fourth or a half as large. Roundings of factors of the
-/// result (sinh, tanh, erf, arcosh, whose sums are quotients and roots) count whole. The table has the arguments with
-/// the largest errors of 250 000. The system's functions are off by up to one unit, tanh by two; arcosh near 1 and artanh
-/// below 0 by much more, and not compared there.
+/// Half a unit is the rounding of the result. Where the last operation adds a number to a larger one, the rounding of
+/// the smaller one comes to it: a quarter of a unit or half of one where it is a fourth or a half as large. Roundings
+/// of factors of the result (sinh, tanh, erf, arcosh, whose sums are quotients and roots) count whole. The table has
+/// the arguments with the largest errors of 250 000. The system's functions are off by up to one unit, tanh by two;
+/// arcosh near 1 and artanh below 0 by much more, and not compared there.
 const ROWS: [Row; 18] = rows! {
     exp 1.05 3.0 -708.3 .. 709.7;
     ln 0.8 2.0 0.0 .. 4.0;
@@ -148,8 +148,8 @@ fn everywhere_near_those_of_the_system() {
     }
 }
 
-/// Every pair of numbers among which there are exceptions: zeros, infinities, whole and odd numbers, the largest and the
-/// smallest.
+/// Every pair of numbers among which there are exceptions: zeros, infinities, whole and odd numbers, the largest and
+/// the smallest.
 #[test]
 fn of_two_at_the_ends() {
     let infinite = f64::INFINITY;
@@ -301,8 +301,8 @@ fn the_same_bits_with_all_instructions() {
     }
 }
 
-/// In single precision: the largest error of those functions that have code of their own; the others are the value in double
-/// precision, rounded.
+/// In single precision: the largest error of those functions that have code of their own; the others are the value in
+/// double precision, rounded.
 const SINGLE: [(&str, f64); 7] =
     [("exp", 0.9), ("ln", 0.8), ("sin", 1.6), ("cos", 1.6), ("sinh", 1.7), ("cosh", 1.4), ("tanh", 1.4)];
 

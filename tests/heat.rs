@@ -1,5 +1,6 @@
-//! Heat: the temperature of each independent momentum, the measure on the surface, averages over places, and noise that is the same
-//! in any company. Bounds are from statistics, at fixed seeds: 4.5 standard deviations of what the law gives for so many samples.
+//! Heat: the temperature of each independent momentum, the measure on the surface, averages over places, and noise that
+//! is the same in any company. Bounds are from statistics, at fixed seeds: 4.5 standard deviations of what the law
+//! gives for so many samples.
 
 mod common;
 
@@ -22,8 +23,8 @@ fn strong(h: f64) -> Langevin {
     Langevin { friction: 2.0 / h, temperature: KT, seed: 11 }
 }
 
-/// The mean of kT over so many steps against `KT`: its variance is 2 kT²/N for one sample, and samples a step apart have the
-/// correlation e⁻⁸ by each half of the flow's squares.
+/// The mean of kT over so many steps against `KT`: its variance is 2 kT²/N for one sample, and samples a step apart
+/// have the correlation e⁻⁸ by each half of the flow's squares.
 macro_rules! has_temperature {
     ($simulation:expr, $steps:expr, $freedom:expr) => {{
         let mut simulation = $simulation;
@@ -80,8 +81,8 @@ fn chains_and_rigid_bodies() {
     }
 }
 
-/// χ² of numbers in bins against their probabilities, and the bound for its bins: the mean of χ² is their number less one, its
-/// variance twice that.
+/// χ² of numbers in bins against their probabilities, and the bound for its bins: the mean of χ² is their number less
+/// one, its variance twice that.
 fn fits(counts: &[f64], probabilities: &[f64]) {
     let (n, bins) = (counts.iter().sum::<f64>(), (counts.len() - 1) as f64);
     let term = |(count, p): (&f64, &f64)| (count - n * p).powi(2) / (n * p);
@@ -90,7 +91,8 @@ fn fits(counts: &[f64], probabilities: &[f64]) {
     assert!(chi > bins - DEVIATIONS * (2.0 * bins).sqrt(), "too good: χ² = {chi}");
 }
 
-/// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed the surface.
+/// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed
+/// the surface.
 #[test]
 fn places_are_uniform_in_area() {
     const BINS: usize = 20;
@@ -157,7 +159,8 @@ fn mean_height<E: Effects<3>>(
     [mean, (variance / bodies as f64).sqrt()]
 }
 
-/// In a harmonic trap ⟨x²⟩ = kT/k by g-BAOAB, whatever the step, and kT/(k (1 − h²k/4)) with heat at the ends of a step.
+/// In a harmonic trap ⟨x²⟩ = kT/k by g-BAOAB, whatever the step, and kT/(k (1 − h²k/4)) with heat at the ends of a
+/// step.
 #[test]
 fn averages_in_a_trap_are_what_theory_says() {
     const BODIES: usize = 300;
@@ -206,7 +209,8 @@ fn table() {
     }
 }
 
-/// The same noise for any number of threads and neighbours, after a restart, and for another number of the trajectory another.
+/// The same noise for any number of threads and neighbours, after a restart, and for another number of the trajectory
+/// another.
 #[test]
 fn noise_is_the_same_in_any_company() {
     let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 9 };
@@ -281,8 +285,8 @@ fn heat_is_work() {
     assert!(simulation.energy_error().abs() < 1e-12, "{:e}", simulation.energy_error());
 }
 
-/// Bodies in a Nosé–Hoover chain, which repel each other: the energy of bodies and bath is kept to second order without drift, the kinetic
-/// energy is canonical, and a restart goes on to the bit.
+/// Bodies in a Nosé–Hoover chain, which repel each other: the energy of bodies and bath is kept to second order without
+/// drift, the kinetic energy is canonical, and a restart goes on to the bit.
 #[test]
 fn a_bath_without_chance() {
     let sphere = Sphere { r: 2.0 };

@@ -168,7 +168,8 @@ fn dependent_equations_at_a_hub_are_found() {
     assert_eq!((report.equations, report.rank, report.by), (41, 40, Orthogonal));
 }
 
-/// Bytes asked for by setting up and projecting, for each link, do not grow with their number; nor does a step ask for any.
+/// Bytes asked for by setting up and projecting, for each link, do not grow with their number; nor does a step ask for
+/// any.
 #[test]
 fn setting_up_is_linear_in_the_links() {
     type Family = (&'static str, fn(usize) -> Vec<[usize; 2]>, Vec<usize>);

@@ -400,8 +400,8 @@ fn on_faces(
     scene.simulate(start, Rattle::new(h)).unwrap().over_kinks().unwrap()
 }
 
-/// A straight line on the net of the octahedron, laid out triangle by triangle: the third corner of the next one is opposite to that of
-/// the last. No normal is looked at.
+/// A straight line on the net of the octahedron, laid out triangle by triangle: the third corner of the next one is
+/// opposite to that of the last. No normal is looked at.
 struct Net {
     /// The corners of the face in space, and in the plane.
     face: [([f64; 3], [f64; 2]); 3],

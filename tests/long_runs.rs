@@ -1,5 +1,5 @@
-//! Long runs: rounding in the energy grows like √n, and no faster; the shadow energy stays where it is. Short versions run
-//! always; the long ones by name:
+//! Long runs: rounding in the energy grows like √n, and no faster; the shadow energy stays where it is. Short versions
+//! run always; the long ones by name:
 //!
 //! ```text
 //! cargo test --release --test long_runs -- --ignored --nocapture
@@ -14,8 +14,8 @@ use rattle::iteration::Iteration;
 use rattle::prelude::*;
 use rattle::table::{Table, Tabulated};
 
-/// Energy errors of spherical pendulums after so many steps of RATTLE, 17 in each of a composition whose own error is below
-/// rounding: the root of their mean square, after each of `counts` macro steps.
+/// Energy errors of spherical pendulums after so many steps of RATTLE, 17 in each of a composition whose own error is
+/// below rounding: the root of their mean square, after each of `counts` macro steps.
 fn growth<S: Method>(method: &S, counts: &[u64]) -> Vec<f64> {
     let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let mut squares = vec![0.0; counts.len()];
@@ -112,7 +112,8 @@ fn check_shadow(steps: u64) {
     let spread = quarters.iter().fold(0.0_f64, |most, quarter| most.max(quarter.1));
     let drift = (quarters[3].0 - quarters[0].0).abs();
     let rate = drift / (0.75 * 0.01 * steps as f64) / quarters[0].0;
-    // The rare passes over the sharpest ends make the spread, and in chaos their sum walks: 2e-9 per unit of time. Solved to
+    // The rare passes over the sharpest ends make the spread, and in chaos their sum walks: 2e-9 per unit of time.
+    // Solved to
     // |g| < 1e-6 instead of to rounding it drifts by 1e-6 and more.
     println!("spread {spread:.1e}, drift per time {rate:.1e}");
     assert!(spread < 1e-3 && rate < 5e-9, "{spread:e}, {rate:e}");
@@ -206,8 +207,8 @@ fn energy_does_not_drift_in_1e6_steps_by_collocation() {
     check_drift::<9>(1_000_000, 1e-19);
 }
 
-/// What an ensemble of billiards with weight is like: the mean of the energies' changes and its standard error, the largest distance from
-/// the surface, and the largest ∇g·p/|p|.
+/// What an ensemble of billiards with weight is like: the mean of the energies' changes and its standard error, the
+/// largest distance from the surface, and the largest ∇g·p/|p|.
 struct Health {
     change: f64,
     error: f64,
@@ -250,13 +251,14 @@ fn check_soak(trajectories: u32, steps: u64) {
         let Health { change, error, off, along } = part;
         let all = f64::from(trajectories) * ensemble.steps() as f64;
         println!("{all:.1e} steps: energy {change:+.2e} ± {error:.0e}, {off:.1e} off the surface, ∇g·p/|p| = {along:.1e}");
-        // Coordinates are below 1.1, each rounded by at most ε/2; the solve leaves a sixteenth of that, and g here is a sum of terms of up
-        // to 1 with |∇g| from 1/6 on. Normals are sums of terms of up to 8. In each a few roundings are left, at the worst of so many places.
+        // Coordinates are below 1.1, each rounded by at most ε/2; the solve leaves a sixteenth of that, and g here is a
+        // sum of terms of up to 1 with |∇g| from 1/6 on. Normals are sums of terms of up to 8. In each a few roundings
+        // are left, at the worst of so many places.
         assert!(off <= 8.0 * f64::EPSILON && along <= 64.0 * f64::EPSILON, "{off:e}, {along:e}");
         part
     });
-    // The energy swings with the place, by the square of the step, so that its mean is not that of the start; but it stays there: five
-    // standard errors, of which one is met in two million such runs.
+    // The energy swings with the place, by the square of the step, so that its mean is not that of the start; but it
+    // stays there: five standard errors, of which one is met in two million such runs.
     let mean = |parts: &[Health]| {
         let n = parts.len() as f64;
         let squares: f64 = parts.iter().map(|part| part.error * part.error).sum();

@@ -178,7 +178,8 @@ impl Method for Numbered {
     }
 }
 
-/// A method is told which trajectory it moves: its number in an ensemble, 0 in a simulation; and so is one that is composed.
+/// A method is told which trajectory it moves: its number in an ensemble, 0 in a simulation; and so is one that is
+/// composed.
 #[test]
 fn a_method_knows_its_trajectory() {
     fn check<S: Method>(method: S) {

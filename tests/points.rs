@@ -62,7 +62,8 @@ fn uniform_in_area() {
     fits(&counts, &std::array::from_fn::<_, BINS, _>(|i| below(at(i + 1)) - below(at(i))));
 }
 
-/// By integrals over surfaces that have no formula: octants of the notebook's surface, shifted, where lines meet up to eight sheets.
+/// By integrals over surfaces that have no formula: octants of the notebook's surface, shifted, where lines meet up to
+/// eight sheets.
 #[test]
 fn uniform_where_there_is_no_formula() {
     let surface = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
@@ -98,7 +99,8 @@ fn boxes_and_seeds() {
     ));
 }
 
-/// The mean of z² over points on a sphere, 1/3: of even points nearer than of random ones, whose deviation is √(4/45n), by more than half.
+/// The mean of z² over points on a sphere, 1/3: of even points nearer than of random ones, whose deviation is √(4/45n),
+/// by more than half.
 #[test]
 fn even_points() {
     let mean = |points: Vec<rattle::nalgebra::Vector3<f64>>| {

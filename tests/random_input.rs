@@ -1,6 +1,6 @@
-//! Random input of scenes: NaN, infinities, 1e308 and denormals among places, momenta, masses, parameters and step sizes, wrong
-//! numbers of bodies, links between any bodies. What comes is a run or an error that says something, never a panic, and never
-//! more work than steps take.
+//! Random input of scenes: NaN, infinities, 1e308 and denormals among places, momenta, masses, parameters and step
+//! sizes, wrong numbers of bodies, links between any bodies. What comes is a run or an error that says something, never
+//! a panic, and never more work than steps take.
 //!
 //! ```text
 //! cargo test --release --test random_input                             500 inputs of each kind of scene
@@ -192,8 +192,9 @@ const STEPS: u64 = 12;
 /// Places and velocities.
 type Motion<const D: usize> = Vec<(SVector<f64, D>, SVector<f64, D>)>;
 
-/// That bodies have moved no farther than the velocities lead that they have at both ends: a hundred times that, as forces on the way
-/// may be larger. Where a start is so near a pole that a force throws a body 10⁶ away, the surface there may take the velocity away.
+/// That bodies have moved no farther than the velocities lead that they have at both ends: a hundred times that, as
+/// forces on the way may be larger. Where a start is so near a pole that a force throws a body 10⁶ away, the surface
+/// there may take the velocity away.
 fn check_way<const D: usize>(from: &Motion<D>, to: &Motion<D>, time: f64) {
     for ((q, v), (to_q, to_v)) in from.iter().zip(to) {
         let most = 100.0 * time.abs() * (v.amax() + to_v.amax()) + 1e-9 * q.amax();

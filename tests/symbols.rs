@@ -1,4 +1,5 @@
-//! A program of a scene with gravity alone has no code of pairs, of heat or of random numbers: read off the names in its own file.
+//! A program of a scene with gravity alone has no code of pairs, of heat or of random numbers: read off the names in
+//! its own file.
 
 use rattle::potentials::Gravity;
 use rattle::prelude::*;

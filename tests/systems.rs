@@ -22,7 +22,8 @@ hamiltonian! {
     |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
 }
 
-/// "yes" where a system is moved, "–" where it is refused before the run, and then who can move it, if the error says so.
+/// "yes" where a system is moved, "–" where it is refused before the run, and then who can move it, if the error says
+/// so.
 fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S: Method, const D: usize>(
     scene: &Scene<C, E, N, D>,
     start: &State<D>,

@@ -143,13 +143,14 @@ fn entries_are_vectorised() {
             if count(&["vdivs"]) == 0 {
                 assert_eq!(count(&["vsqrts"]), 0, "{name} the gas goes number by number");
             } else {
-                // A step stands there once, of equal steps. Two loops of it divide, three evaluate the constraint, one asks once
-                // what is larger, and one four times. Looking, in the same function, makes all momenta whole in one loop, and
-                // divides once more. (Lanes that are corrected again divide by themselves.)
+                // A step stands there once, of equal steps. Two loops of it divide, three evaluate the constraint, one
+                // asks once what is larger, and one four times. Looking, in the same function, makes all momenta whole
+                // in one loop, and divides once more. (Lanes that are corrected again divide by themselves.)
                 assert!(vectors >= 3, "{name} {vectors} divisions of vectors");
                 assert!(roots >= 3 || count(&["vsqrt"]) == 0, "{name} {roots} roots of vectors");
                 assert!(larger >= 5, "{name} {larger} comparisons of vectors");
-                // Of all functions that have a name in Rust, only those of lanes that are solved alone, fail, or cross a kink.
+                // Of all functions that have a name in Rust, only those of lanes that are solved alone, fail, or cross
+                // a kink.
                 let known = ["5alone", "10not_finite", "15splitting_lanes4kink"];
                 let seldom = |line: &str| known.iter().any(|known| line.contains(known));
                 let named =

@@ -80,8 +80,9 @@ impl Scene<(), (), One, 0> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
 
-    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by [`Rattle`](crate::methods::rattle::Rattle), which
-    /// then is geometric RATTLE, or a composition of it. See [`phase`](crate::systems::phase) for what g must be.
+    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by
+    /// [`Rattle`](crate::methods::rattle::Rattle), which then is geometric RATTLE, or a composition of it. See
+    /// [`phase`](crate::systems::phase) for what g must be.
     ///
     /// ```text
     /// phase_constraint! { struct Hopf {}        |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1 }
@@ -132,8 +133,8 @@ impl Scene<(), (), One, 0> {
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// This many bodies, each under its own copy of the constraint. From eight on they go several at a time where the
-    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::number::lanes) of their own, and in
-    /// half to a fourth of the time.
+    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::number::lanes) of
+    /// their own, and in half to a fourth of the time.
     pub fn bodies(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.bodies(number), effects: self.effects, count: Many(number) }
     }
@@ -168,7 +169,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 
     /// The same scene with links that change with time: the last variable of `constraint` is the time t.
     ///
-    /// Such a constraint does work, see [`Simulation::work`](crate::run::simulation::Simulation::work); momenta must satisfy G v = −∂g/∂t.
+    /// Such a constraint does work, see [`Simulation::work`](crate::run::simulation::Simulation::work); momenta must
+    /// satisfy G v = −∂g/∂t.
     pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
         constraint: G,
@@ -220,8 +222,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| Network { masses: Masses::Listed(masses), ..network })
     }
 
-    /// The same scene with multipliers found in this way; see [`Linked::components`](crate::systems::linked::Linked::components)
-    /// for what is chosen otherwise.
+    /// The same scene with multipliers found in this way; see
+    /// [`Linked::components`](crate::systems::linked::Linked::components) for what is chosen otherwise.
     pub fn linear_algebra(self, algebra: LinearAlgebra) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { algebra, ..network })
     }
@@ -274,7 +276,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// staggered method from momenta of the same time.
     ///
     /// # Errors
-    /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that there are not.
+    /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that
+    /// there are not.
     pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> Result<State<D>, Error> {
         self.fits(state)?;
         let mut state = state.clone();

@@ -47,7 +47,8 @@ use rattle_symbolic::{Macro, expand};
 /// ```
 ///
 /// Indices are constants or the indices of loops. What compares indices alone is decided at compile time,
-/// within a longer condition too: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A variable on which nothing depends is written `_z`.
+/// within a longer condition too: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A variable on which
+/// nothing depends is written `_z`.
 ///
 /// # What is computed
 ///
@@ -55,9 +56,9 @@ use rattle_symbolic::{Macro, expand};
 /// order: `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`,
 /// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
 /// exponent that moves needs a positive base. An exponent of numbers and indices alone is worked out as an exact
-/// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of squares, `min` and `max`
-/// take the first argument on a tie and where either is NaN; `mod(x, y)` is `x - y * floor(x / y)`, for what repeats.
-///  Derivatives may be rearranged, always in
+/// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is
+/// the root of the sum of squares, `min` and `max` take the first argument on a tie and where either is NaN;
+/// `mod(x, y)` is `x - y * floor(x / y)`, for what repeats. Derivatives may be rearranged, always in
 /// the same way. Where a function has no derivative, it is set:
 ///
 /// ```text
@@ -67,8 +68,9 @@ use rattle_symbolic::{Macro, expand};
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
 /// no influence, NaN or not.
 ///
-/// Power series of derivatives along a curve, for `Taylor`, are those of the branch at its start; where one turns just there,
-/// or a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0), coefficients are NaN or infinite, and a step is an error.
+/// Power series of derivatives along a curve, for `Taylor`, are those of the branch at its start; where one turns just
+/// there, or a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0), coefficients are NaN or infinite, and a
+/// step is an error.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()

@@ -184,7 +184,8 @@ fn hessian(calculus: &mut Calculus, jacobian: &[Scaled], variables: u32) -> Vec<
     list
 }
 
-/// Where the equations are not smooth: what changes sign there. (What is under a square root does not, where g is a number.)
+/// Where the equations are not smooth: what changes sign there. (What is under a square root does not, where g is a
+/// number.)
 fn kinks(graph: &mut Graph, roots: &[Id]) -> Vec<Id> {
     let mut list = Vec::new();
     let mut listed = BTreeSet::new();

@@ -6,7 +6,8 @@ pair_potential! {
     /// Coulomb's potential between like charges: repels for `strength` > 0, attracts for `strength` < 0.
     ///
     /// `strength` is an energy times a length, k q² for bodies of charge q. Bodies of different charges have
-    /// [`charges`](crate::potentials::charges), bodies of different masses [`gravitation`](crate::potentials::gravitation).
+    /// [`charges`](crate::potentials::charges), bodies of different masses
+    /// [`gravitation`](crate::potentials::gravitation).
     ///
     /// ```
     /// use rattle::potentials::Coulomb;
@@ -21,8 +22,8 @@ pair_potential! {
 pair_potential! {
     /// The potential of Lennard-Jones: repels at short distance, attracts beyond 2^(1/6) `sigma` (Lennard-Jones 1931).
     ///
-    /// `sigma` is the distance of U = 0, and `epsilon` the depth of the well, an energy: U = −ε at r = 2^(1/6) σ, where the
-    /// force is zero. There is no cut-off: see `within`.
+    /// `sigma` is the distance of U = 0, and `epsilon` the depth of the well, an energy: U = −ε at r = 2^(1/6) σ, where
+    /// the force is zero. There is no cut-off: see `within`.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
@@ -40,8 +41,8 @@ pair_potential! {
 pair_potential! {
     /// The repulsive part of the Lennard-Jones potential, of Weeks, Chandler and Andersen (1971).
     ///
-    /// The Lennard-Jones potential up to its minimum at 2^(1/6) `sigma`, lifted by `epsilon`; zero beyond. With s = (σ/r)⁶ the sum
-    /// 4ε (s² − s) + ε is ε (2s − 1)²: value and force vanish at the cut-off without cancellation.
+    /// The Lennard-Jones potential up to its minimum at 2^(1/6) `sigma`, lifted by `epsilon`; zero beyond. With s =
+    /// (σ/r)⁶ the sum 4ε (s² − s) + ε is ε (2s − 1)²: value and force vanish at the cut-off without cancellation.
     ///
     /// ```
     /// use rattle::potentials::{LennardJones, Wca};
@@ -59,9 +60,11 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// The potential of a chemical bond of Morse (1929): repels within `length`, attracts beyond, fades to zero far away.
+    /// The potential of a chemical bond of Morse (1929): repels within `length`, attracts beyond, fades to zero far
+    /// away.
     ///
-    /// `depth` is an energy: U = −depth at r = `length`. `alpha` is one over a length: the stiffness at the bottom is 2 depth α².
+    /// `depth` is an energy: U = −depth at r = `length`. `alpha` is one over a length: the stiffness at the bottom is 2
+    /// depth α².
     ///
     /// ```
     /// use rattle::potentials::Morse;
@@ -79,7 +82,8 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// A Coulomb potential screened over a length 1/`kappa`, of Yukawa (1935): repels for `strength` > 0, attracts for `strength` < 0.
+    /// A Coulomb potential screened over a length 1/`kappa`, of Yukawa (1935): repels for `strength` > 0, attracts for
+    /// `strength` < 0.
     ///
     /// `strength` is an energy times a length.
     ///
@@ -94,10 +98,11 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// Ricker's wavelet over the distance: repels within `radius`, attracts beyond, fades to zero, and is finite everywhere.
+    /// Ricker's wavelet over the distance: repels within `radius`, attracts beyond, fades to zero, and is finite
+    /// everywhere.
     ///
-    /// `depth` is an energy: U = −depth at r = `radius`. At contact U = depth e^(3/2) / 2. U is even in r, so bodies may pass through
-    /// each other.
+    /// `depth` is an energy: U = −depth at r = `radius`. At contact U = depth e^(3/2) / 2. U is even in r, so bodies
+    /// may pass through each other.
     ///
     /// ```
     /// use rattle::potentials::Ricker;
@@ -115,7 +120,8 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// A Gaussian core, of Stillinger (1976): repels for `height` > 0, attracts for `height` < 0, and is finite everywhere.
+    /// A Gaussian core, of Stillinger (1976): repels for `height` > 0, attracts for `height` < 0, and is finite
+    /// everywhere.
     ///
     /// `height` is an energy: U at contact. U = height/e at r = `width`, which is √2 times the standard deviation.
     ///

@@ -152,8 +152,8 @@ impl Real for Complex {
     }
 }
 
-/// The coefficients f₀ … fₙ₋₁ of a function of t that is smooth for |t| ≤ `radius` and somewhat beyond, each times radiusᵏ:
-/// (1/2π) ∫ f(radius·eⁱᵠ) e⁻ⁱᵏᵠ dφ.
+/// The coefficients f₀ … fₙ₋₁ of a function of t that is smooth for |t| ≤ `radius` and somewhat beyond, each times
+/// radiusᵏ: (1/2π) ∫ f(radius·eⁱᵠ) e⁻ⁱᵏᵠ dφ.
 pub fn cauchy<const D: usize>(n: usize, radius: f64, f: impl Fn(Complex) -> [Complex; D]) -> Vec<[f64; D]> {
     const POINTS: usize = 128;
     let mut found = vec![[0.0; D]; n];

@@ -14,8 +14,8 @@ use std::array::from_fn;
 /// ṗ = −C v,  C = diag(c₁ … c_D)      in the unit of force over velocity, mass over time
 /// ```
 ///
-/// The flow is exact where masses are numbers, of second order where they are matrices. Of a rigid body the coefficients are
-/// those about its three axes.
+/// The flow is exact where masses are numbers, of second order where they are matrices. Of a rigid body the
+/// coefficients are those about its three axes.
 ///
 /// ```
 /// use rattle::effect::LinearDrag;
@@ -126,8 +126,9 @@ fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -
     (0..D).all(|i| (0..D).all(|k| zero(i, k))).then(|| from_fn(|i| columns[i][i]))
 }
 
-/// What a momentum changes by in a time h under ṗ = −C(v) v, C diagonal: the implicit step p′ = p − h C(v) M⁻¹p′, whose error of first
-/// order goes by extrapolation, 2 X_{h/2}X_{h/2} − X_h. It is exact for C = c |v| and a mass that is a number.
+/// What a momentum changes by in a time h under ṗ = −C(v) v, C diagonal: the implicit step p′ = p − h C(v) M⁻¹p′, whose
+/// error of first order goes by extrapolation, 2 X_{h/2}X_{h/2} − X_h. It is exact for C = c |v| and a mass that is a
+/// number.
 fn slowed<T: Real, const D: usize>(
     during: &Interval<'_, T, D>,
     body: usize,

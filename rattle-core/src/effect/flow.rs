@@ -8,19 +8,21 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// A flow of momenta p ← Φₕ(p; q, t) while positions and time stand still: an effect that is no force of positions alone.
+/// A flow of momenta p ← Φₕ(p; q, t) while positions and time stand still: an effect that is no force of positions
+/// alone.
 ///
 /// ```text
 /// linear drag     ṗ = −γ p        Φₕ(p) = exp(−γh) p
 /// magnetic field  ṗ = b v × B     Φₕ(p) = p turned about B
 /// ```
 ///
-/// Half of it acts before each step of the method and half after (G. Strang 1968), which is of second order whatever the order of the
-/// method; methods that say so, such as [`Baoab`](crate::methods::baoab::Baoab), have it act in the middle of their step. Momenta are
-/// then made those of motion along the constraints again, by a [rule](Rule) that keeps second order. The work that flows do is part of
-/// [`Simulation::work`](crate::run::simulation::Simulation::work), so that the energy error is that of the method. Only methods with
-/// a symmetric step and momenta at the time of the positions can be divided so; others are refused before a run.
-/// Trajectories of an ensemble go one by one.
+/// Half of it acts before each step of the method and half after (G. Strang 1968), which is of second order whatever
+/// the order of the method; methods that say so, such as [`Baoab`](crate::methods::baoab::Baoab), have it act in the
+/// middle of their step. Momenta are then made those of motion along the constraints again, by a [rule](Rule) that
+/// keeps second order. The work that flows do is part of
+/// [`Simulation::work`](crate::run::simulation::Simulation::work), so that the energy error is that of the method. Only
+/// methods with a symmetric step and momenta at the time of the positions can be divided so; others are refused before
+/// a run. Trajectories of an ensemble go one by one.
 ///
 /// ```
 /// use rattle::effect::{Flow, Interval};
@@ -52,12 +54,13 @@ use std::array::from_fn;
 pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
     /// How the flow is kept along the constraints.
     const RULE: Rule = Rule::Symmetric;
-    /// Whether the flow looks at [`Interval::rates`] and [`Interval::holding`], which take an evaluation of the multipliers.
+    /// Whether the flow looks at [`Interval::rates`] and [`Interval::holding`], which take an evaluation of the
+    /// multipliers.
     const FEELS_FORCES: bool = false;
 
-    /// Writes what the momentum of every body changes by in a time h, Φₕ(p; q, t) − p, in the unit of momentum: a change, so that
-    /// it is rounded to its own size. What would move a pinned body, or take momenta off the constraints,
-    /// is taken away again. Of a rigid body the first three momenta count. Neither allocates nor panics.
+    /// Writes what the momentum of every body changes by in a time h, Φₕ(p; q, t) − p, in the unit of momentum: a
+    /// change, so that it is rounded to its own size. What would move a pinned body, or take momenta off the
+    /// constraints, is taken away again. Of a rigid body the first three momenta count. Neither allocates nor panics.
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]);
 
     /// Whether the flow changes with time.

@@ -16,7 +16,8 @@ pub struct Interval<'a, T, const D: usize> {
     pub at: Moment<'a, T, D>,
     /// The momenta p of all bodies in turn.
     pub momenta: &'a [[T; D]],
-    /// M⁻¹p of all bodies in turn, in the coordinates of the momenta: of a rigid body its angular velocity in the body's frame.
+    /// M⁻¹p of all bodies in turn, in the coordinates of the momenta: of a rigid body its angular velocity in the
+    /// body's frame.
     pub velocities: &'a [[T; D]],
     /// ṗ of all bodies by forces and constraints, for a flow that [feels](crate::effect::Flow::FEELS_FORCES) it.
     pub rates: &'a [[T; D]],
@@ -39,8 +40,8 @@ impl<T: Real, const D: usize> Interval<'_, T, D> {
         products.fold(T::from_f64(0.0), |sum, (&p, &v)| sum + T::from_f64(0.5) * p * v)
     }
 
-    /// A random momentum of this body, normal with mean 0 and covariance `variance` M: with the variance kT that of Maxwell's
-    /// distribution, before it is made one along the constraints. See [`Noise::normal`].
+    /// A random momentum of this body, normal with mean 0 and covariance `variance` M: with the variance kT that of
+    /// Maxwell's distribution, before it is made one along the constraints. See [`Noise::normal`].
     pub fn normal(&self, seed: u64, body: usize, variance: f64) -> [T; D] {
         let numbers = self.noise.normal(seed, body).map(|x: f64| T::from_f64(variance.sqrt() * x));
         self.inertia.root(body, &numbers)
@@ -51,7 +52,8 @@ impl<T: Real, const D: usize> Interval<'_, T, D> {
 pub trait Inertia<T, const D: usize>: Debug {
     /// M⁻¹p of a momentum of this body; 0 for one that is pinned.
     fn velocity(&self, body: usize, p: &[T; D]) -> [T; D];
-    /// L u with M = L Lᵀ: of independent normal numbers u of variance 1, a momentum of covariance M. 0 for a body that is pinned.
+    /// L u with M = L Lᵀ: of independent normal numbers u of variance 1, a momentum of covariance M. 0 for a body that
+    /// is pinned.
     fn root(&self, body: usize, u: &[T; D]) -> [T; D];
     /// Whether the body is held at its place.
     fn is_pinned(&self, body: usize) -> bool;
@@ -73,19 +75,21 @@ impl<T: Copy, const D: usize> Inertia<T, D> for UnitMasses {
     }
 }
 
-/// How a [flow](crate::effect::Flow) is kept along the constraints. Φₕ is what [`Flow::flow`](crate::effect::Flow::flow) says.
+/// How a [flow](crate::effect::Flow) is kept along the constraints. Φₕ is what
+/// [`Flow::flow`](crate::effect::Flow::flow) says.
 ///
-/// To make momenta those of motion along the constraints after Φₕ alone would be of first order where Φₕ leads off the constraints and
-/// back, as drag does that differs by direction.
+/// To make momenta those of motion along the constraints after Φₕ alone would be of first order where Φₕ leads off the
+/// constraints and back, as drag does that differs by direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// Φₕ is symmetric, Φ₋ₕ Φₕ = 1, and of second order or exact. What the constraints give meanwhile, N = Gᵀμ, is added half
-    /// before it and half after it: p′ = Φₕ(p + N/2) + N/2, with N such that p′ is along the constraints, found by
-    /// iteration. Symmetric, and as stable as Φₕ is: where that takes no energy away nor adds any, p′ has that of p (E.
-    /// Hairer, BIT 40 (2000) 726).
+    /// Φₕ is symmetric, Φ₋ₕ Φₕ = 1, and of second order or exact. What the constraints give meanwhile, N = Gᵀμ, is
+    /// added half before it and half after it: p′ = Φₕ(p + N/2) + N/2, with N such that p′ is along the constraints,
+    /// found by iteration. Symmetric, and as stable as Φₕ is: where that takes no energy away nor adds any, p′ has that
+    /// of p (E. Hairer, BIT 40 (2000) 726).
     Symmetric,
-    /// Φₕ draws random numbers. All of N comes after it: exact where Φₕ is a multiple of p, the same for bodies that constraints tie
-    /// together, and a normal number of covariance proportional to M. Such a flow does not run backwards.
+    /// Φₕ draws random numbers. All of N comes after it: exact where Φₕ is a multiple of p, the same for bodies that
+    /// constraints tie together, and a normal number of covariance proportional to M. Such a flow does not run
+    /// backwards.
     Random,
 }
 

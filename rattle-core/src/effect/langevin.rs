@@ -14,12 +14,13 @@ use crate::number::vector::{scaled, sum};
 /// ```
 ///
 /// All momenta then are of Maxwell's distribution in the tangent space, ½kT for each of the
-/// [independent ones](crate::run::simulation::Simulation::freedom), whatever the masses; places are of the density exp(−U/kT) over the
-/// surface, in the measure that masses give it: without forces uniform in area.
+/// [independent ones](crate::run::simulation::Simulation::freedom), whatever the masses; places are of the density
+/// exp(−U/kT) over the surface, in the measure that masses give it: without forces uniform in area.
 ///
-/// By [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O; by [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B,
-/// whose errors in averages over places are far smaller at the same cost: use that. Heat counts as
-/// [work](crate::run::simulation::Simulation::work), so that the energy error is that of the method.
+/// By [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O; by
+/// [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B, whose errors in averages over places are far smaller at the
+/// same cost: use that. Heat counts as [work](crate::run::simulation::Simulation::work), so that the energy error is
+/// that of the method.
 ///
 /// Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 ///

@@ -1,5 +1,6 @@
-//! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the same over
-//! a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when compiling.
+//! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the
+//! same over a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when
+//! compiling.
 
 use crate::effect::force::{Absent, Force};
 use crate::effect::interval::{Interval, Rule};
@@ -52,7 +53,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Whether forces at the same positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name of its type.
+    /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name
+    /// of its type.
     fn rule(&self, _number: usize) -> (Rule, bool, &'static str) {
         (Rule::Symmetric, false, "")
     }
@@ -78,7 +80,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn contribute(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
     /// p + c f, with the force f on a body that is the only one; see [`Acting::kick`].
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D];
-    /// Adds the force of the effect of this number alone, the first of which has number 0, and tells the name of its type; none of a flow.
+    /// Adds the force of the effect of this number alone, the first of which has number 0, and tells the name of its
+    /// type; none of a flow.
     fn contribute_alone(
         &self,
         _number: usize,

@@ -14,14 +14,15 @@ use std::array::from_fn;
 /// ṗ = e v × B       e a charge, B in the unit of momentum over charge and length
 /// ```
 ///
-/// Each half turns the momentum by the implicit rule of the midpoint: kinetic energy is kept to rounding, along constraints too, and steps
-/// reverse. On free bodies RATTLE with it is the method of J. Boris (1970), which is symplectic: its positions are those of a discrete
-/// action with the vector potential B′ × q/2, B′ = tan(4 arctan(ω h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints momenta are turned while places stand
-/// still, which is reversible and keeps volume and energy, but symplectic to second order only, as the motion is
+/// Each half turns the momentum by the implicit rule of the midpoint: kinetic energy is kept to rounding, along
+/// constraints too, and steps reverse. On free bodies RATTLE with it is the method of J. Boris (1970), which is
+/// symplectic: its positions are those of a discrete action with the vector potential B′ × q/2, B′ = tan(4 arctan(ω
+/// h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints momenta are turned while places stand still, which is reversible
+/// and keeps volume and energy, but symplectic to second order only, as the motion is
 /// (`cargo test --release --test flows`). Accurate steps resolve the turning: h ω below ½.
 ///
-/// A field that changes with place is a [`Flow`] of one's own, by the same formula. In the plane, of two coordinates, only
-/// the third component of B counts.
+/// A field that changes with place is a [`Flow`] of one's own, by the same formula. In the plane, of two coordinates,
+/// only the third component of B counts.
 ///
 /// ```
 /// use rattle::effect::MagneticField;
@@ -99,8 +100,8 @@ impl Flow<2> for MagneticField {
     }
 }
 
-/// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, by the implicit rule of the midpoint:
-/// (1 − A M⁻¹) (p′ − p) = 2 A M⁻¹p.
+/// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, by the implicit rule of the
+/// midpoint: (1 − A M⁻¹) (p′ − p) = 2 A M⁻¹p.
 fn turned<T: Real, const D: usize>(
     inertia: &dyn Inertia<T, D>,
     body: usize,

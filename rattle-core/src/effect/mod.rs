@@ -1,4 +1,5 @@
-//! Effects: what acts on the bodies besides the constraint. What a scene does not name costs nothing. An effect knows no system.
+//! Effects: what acts on the bodies besides the constraint. What a scene does not name costs nothing. An effect knows
+//! no system.
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
@@ -6,8 +7,8 @@
 //! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
-//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are [`Contacts`], which a
-//! simulation takes and a scene does not know.
+//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are
+//! [`Contacts`], which a simulation takes and a scene does not know.
 
 pub mod along;
 pub mod among;

@@ -2,17 +2,17 @@
 
 use crate::number::philox::{normal, philox, unit};
 
-/// Where random numbers come from: a function of a seed and of *when* they are drawn, so that they are the same for any number
-/// of threads, in any company, and after a restart.
+/// Where random numbers come from: a function of a seed and of *when* they are drawn, so that they are the same for any
+/// number of threads, in any company, and after a restart.
 ///
 /// ```text
 /// words = Philox4x64-10(key = (seed, 0), counter = (trajectory, step, effect, draw))
 /// draw  = place within the step · 2⁴⁰ + number of the draw
 /// ```
 ///
-/// `trajectory` is the number in an ensemble, 0 of a simulation, or that of [`State::numbered`](crate::motion::state::State::numbered);
-/// `step` counts from the first start, over restarts; `effect` is the number of the flow in its scene. Words are those of NumPy's
-/// `Philox`.
+/// `trajectory` is the number in an ensemble, 0 of a simulation, or that of
+/// [`State::numbered`](crate::motion::state::State::numbered); `step` counts from the first start, over restarts;
+/// `effect` is the number of the flow in its scene. Words are those of NumPy's `Philox`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Noise {
     /// The number of the trajectory.

@@ -13,11 +13,12 @@ use std::fmt::Debug;
 
 /// One effect as users name it: what a scene takes in `with`.
 ///
-/// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on each body
-/// ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
-/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach ([`BetweenNear`](crate::effect::BetweenNear)),
-/// and a potential `over` chosen bodies among them ([`Among`](crate::effect::Among)); a potential that changes with time
-/// is [`Driven`](crate::effect::Driven). An effect written by hand is of a kind of its own.
+/// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on
+/// each body ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach
+/// ([`BetweenNear`](crate::effect::BetweenNear)), and a potential `over` chosen bodies among them
+/// ([`Among`](crate::effect::Among)); a potential that changes with time is [`Driven`](crate::effect::Driven). An
+/// effect written by hand is of a kind of its own.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
     note = "an effect is made by `potential!` with {D} variables, and perhaps the time `t`, by `force!` with {D} components, by `pair_potential!`, from a potential of several bodies by `.over(members)`, or is a `Flow<{D}>` of momenta or an `Effect` written by hand"
@@ -35,7 +36,8 @@ pub trait Effect<const D: usize, Kind> {
     where
         Self: 'a;
 
-    /// Says what is wrong with the effect in a scene of so many bodies; `what` is the name of its type. Asked before a run.
+    /// Says what is wrong with the effect in a scene of so many bodies; `what` is the name of its type. Asked before a
+    /// run.
     ///
     /// # Errors
     /// [`Error::Network`] for bodies that there are not, [`Error::Pairs`] for a cut-off or a table that makes no sense,
@@ -53,10 +55,10 @@ pub trait Effect<const D: usize, Kind> {
 ///
 /// A force depends on positions and time. What depends on momenta is a flow of them: see [`Flow`](crate::effect::Flow).
 ///
-/// **Room.** What an effect needs besides its parameters, such as a list of near pairs, is its [`Room`](Self::Room): made
-/// before the first step, kept by the system, cloned with the simulation. Steps that fail, restarts and observations leave it as it
-/// happens to be, and it may have been used at other positions. So forces must not depend on it, not in
-/// the last bit: room saves work, and decides nothing.
+/// **Room.** What an effect needs besides its parameters, such as a list of near pairs, is its [`Room`](Self::Room):
+/// made before the first step, kept by the system, cloned with the simulation. Steps that fail, restarts and
+/// observations leave it as it happens to be, and it may have been used at other positions. So forces must not depend
+/// on it, not in the last bit: room saves work, and decides nothing.
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Room of the effect's own; `()` for none.
     type Room: Clone + Debug + Send + Sync + 'static;
@@ -73,7 +75,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Adds the force on every body. Neither allocates nor panics.
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
-    /// p + c f, for a body that is the only one: the way in lanes, where an effect has no room and does not change with time.
+    /// p + c f, for a body that is the only one: the way in lanes, where an effect has no room and does not change with
+    /// time.
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let mut force = [Force::zero()];
@@ -89,7 +92,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         T::from_f64(0.0)
     }
 
-    /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
+    /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES)
+    /// forces.
     fn rule(&self) -> (Rule, bool) {
         (Rule::Symmetric, false)
     }
@@ -102,8 +106,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn series_blocks(&self, _bodies: usize) -> Option<usize> {
         None
     }
-    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions. Not called
-    /// where there is none.
+    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions.
+    /// Not called where there is none.
     fn add_series<const FIRST: bool>(
         &self,
         _positions: &[[T; D]],

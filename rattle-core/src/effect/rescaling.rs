@@ -15,9 +15,9 @@ use crate::number::vector::scaled;
 /// Φₕ(p) = α p,  α² = c + (1 − c) (K̄/(N K)) Σᵢ₌₁ᴺ Rᵢ² + 2 R₁ √(c (1 − c) K̄/(N K)),  c = exp(−h/τ): exact
 /// ```
 ///
-/// All momenta are multiplied by one factor, so that directions, and a total momentum in proportion, stay: motion is disturbed less than by
-/// [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many bodies that exchange energy; one
-/// particle by itself gets the right energies and keeps to its path.
+/// All momenta are multiplied by one factor, so that directions, and a total momentum in proportion, stay: motion is
+/// disturbed less than by [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many
+/// bodies that exchange energy; one particle by itself gets the right energies and keeps to its path.
 ///
 /// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
 ///
@@ -84,7 +84,8 @@ impl VelocityRescaling {
 
 /// The sum of so many squares of independent normal numbers, from the draws from 1 on.
 ///
-/// Up to 64 one by one; more as a number of the gamma distribution (G. Marsaglia, W. Tsang, ACM Trans. Math. Softw. 26 (2000) 363).
+/// Up to 64 one by one; more as a number of the gamma distribution (G. Marsaglia, W. Tsang, ACM Trans. Math. Softw. 26
+/// (2000) 363).
 fn chi_squared(noise: &Noise, seed: u64, number: usize) -> f64 {
     if number <= 64 {
         let draws = (1..).flat_map(|draw| normal(noise.words(seed, draw)));

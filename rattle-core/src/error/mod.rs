@@ -215,7 +215,8 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that cannot be taken, not even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
+    /// A step that cannot be taken, not even in parts: see
+    /// [`Simulation::retry`](crate::run::simulation::Simulation::retry).
     #[error(
         "step {step} (t = {time}), body {body}: halved {halvings} times, and its parts still fail: {cause}"
     )]
@@ -232,7 +233,8 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that does not lead back: see [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
+    /// A step that does not lead back: see
+    /// [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
     #[error(
         "step {step} (t = {time}), body {body}: {}; try a smaller step",
         missed(*off, *tolerance)

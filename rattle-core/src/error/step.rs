@@ -197,13 +197,14 @@ pub enum StepFailure {
     NoSlide {
         /// Which, counted from 0.
         equation: usize,
-        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of the
-        /// domain of g, or many times around.
+        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of
+        /// the domain of g, or many times around.
         residuals: History,
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
-    /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not determined.
+    /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not
+    /// determined.
     #[error(
         "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
          the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
@@ -335,7 +336,8 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
-    /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing of the constraint.
+    /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing
+    /// of the constraint.
     #[error(
         "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
          it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"

@@ -1,11 +1,11 @@
 //! Points on a surface g(q) = 0: uniform in area, spread evenly, or kept apart. For starts.
 //!
-//! A line that is uniform in direction and place meets a piece of surface with a chance that goes with its area alone, however it is
-//! turned (M. Crofton 1868). So of k points in which a random line meets the surface one is taken, with the chance k/K: that point
-//! is uniform in area, exactly, in any dimension. No mesh and no parametrisation is needed.
+//! A line that is uniform in direction and place meets a piece of surface with a chance that goes with its area alone,
+//! however it is turned (M. Crofton 1868). So of k points in which a random line meets the surface one is taken, with
+//! the chance k/K: that point is uniform in area, exactly, in any dimension. No mesh and no parametrisation is needed.
 //!
-//! The points of a line are found between places where g or its slope along the line changes sign, `CELLS` of them in the longest line:
-//! two sheets, or a bend, nearer to each other than that can be missed.
+//! The points of a line are found between places where g or its slope along the line changes sign, `CELLS` of them in
+//! the longest line: two sheets, or a bend, nearer to each other than that can be missed.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::philox::{normal, philox, unit};
@@ -24,7 +24,8 @@ const LINES: usize = 10_000;
 /// Candidates for each point that is to be far from others.
 const CANDIDATES: usize = 10;
 
-/// Points on the surface g = 0 in the box from `low` to `high`, independent and uniform in area, the same for the same seed.
+/// Points on the surface g = 0 in the box from `low` to `high`, independent and uniform in area, the same for the same
+/// seed.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -50,9 +51,9 @@ pub fn uniform<C: Constraint<D, 1>, const D: usize>(
     Lines::new(surface, low, high)?.points(number, |line, k| random(seed, line, k), |_, _| true)
 }
 
-/// The same, spread more evenly than independent points are: each is the farthest of ten random ones from all before (best candidates,
-/// D. Mitchell 1991). For averages over starts, whose errors are then some times smaller. Takes a time of `number` squared, a second for
-/// 10 000.
+/// The same, spread more evenly than independent points are: each is the farthest of ten random ones from all before
+/// (best candidates, D. Mitchell 1991). For averages over starts, whose errors are then some times smaller. Takes a
+/// time of `number` squared, a second for 10 000.
 ///
 /// # Errors
 /// As [`uniform`].
@@ -77,8 +78,8 @@ pub fn even<C: Constraint<D, 1>, const D: usize>(
     Ok(points)
 }
 
-/// The same as [`uniform`], but no two points nearer than `distance` in space: each that falls too near to one before is drawn
-/// anew (random sequential addition).
+/// The same as [`uniform`], but no two points nearer than `distance` in space: each that falls too near to one before
+/// is drawn anew (random sequential addition).
 ///
 /// # Errors
 /// As [`uniform`]; [`PointsError::Full`] where no room is left for the next point.

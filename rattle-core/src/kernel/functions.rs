@@ -18,11 +18,12 @@ use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
 ///
-/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a place where
-/// the normal ∇g/|∇g| jumps ends in [`StepFailure::Kink`](crate::error::StepFailure::Kink): what a momentum becomes there
-/// Newton's laws do not say. Where only the curvature jumps, as at `abs(x)^3` or `max(x, 0)^2`, steps go on; they are less accurate
-/// than the order of the method says. Constraints on phase space are not looked at. The kinks of *potentials* are no errors:
-/// where a force jumps the motion is well defined, and energy is kept to first order in the step.
+/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a place
+/// where the normal ∇g/|∇g| jumps ends in [`StepFailure::Kink`](crate::error::StepFailure::Kink): what a momentum
+/// becomes there Newton's laws do not say. Where only the curvature jumps, as at `abs(x)^3` or `max(x, 0)^2`, steps go
+/// on; they are less accurate than the order of the method says. Constraints on phase space are not looked at. The
+/// kinks of *potentials* are no errors: where a force jumps the motion is well defined, and energy is kept to first
+/// order in the step.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
@@ -32,8 +33,8 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
     where
         Self: 'a;
 
-    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example, that of
-    /// one lane by itself.
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example,
+    /// that of one lane by itself.
     ///
     /// ```text
     /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>
@@ -97,8 +98,9 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
-    /// g and ∂g/∂q at L places at once, number by number: the coordinates of place l are `q[0][l]`, `q[1][l]`, … A kernel that is not
-    /// compiled, such as a program that is read when it runs, can go through itself once for the whole block.
+    /// g and ∂g/∂q at L places at once, number by number: the coordinates of place l are `q[0][l]`, `q[1][l]`, … A
+    /// kernel that is not compiled, such as a program that is read when it runs, can go through itself once for the
+    /// whole block.
     #[inline(always)]
     fn value_and_jacobian_block<const L: usize>(
         &self,
@@ -146,8 +148,8 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         sum
     }
 
-    /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series, for
-    /// functions of more than 2000 operations.
+    /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series,
+    /// for functions of more than 2000 operations.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
@@ -161,12 +163,12 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// What changes sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the differences that
-    /// `min`, `max` and `if` compare.
+    /// What changes sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the differences
+    /// that `min`, `max` and `if` compare.
     const KINKS: &'static [&'static str] = &[];
 
-    /// The values of [`KINKS`](Self::KINKS) from the number `first` on, as many as `found` has room for. If one has another
-    /// sign at another point, g may have a kink between the two points.
+    /// The values of [`KINKS`](Self::KINKS) from the number `first` on, as many as `found` has room for. If one has
+    /// another sign at another point, g may have a kink between the two points.
     ///
     /// ```
     /// use rattle::{kernel::ConstraintKernel, prelude::*};
@@ -193,8 +195,8 @@ pub trait Potential<const D: usize>: Sized {
     where
         Self: 'a;
 
-    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example, that of
-    /// one lane by itself.
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example,
+    /// that of one lane by itself.
     ///
     /// ```text
     /// let lane = |i| C::map_kernel(&kernel, |lanes: &Lanes<f64, 8>| lanes.0[i]);      // Kernel<f64>
@@ -283,8 +285,8 @@ pub trait PairPotential: Sized {
         2.0 * self.kernel::<f64>().slope(r * r)
     }
 
-    /// The potential between bodies nearer than `reach`, a distance, and none beyond: what a scene of many bodies takes, as it
-    /// costs as many operations as there are near pairs. See [`Within`] for how it ends there.
+    /// The potential between bodies nearer than `reach`, a distance, and none beyond: what a scene of many bodies
+    /// takes, as it costs as many operations as there are near pairs. See [`Within`] for how it ends there.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

@@ -6,8 +6,8 @@ use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 
 /// One coefficient of each operation of a function, from those of its operands and the lower ones.
 ///
-/// Methods take the coefficient k of their operands and return that of the result; `at` says which products are theirs, at
-/// each order the same. With t a′ for the series of k aₖ, all come down to products:
+/// Methods take the coefficient k of their operands and return that of the result; `at` says which products are theirs,
+/// at each order the same. With t a′ for the series of k aₖ, all come down to products:
 ///
 /// ```text
 /// q = a/b      q b = a
@@ -17,8 +17,9 @@ use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 /// y = aᶜ       t y′ = c (t a′/a) y      cbrt: c = 1/3;  c a series: t y′ = t (c ln a)′ y
 /// ```
 ///
-/// Values (k = 0) are those of the scalar's own functions. Signs and choices are those at t = 0; where one turns just there,
-/// there is no series, and coefficients are NaN. They are NaN or infinite too where a function is not smooth: √0, ln 0.
+/// Values (k = 0) are those of the scalar's own functions. Signs and choices are those at t = 0; where one turns just
+/// there, there is no series, and coefficients are NaN. They are NaN or infinite too where a function is not smooth:
+/// √0, ln 0.
 #[derive(Debug)]
 pub struct Recurrences<'a, T, const FIRST: bool> {
     /// k and 1/k.
@@ -90,7 +91,8 @@ impl<'a, T: Real, const FIRST: bool> Recurrences<'a, T, FIRST> {
     fn with_rate(&self, rate: T, value: impl FnOnce() -> T) -> T {
         if FIRST { value() } else { rate * self.inverse }
     }
-    /// The product of a rate, which has no coefficient 0, and a slope that is known one order later: see [`Self::slope`].
+    /// The product of a rate, which has no coefficient 0, and a slope that is known one order later: see
+    /// [`Self::slope`].
     #[inline(always)]
     fn by_slope(&mut self, at: usize, rate: T) -> T {
         self.note_left(at, rate);

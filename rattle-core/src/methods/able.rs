@@ -23,8 +23,8 @@ use crate::motion::system::System;
 /// The system as a step of this method is handed it.
 ///
 /// # Errors
-/// [`Error::CannotMove`] where the system has not what the method needs, or flows of momenta by which its step cannot be divided;
-/// with the methods that can move it.
+/// [`Error::CannotMove`] where the system has not what the method needs, or flows of momenta by which its step cannot
+/// be divided; with the methods that can move it.
 #[inline(always)]
 pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     method: &S,

@@ -9,9 +9,9 @@
 //! ```
 //!
 //! Averages over places have errors that fall like h², with a constant far below that of the splitting O B A B O, which
-//! [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. Measured: what the mean height
-//! of a body on a sphere of radius 2 under gravity ½ is off by, at kT = ½ and γ = 1, where it is −1.0746 by the exact law
-//! (`cargo test --release --test heat table -- --ignored --nocapture`; the noise is 5e-4):
+//! [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. Measured:
+//! what the mean height of a body on a sphere of radius 2 under gravity ½ is off by, at kT = ½ and γ = 1, where it is
+//! −1.0746 by the exact law (`cargo test --release --test heat table -- --ignored --nocapture`; the noise is 5e-4):
 //!
 //! | h | `Baoab::new(h)` | `Baoab::with_inner(4, h)` | `Rattle::new(h)` |
 //! |---|---|---|---|
@@ -19,8 +19,8 @@
 //! | 0.2 | 1.5e-3 | 1.0e-3 | 4.3e-3 |
 //! | 0.3 | 2.8e-3 | 1.6e-3 | 9.8e-3 |
 //!
-//! Without flows of momenta it is a symmetric, symplectic method of second order. With random ones a step of −h does not undo one
-//! of h, so it goes into no composition.
+//! Without flows of momenta it is a symmetric, symplectic method of second order. With random ones a step of −h does
+//! not undo one of h, so it goes into no composition.
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
@@ -53,7 +53,8 @@ impl Default for KickDriftHeat {
 }
 
 impl Baoab {
-    /// The method with so many steps of free motion on either side of the middle of each step of size `h`, in the unit of time.
+    /// The method with so many steps of free motion on either side of the middle of each step of size `h`, in the unit
+    /// of time.
     ///
     /// # Panics
     /// If there are none.

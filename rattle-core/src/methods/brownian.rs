@@ -5,8 +5,9 @@
 //! q′ = q + h M⁻¹(f(q)/γ + √(2kT/γh) Π L ξ + ∇g(q) λ)            λ such that g(q′) = 0, ξ normal
 //! ```
 //!
-//! What [`Langevin`](crate::effect::Langevin) with the friction γ becomes for large γ, in steps that need not resolve 1/γ. Places are of the
-//! density exp(−U/kT) over the surface, to first order in h; diffusion has the constant D = kT/(γm).
+//! What [`Langevin`](crate::effect::Langevin) with the friction γ becomes for large γ, in steps that need not resolve
+//! 1/γ. Places are of the density exp(−U/kT) over the surface, to first order in h; diffusion has the constant D =
+//! kT/(γm).
 //!
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
@@ -20,8 +21,9 @@ use crate::number::real::Real;
 
 /// Brownian motion by the projected method of Euler and Maruyama, of first order in averages.
 ///
-/// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those of the links).
-/// Energies then are potential ones, and the energy error says nothing. A step needs h·κ·|v| < 1 for its random displacement h|v|.
+/// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those
+/// of the links). Energies then are potential ones, and the energy error says nothing. A step needs h·κ·|v| < 1 for its
+/// random displacement h|v|.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -45,8 +47,8 @@ pub struct Brownian {
 }
 
 impl Brownian {
-    /// The method with the friction γ, a rate in the unit of 1/time; the temperature kT, an energy; the seed of its random numbers; and
-    /// step size `h`.
+    /// The method with the friction γ, a rate in the unit of 1/time; the temperature kT, an energy; the seed of its
+    /// random numbers; and step size `h`.
     #[must_use]
     pub fn new(friction: f64, temperature: f64, seed: u64, h: f64) -> Self {
         Self { friction, temperature, seed, h }

@@ -1,5 +1,5 @@
-//! Reversible variable steps: short where momenta change fast, and yet without the drift that choosing each step from the
-//! present state brings.
+//! Reversible variable steps: short where momenta change fast, and yet without the drift that choosing each step from
+//! the present state brings.
 //!
 //! ```text
 //! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the density of steps that is wanted:
@@ -7,20 +7,22 @@
 //! ρ′ = ρ½ + ε/2 G(z′)
 //! ```
 //!
-//! Read backwards, with −ε, this is the same map of (z, ρ): symmetric if Φ is, so that the energy of reversible motion does
-//! not drift, at the price of one more number to remember. It takes no more than that G changes its sign with the momenta, and
+//! Read backwards, with −ε, this is the same map of (z, ρ): symmetric if Φ is, so that the energy of reversible motion
+//! does not drift, at the price of one more number to remember. It takes no more than that G changes its sign with the
+//! momenta, and
 //!
 //! ```text
 //! G(z) = ln(R(Ψ_δ(z))/R(Ψ_{−δ}(z)))/2δ        Ψ a step of RATTLE, δ = ε/32
 //! ```
 //!
 //! does so exactly, for any R and without a derivative of it. ε is the longest step, τ the time in
-//! which momenta may turn without shortening it; p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so that rest is no trouble.
+//! which momenta may turn without shortening it; p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so that rest is no
+//! trouble.
 //!
-//! ρ is an integral and may go astray where steps are too long for G: a step after which ρ/R has left (½, 3/2) is an error.
-//! The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that is not damped: on
-//! the lemniscate with ε = 0.06 τ, in two halves of a step, ρ came to differ from R by a factor of 20 until t = 5000, where that of
-//! this module stayed within 6 % in whole steps.
+//! ρ is an integral and may go astray where steps are too long for G: a step after which ρ/R has left (½, 3/2) is an
+//! error. The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that is
+//! not damped: on the lemniscate with ε = 0.06 τ, in two halves of a step, ρ came to differ from R by a factor of 20
+//! until t = 5000, where that of this module stayed within 6 % in whole steps.
 //!
 //! Iterations of Φ begin anew in each step: `guess(…)` of the method that is varied has no effect.
 //!
@@ -46,13 +48,15 @@ const PROBE: f64 = 1.0 / 32.0;
 const REST: f64 = 0.1;
 /// A symmetric method whose steps are as long as the momenta's change allows, so chosen that time can run backwards.
 ///
-/// Not symplectic. Lanes go with the steps of the fastest one. On a surface of genus two with sharp ends the energy is two to
-/// four times as close as with as many steps of one length. But the change of R takes two steps of RATTLE at each step: it pays
-/// where the steps of `base` cost more than that, and where motion is gentle for long and then violent.
+/// Not symplectic. Lanes go with the steps of the fastest one. On a surface of genus two with sharp ends the energy is
+/// two to four times as close as with as many steps of one length. But the change of R takes two steps of RATTLE at
+/// each step: it pays where the steps of `base` cost more than that, and where motion is gentle for long and then
+/// violent.
 ///
-/// On chaotic motion nothing but symmetry keeps the energy, which may wander: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the tube of a
-/// lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5 ‰; with steps
-/// of one length, 0.02, it was 7, 12 and 13 ‰. With τ far too long for a close passage energy is lost without a word.
+/// On chaotic motion nothing but symmetry keeps the energy, which may wander: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the
+/// tube of a lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5
+/// ‰; with steps of one length, 0.02, it was 7, 12 and 13 ‰. With τ far too long for a close passage energy is lost
+/// without a word.
 ///
 /// ```
 /// # use rattle::{Lobatto, Variable};

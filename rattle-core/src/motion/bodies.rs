@@ -102,7 +102,8 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     pub time: f64,
     /// Work done by moving constraints, by flows of momenta and by impacts since the start.
     pub work: T,
-    /// When random numbers are drawn: kept up where a scene has flows, or a method [draws](crate::motion::method::Method::DRAWS).
+    /// When random numbers are drawn: kept up where a scene has flows, or a method
+    /// [draws](crate::motion::method::Method::DRAWS).
     pub noise: Noise,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
@@ -180,8 +181,8 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         self.room = Some(room);
     }
 
-    /// Does work with room to put the bodies aside and for so many vectors per body; made here where no simulation has made
-    /// it before.
+    /// Does work with room to put the bodies aside and for so many vectors per body; made here where no simulation has
+    /// made it before.
     #[inline(always)]
     pub(crate) fn with_room<R>(
         &mut self,

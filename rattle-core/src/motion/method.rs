@@ -13,10 +13,10 @@
 //!
 //! Others are refused before a run, see [`Method::Need`].
 //!
-//! Arguments of constructors stand in one order: what the method is made of (coefficients, an order, a number of inner steps),
-//! the step size `h` or the method that has it, then times and tolerances that steps are chosen by: `Composition::new(coefficients, h)`,
-//! `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`, `Taylor::adaptive(order, h, tolerance)`,
-//! `Variable::of(base, tau)`.
+//! Arguments of constructors stand in one order: what the method is made of (coefficients, an order, a number of inner
+//! steps), the step size `h` or the method that has it, then times and tolerances that steps are chosen by:
+//! `Composition::new(coefficients, h)`, `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`,
+//! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`.
 
 use crate::error::Error;
 use crate::motion::failure::Failure;
@@ -32,14 +32,14 @@ pub type View<'a, S, T, Y, const D: usize> = <<S as Method>::Need as Need>::Of<'
 
 /// A method: a map of the bodies, and of what the method remembers.
 ///
-/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a law
-/// of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation, put back
-/// bit for bit when a step fails, and part of a [`State`](crate::motion::state::State) taken from it.
+/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a
+/// law of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation,
+/// put back bit for bit when a step fails, and part of a [`State`](crate::motion::state::State) taken from it.
 pub trait Method: Clone + Send + Sync + 'static {
     /// The numbers carried from step to step: `[T; 0]` for a one-step method.
     type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
-    /// What the method asks of a system, one of [`need`](crate::motion::need) or a tuple of them; a system that has it not is
-    /// refused before the run.
+    /// What the method asks of a system, one of [`need`](crate::motion::need) or a tuple of them; a system that has it
+    /// not is refused before the run.
     type Need: Need;
 
     /// The time that one step takes; negative to run backwards.
@@ -62,27 +62,27 @@ pub trait Method: Clone + Send + Sync + 'static {
         0.0
     }
 
-    /// Whether a step follows the motion on its constraints: one that does not is [looked at](crate::run::simulation) afterwards, whether
-    /// it passed a singular point, and whether its energy comes from anywhere.
+    /// Whether a step follows the motion on its constraints: one that does not is [looked at](crate::run::simulation)
+    /// afterwards, whether it passed a singular point, and whether its energy comes from anywhere.
     const HAS_STRUCTURE: bool = true;
 
-    /// Whether a step follows the root of its constraints from its start: one that does not may end on another sheet, and is looked
-    /// at afterwards where others are near.
+    /// Whether a step follows the root of its constraints from its start: one that does not may end on another sheet,
+    /// and is looked at afterwards where others are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
     /// Whether a step draws random numbers.
     const DRAWS: bool = false;
 
-    /// Whether a step has the [flows](crate::effect::Flow) of momenta act itself, where it wants them; else half of them acts before it and half
-    /// after.
+    /// Whether a step has the [flows](crate::effect::Flow) of momenta act itself, where it wants them; else half of
+    /// them acts before it and half after.
     const STIRS: bool = false;
 
-    /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble are compiled for
-    /// methods of that kind alone.
+    /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble
+    /// are compiled for methods of that kind alone.
     const SPLITTING: Splitting = Splitting::Not;
 
-    /// The stages that one step consists of, as many as [`SPLITTING`](Self::SPLITTING) says, in turn: such methods go in the lanes of
-    /// an [ensemble](crate::run::ensemble).
+    /// The stages that one step consists of, as many as [`SPLITTING`](Self::SPLITTING) says, in turn: such methods go
+    /// in the lanes of an [ensemble](crate::run::ensemble).
     fn stages(&self) -> Vec<Stage> {
         Vec::new()
     }
@@ -159,8 +159,8 @@ pub enum Splitting {
     Stages,
 }
 
-/// A drift of a splitting along the constraints, with the kicks before and after it; after each kick momenta are made those of motion
-/// along the constraints. All are lengths of time.
+/// A drift of a splitting along the constraints, with the kicks before and after it; after each kick momenta are made
+/// those of motion along the constraints. All are lengths of time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
     /// The kick before.

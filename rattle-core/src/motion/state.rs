@@ -34,9 +34,9 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
-/// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what rounding
-/// took from positions and momenta, and what the method remembered: a simulation started from it by the same method in the same scene goes
-/// on bit for bit. Other momenta, another method or another scene start anew.
+/// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what
+/// rounding took from positions and momenta, and what the method remembered: a simulation started from it by the same
+/// method in the same scene goes on bit for bit. Other momenta, another method or another scene start anew.
 ///
 /// ```
 /// use rattle::State;
@@ -109,8 +109,9 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same as the trajectory of this number, for [random numbers](crate::effect::Noise). Else a simulation's is 0, and that in an
-    /// ensemble its place there: so the third state of an ensemble goes on alone as it would there if it is numbered 2.
+    /// The same as the trajectory of this number, for [random numbers](crate::effect::Noise). Else a simulation's is 0,
+    /// and that in an ensemble its place there: so the third state of an ensemble goes on alone as it would there if it
+    /// is numbered 2.
     #[must_use]
     pub fn numbered(mut self, trajectory: u64) -> Self {
         self.number = Some(trajectory);

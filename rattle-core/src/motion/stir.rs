@@ -67,8 +67,8 @@ pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
     stir(Half::Before, 0.5 * h, system, bodies)
 }
 
-/// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic energy
-/// counts as work.
+/// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic
+/// energy counts as work.
 pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,

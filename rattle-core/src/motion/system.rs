@@ -6,8 +6,8 @@
 //! settle   p′ = p½ + c (f(q′) + G(q′)ᵀμ)                           μ such that G(q′) M⁻¹ p′ = −∂g/∂t
 //! ```
 //!
-//! With c = h/2 the three in turn are a step of RATTLE; other orders and other c make the other methods. Some methods need
-//! more, which a system has or has not: its [capabilities](crate::motion::capability).
+//! With c = h/2 the three in turn are a step of RATTLE; other orders and other c make the other methods. Some methods
+//! need more, which a system has or has not: its [capabilities](crate::motion::capability).
 //!
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
 //! [`Linked`](crate::systems::linked::Linked) is for everything else.
@@ -91,8 +91,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Err(self.kind())
     }
 
-    /// Whether momenta are M v in the coordinates of the places, and [`drift`](Self::drift) solves g(q′) = 0 along normals
-    /// that are kept. Other ways to solve it than Newton's, and `Bdf2`, are for such systems alone.
+    /// Whether momenta are M v in the coordinates of the places, and [`drift`](Self::drift) solves g(q′) = 0 along
+    /// normals that are kept. Other ways to solve it than Newton's, and `Bdf2`, are for such systems alone.
     #[inline(always)]
     fn is_cartesian(&self) -> bool {
         true
@@ -114,9 +114,9 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// new positions, forces still the old ones. Momenta must be along the constraints. With `kick` 0 forces are not
     /// looked at. `witness` is told λ as an impulse over h/2. Neither allocates nor panics.
     ///
-    /// The position equation is solved by `X`, begun with `guess`, on the scale of what `witness` is told, or if that is
-    /// empty from g̈ = 0; where that is no help, as by [`drift`](Self::drift). The result is the same but in the last bits. A
-    /// system that solves another equation takes no notice.
+    /// The position equation is solved by `X`, begun with `guess`, on the scale of what `witness` is told, or if that
+    /// is empty from g̈ = 0; where that is no help, as by [`drift`](Self::drift). The result is the same but in the
+    /// last bits. A system that solves another equation takes no notice.
     ///
     /// # Errors
     /// Says which body cannot be moved and why; the bodies are then left half way.
@@ -147,8 +147,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut BodiesOf<Self, T, D>);
 
-    /// Looks whether the forces last evaluated are numbers: for methods whose steps end before the kick that would tell. A system
-    /// without forces says nothing.
+    /// Looks whether the forces last evaluated are numbers: for methods whose steps end before the kick that would
+    /// tell. A system without forces says nothing.
     ///
     /// # Errors
     /// [`StepFailure::ForceNotFinite`](crate::error::StepFailure::ForceNotFinite).
@@ -169,8 +169,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
-    /// Writes what the momenta change by by the flow of this number, at the present places and time, constraints aside. Neither
-    /// allocates nor panics.
+    /// Writes what the momenta change by by the flow of this number, at the present places and time, constraints aside.
+    /// Neither allocates nor panics.
     fn flow(
         &self,
         _number: usize,
@@ -181,7 +181,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes.fill([T::from_f64(0.0); D]);
     }
 
-    /// Adds the force of the effect of this number alone, and tells the name of its type; none of a flow, or where there are no more.
+    /// Adds the force of the effect of this number alone, and tells the name of its type; none of a flow, or where
+    /// there are no more.
     fn add_force_alone(
         &self,
         _number: usize,
@@ -201,8 +202,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         &UnitMasses
     }
 
-    /// Writes ṗ of each body by forces and constraints at the present state, and the part Gᵀλ of it that holds the bodies on their
-    /// constraints. Zeros where [rates](Self::rates) are not known. Neither allocates nor panics.
+    /// Writes ṗ of each body by forces and constraints at the present state, and the part Gᵀλ of it that holds the
+    /// bodies on their constraints. Zeros where [rates](Self::rates) are not known. Neither allocates nor panics.
     fn feel(&self, bodies: &mut BodiesOf<Self, T, D>, rates: &mut [[T; D]], holding: &mut [[T; D]]) {
         rates.fill([T::from_f64(0.0); D]);
         if let Ok(capability) = self.rates() {
@@ -223,8 +224,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         (bodies.q.as_ref().len() * D).saturating_sub(self.equations())
     }
 
-    /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where constraints
-    /// have no kinks.
+    /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where
+    /// constraints have no kinks.
     ///
     /// # Errors
     /// [`StepFailure::Kink`](crate::error::StepFailure::Kink).
@@ -237,8 +238,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Writes ∇g of the equation of which [`check_kinks`](Self::check_kinks) said that its normal jumps, at the present places, of every
-    /// body; a system that says so says this too.
+    /// Writes ∇g of the equation of which [`check_kinks`](Self::check_kinks) said that its normal jumps, at the present
+    /// places, of every body; a system that says so says this too.
     fn kinked_normal(&self, _bodies: &BodiesOf<Self, T, D>, _kink: &Failure, normal: &mut [[T; D]]) {
         normal.fill([T::from_f64(0.0); D]);
     }
@@ -257,8 +258,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Looks whether a step of length h, after so many, that did not follow the root of its constraint has ended on another
-    /// sheet. A system that cannot tell says nothing.
+    /// Looks whether a step of length h, after so many, that did not follow the root of its constraint has ended on
+    /// another sheet. A system that cannot tell says nothing.
     ///
     /// # Errors
     /// [`StepFailure::OtherSheet`](crate::error::StepFailure::OtherSheet).
@@ -298,15 +299,15 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn drift_rates(&self, _bodies: &BodiesOf<Self, T, D>, _rates: &mut [T]) {
         debug_assert_eq!(self.equations(), 0, "{} has equations", self.kind());
     }
-    /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers): zeros where there are no equations; a system
-    /// with equations says how.
+    /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers): zeros where there are no equations; a
+    /// system with equations says how.
     fn constraint_forces(&self, _bodies: &BodiesOf<Self, T, D>, forces: &mut [[T; D]]) {
         debug_assert_eq!(self.equations(), 0, "{} has equations", self.kind());
         forces.fill([T::from_f64(0.0); D]);
     }
 
-    /// Writes λ of each equation from the present state alone: such that g̈ = 0. That of the [rates](Self::rates); a system
-    /// with equations and without rates says how.
+    /// Writes λ of each equation from the present state alone: such that g̈ = 0. That of the [rates](Self::rates); a
+    /// system with equations and without rates says how.
     fn multipliers(&self, bodies: &BodiesOf<Self, T, D>, multipliers: &mut [T]) {
         let mut rates = vec![[T::from_f64(0.0); D]; bodies.q.as_ref().len()];
         let told = rates_at(self, bodies, &mut rates, &mut Told(multipliers));

@@ -66,8 +66,8 @@ impl InstructionSet {
     }
 }
 
-/// A set of instructions in which x·y + z is one, and which this processor has. Work that is done by such sets alone is not compiled
-/// for others.
+/// A set of instructions in which x·y + z is one, and which this processor has. Work that is done by such sets alone is
+/// not compiled for others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Fusing(InstructionSet);
 
@@ -115,8 +115,8 @@ impl fmt::Display for InstructionSet {
     }
 }
 
-/// Work that is to be compiled for each set of instructions: `run` and all that it calls must be `#[inline(always)]`, since
-/// only what is inlined uses the instructions.
+/// Work that is to be compiled for each set of instructions: `run` and all that it calls must be `#[inline(always)]`,
+/// since only what is inlined uses the instructions.
 pub trait Work {
     /// What comes of it.
     type Done;

@@ -1,13 +1,13 @@
 //! Scalars of ensembles: a number whose products and sums round once, and several of them side by side.
 //!
-//! [`Fused`] is one number. Loops over arrays of it are what compilers turn into SIMD instructions, so that no SIMD type
-//! is needed. [`Lanes`] is such an array as a scalar of its own: the store of trajectories side by side, and what
+//! [`Fused`] is one number. Loops over arrays of it are what compilers turn into SIMD instructions, so that no SIMD
+//! type is needed. [`Lanes`] is such an array as a scalar of its own: the store of trajectories side by side, and what
 //! everything outside the inner loops is written over.
 //!
-//! **Functions** of a [`Fused`] number, all that kernels call, are straight-line code that vectorises, with the same bits on
-//! every processor. For each the nanoseconds for one number in a loop of 64, beside those of the system's library, on a core of
-//! an AMD EPYC with AVX-512 (`cargo bench --bench kernels functions`), and the largest error seen among 250 000 arguments, in units of
-//! the last place:
+//! **Functions** of a [`Fused`] number, all that kernels call, are straight-line code that vectorises, with the same
+//! bits on every processor. For each the nanoseconds for one number in a loop of 64, beside those of the system's
+//! library, on a core of an AMD EPYC with AVX-512 (`cargo bench --bench kernels functions`), and the largest error seen
+//! among 250 000 arguments, in units of the last place:
 //!
 //! ```text
 //!       ours  library error         ours  library error         ours  library error
@@ -24,8 +24,8 @@
 //! The errors of sin, cos and tan are those up to 4·10⁵; beyond 2⁴⁰ they are not a number. What of exp is below the
 //! normal numbers, 2·10⁻³⁰⁸, is 0.
 //!
-//! In single precision exp, ln, sin, cos, sinh, cosh and tanh have code of their own, with the errors 0.9, 0.8, 1.5, 1.5, 1.7, 1.4 and
-//! 1.3 and in a third of the time; the others are those in double precision, rounded.
+//! In single precision exp, ln, sin, cos, sinh, cosh and tanh have code of their own, with the errors 0.9, 0.8, 1.5,
+//! 1.5, 1.7, 1.4 and 1.3 and in a third of the time; the others are those in double precision, rounded.
 
 use crate::number::functions::{self, single};
 use crate::number::instructions::{InstructionSet, Work};
@@ -54,11 +54,11 @@ pub struct Fused<F>(pub F);
 #[repr(C, align(64))] // cache lines, and the widest registers
 pub struct Lanes<S, const L: usize>(pub [S; L]);
 
-/// The kernel of lanes of which lane i is the kernel `lane(i)`; `numbers` shows the numbers of a kernel in turn, and `map`
-/// replaces them in the same order.
+/// The kernel of lanes of which lane i is the kernel `lane(i)`; `numbers` shows the numbers of a kernel in turn, and
+/// `map` replaces them in the same order.
 ///
-/// Kernels are made one by one, since the code that makes one, with every number an array, would want megabytes of stack
-/// where hundreds of numbers depend on parameters and nothing is optimised.
+/// Kernels are made one by one, since the code that makes one, with every number an array, would want megabytes of
+/// stack where hundreds of numbers depend on parameters and nothing is optimised.
 pub(crate) fn side_by_side<S: Lane, K, R, const L: usize>(
     lane: impl Fn(usize) -> K,
     numbers: impl Fn(&K, &dyn Fn(&S) -> S),

@@ -1,7 +1,8 @@
 //! Random numbers that are a function of a counter: Philox4x64-10.
 //!
-//! Ten rounds of multiplication and exchange turn a key and a counter into four words that pass every known test. No state is
-//! kept, so numbers do not depend on threads, neighbours or restarts. The words equal those of NumPy's `Philox`.
+//! Ten rounds of multiplication and exchange turn a key and a counter into four words that pass every known test. No
+//! state is kept, so numbers do not depend on threads, neighbours or restarts. The words equal those of NumPy's
+//! `Philox`.
 //!
 //! Source: J. Salmon, M. Moraes, R. Dror, D. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC11 (2011).
 
@@ -37,8 +38,8 @@ pub(crate) fn unit(word: u64) -> f64 {
     ((word >> 11) + 1) as f64 * (0.5 * f64::EPSILON)
 }
 
-/// Four normal numbers of four words (G. Box, M. Muller, Ann. Math. Stat. 29 (1958) 610). The functions are not those of the system,
-/// so that bits do not depend on it.
+/// Four normal numbers of four words (G. Box, M. Muller, Ann. Math. Stat. 29 (1958) 610). The functions are not those
+/// of the system, so that bits do not depend on it.
 pub(crate) fn normal(words: [u64; 4]) -> [f64; 4] {
     let [a, b, c, d] = words.map(unit);
     let pair = |a: f64, b: f64| {
@@ -53,8 +54,8 @@ pub(crate) fn normal(words: [u64; 4]) -> [f64; 4] {
 mod tests {
     use super::philox;
 
-    /// The known answers of the authors' Random123 (`kat_vectors`), and of NumPy 2.4, which counts once before it draws:
-    /// `numpy.random.Philox(key=[7, 0], counter=[4, 3, 2, 1]).random_raw(4)`.
+    /// The known answers of the authors' Random123 (`kat_vectors`), and of NumPy 2.4, which counts once before it
+    /// draws: `numpy.random.Philox(key=[7, 0], counter=[4, 3, 2, 1]).random_raw(4)`.
     #[test]
     fn known_answers() {
         assert_eq!(

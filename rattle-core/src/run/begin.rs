@@ -31,8 +31,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.begin(self.ready(&start, &method)?, &start, method, 0)
     }
 
-    /// The state with momenta drawn at random from Maxwell's distribution at the temperature kT, an energy, along the constraints: the
-    /// same for the same seed and [number](State::numbered) of the state. On each of the independent momenta fall ½kT in the mean.
+    /// The state with momenta drawn at random from Maxwell's distribution at the temperature kT, an energy, along the
+    /// constraints: the same for the same seed and [number](State::numbered) of the state. On each of the independent
+    /// momenta fall ½kT in the mean.
     ///
     /// ```
     /// use rattle::prelude::*;

@@ -52,11 +52,12 @@ impl fmt::Display for Bill {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// What a step costs at the present state, item by item. A copy of the simulation is run for some milliseconds (for some
-    /// steps, if they are long) and its parts are timed by themselves; the simulation is not touched, and a run pays nothing.
+    /// What a step costs at the present state, item by item. A copy of the simulation is run for some milliseconds (for
+    /// some steps, if they are long) and its parts are timed by themselves; the simulation is not touched, and a run
+    /// pays nothing.
     ///
-    /// Forces are counted as often as a step of the method evaluates them. Of methods whose number of evaluations is not known before
-    /// (`Lobatto`, `Taylor`, `Dop853`, `Bdf2`) they are not told apart from the rest.
+    /// Forces are counted as often as a step of the method evaluates them. Of methods whose number of evaluations is
+    /// not known before (`Lobatto`, `Taylor`, `Dop853`, `Bdf2`) they are not told apart from the rest.
     ///
     /// ```
     /// # use rattle::potentials::Gravity;

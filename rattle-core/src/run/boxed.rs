@@ -12,9 +12,10 @@ use std::fmt;
 /// A simulation of any scene with D coordinates per body, moved by any method: made by
 /// [`Simulation::boxed`].
 ///
-/// A [`Simulation`] has scene and method in its type, which makes it fast and its type long. This type is short: for fields
-/// of structures, for functions that return simulations, and for simulations of different scenes in one `Vec`. It does the
-/// same, bit for bit; a call costs some nanoseconds more, once for [`run`](Self::run) however many the steps.
+/// A [`Simulation`] has scene and method in its type, which makes it fast and its type long. This type is short: for
+/// fields of structures, for functions that return simulations, and for simulations of different scenes in one `Vec`.
+/// It does the same, bit for bit; a call costs some nanoseconds more, once for [`run`](Self::run) however many the
+/// steps.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -184,7 +185,8 @@ impl<const D: usize> BoxedSimulation<D> {
         Ok(self.steps() - begun)
     }
 
-    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see [`Simulation::observe`].
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see
+    /// [`Simulation::observe`].
     ///
     /// # Errors
     /// As there.

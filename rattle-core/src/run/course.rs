@@ -1,8 +1,9 @@
-//! What is looked at after each whole step: kinks, sheets where a method does not follow its root, and with methods that have no structure, whether the step can be one of the motion.
+//! What is looked at after each whole step: kinks, sheets where a method does not follow its root, and with methods
+//! that have no structure, whether the step can be one of the motion.
 //!
-//! RATTLE and its relatives follow the root of their position equation and know where it ends. A power series or an explicit method
-//! knows nothing of the constraint on its way: near a singular point, where normals turn at once, it leads anywhere, and is
-//! projected from there. Its kinetic energy then comes from nowhere.
+//! RATTLE and its relatives follow the root of their position equation and know where it ends. A power series or an
+//! explicit method knows nothing of the constraint on its way: near a singular point, where normals turn at once, it
+//! leads anywhere, and is projected from there. Its kinetic energy then comes from nowhere.
 
 use crate::error::StepFailure;
 use crate::motion::bodies::Saved;
@@ -11,8 +12,8 @@ use crate::motion::method::Method;
 use crate::motion::system::{BodiesOf, System};
 use crate::number::vector::dot;
 
-/// Kinetic energy that grows to more than so many times of what was there, and of what forces gave, comes from nowhere: accurate
-/// steps stay within a small part of 1.
+/// Kinetic energy that grows to more than so many times of what was there, and of what forces gave, comes from nowhere:
+/// accurate steps stay within a small part of 1.
 const FROM_NOWHERE: f64 = 4.0;
 
 /// Kinetic energy that grows by less than so many roundings of the potential energy comes from there.

@@ -80,9 +80,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.memory.as_ref()
     }
 
-    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy errors are then counted
-    /// from there. (Linked bodies whose equations have come to depend on each other may choose another
-    /// [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
+    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy
+    /// errors are then counted from there. (Linked bodies whose equations have come to depend on each other may choose
+    /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
@@ -101,7 +101,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.kinetic_energy(&self.bodies)
     }
 
-    /// The number of independent momenta: coordinates of bodies that are not pinned, less independent equations, as far as the last normals show.
+    /// The number of independent momenta: coordinates of bodies that are not pinned, less independent equations, as far
+    /// as the last normals show.
     pub fn freedom(&self) -> usize {
         self.system.freedom(&self.bodies)
     }
@@ -123,18 +124,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, by
-    /// [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0 where there are none.
+    /// [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0
+    /// where there are none.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
 
-    /// Impacts and passages over edges since the start, see [`collide`](Self::collide) and [`over_kinks`](Self::over_kinks).
+    /// Impacts and passages over edges since the start, see [`collide`](Self::collide) and
+    /// [`over_kinks`](Self::over_kinks).
     pub fn events(&self) -> u64 {
         self.events.as_ref().map_or(0, |events| events.number)
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change the
-    /// energy too, by ∂U/∂t; that is no work here.
+    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change
+    /// the energy too, by ∂U/∂t; that is no work here.
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }
@@ -154,14 +157,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
     }
 
-    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such that g̈ = 0; of the order of the
-    /// method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
+    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such
+    /// that g̈ = 0; of the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
     pub fn multipliers(&self) -> Vec<f64> {
         self.of_equations(|out| self.system.multipliers(&self.bodies, out))
     }
 
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned body
-    /// the pull of its links, without the potentials that act on it.
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned
+    /// body the pull of its links, without the potentials that act on it.
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         let mut forces = vec![[0.0; D]; self.bodies()];
         self.system.constraint_forces(&self.bodies, &mut forces);

@@ -124,10 +124,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
-    /// step alone; time goes on in whole steps. At most 16 halvings count: a step that fails in 65 536 parts has come to an end of
-    /// the motion, or is far too long. Without this no step is ever shortened: a run with parts is no longer the
-    /// iteration of one map, and neither symplectic nor reversible there. A method that remembers starts anew before
-    /// the parts and after them, which allocates. Staggered methods are not divided: their momenta belong to one step size.
+    /// step alone; time goes on in whole steps. At most 16 halvings count: a step that fails in 65 536 parts has come
+    /// to an end of the motion, or is far too long. Without this no step is ever shortened: a run with parts is no
+    /// longer the iteration of one map, and neither symplectic nor reversible there. A method that remembers starts
+    /// anew before the parts and after them, which allocates. Staggered methods are not divided: their momenta belong
+    /// to one step size.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -147,10 +148,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.halving = (most > 0).then_some(Halving { most, take: Self::parts });
     }
 
-    /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate to
-    /// `tolerance`, relative to the largest coordinate or momentum: else the step fails. What is symmetric reverses to rounding,
-    /// 1e-14, unless a step found another root than the way back does. With [`retry`](Self::retry) it is then
-    /// taken in parts, which are taken back as well. A step then costs two, and what is kept at its end is evaluated again.
+    /// The same simulation, in which every step is taken back and must lead to where it came from, in every coordinate
+    /// to `tolerance`, relative to the largest coordinate or momentum: else the step fails. What is symmetric reverses
+    /// to rounding, 1e-14, unless a step found another root than the way back does. With [`retry`](Self::retry) it is
+    /// then taken in parts, which are taken back as well. A step then costs two, and what is kept at its end is
+    /// evaluated again.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -161,8 +163,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Tolerance`] for one that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a method that does not
-    /// reverse, or only together with what it remembers.
+    /// [`Error::Tolerance`] for one that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a method that
+    /// does not reverse, or only together with what it remembers.
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
         check_tolerance(Some(tolerance))?;
         if !self.method.is_symmetric() {
@@ -196,9 +198,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.take(steps, &mut ())
     }
 
-    /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is a number
-    /// of steps away is reached by this number of steps, rounding notwithstanding: what is missing to a millionth of a step
-    /// counts as reached. With a step size below 0 the time runs backwards to `time`.
+    /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is
+    /// a number of steps away is reached by this number of steps, rounding notwithstanding: what is missing to a
+    /// millionth of a step counts as reached. With a step size below 0 the time runs backwards to `time`.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -253,9 +255,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(self.steps - begun)
     }
 
-    /// Takes `steps` steps and shows the simulation to `see` after each. A closure sees the whole simulation, its residuals and
-    /// [energy error](Self::energy_error) too; what is to watch ensembles as well, or every n-th step, is an
-    /// [observer](Self::observe).
+    /// Takes `steps` steps and shows the simulation to `see` after each. A closure sees the whole simulation, its
+    /// residuals and [energy error](Self::energy_error) too; what is to watch ensembles as well, or every n-th step, is
+    /// an [observer](Self::observe).
     ///
     /// ```text
     /// simulation.run_with(2000, |now| energies.push(now.energy()))?;
@@ -271,9 +273,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see [`crate::run::watch`].
-    /// Steps beyond the last multiple of `every` are taken and not shown; multipliers are told in every step. A look copies
-    /// positions and momenta.
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see
+    /// [`crate::run::watch`]. Steps beyond the last multiple of `every` are taken and not shown; multipliers are told
+    /// in every step. A look copies positions and momenta.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};

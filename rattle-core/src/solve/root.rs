@@ -1,7 +1,7 @@
 //! Which root of a position equation the motion continues on, and how that root is followed.
 //!
-//! A path may meet the constraints more than once; the motion continues on the root that starts from Λ = 0 at h = 0. The
-//! root that an iteration finds is trusted to be that one if
+//! A path may meet the constraints more than once; the motion continues on the root that starts from Λ = 0 at h = 0.
+//! The root that an iteration finds is trusted to be that one if
 //!
 //! * normals are not turned over ("upright"), and either
 //! * the first guess was off by a small part of the path, and the path is short against the length on which normals
@@ -27,8 +27,8 @@ pub(crate) const SHORT_PATH: f64 = 0.5;
 /// What [`straight`] is in double precision: well above rounding, and 10⁷ corrections make a bend.
 const STRAIGHT: f64 = 1e-7;
 
-/// A slope at a root differs by less than this factor from that where the step began. Where forces displace a body by more than 10¹² of
-/// its place, the rounding of that way is all that a solve can tell, and it may end anywhere.
+/// A slope at a root differs by less than this factor from that where the step began. Where forces displace a body by
+/// more than 10¹² of its place, the rounding of that way is all that a solve can tell, and it may end anywhere.
 const ALIKE: f64 = 1e3;
 
 /// The smallest part of a step in which a root is followed.
@@ -48,7 +48,8 @@ pub(crate) fn is_upright<T: Real>(slope: T, square: T) -> T::Mask {
     (T::from_f64(1.0 / ALIKE) * square).lt(slope).and(slope.le(T::from_f64(ALIKE) * square))
 }
 
-/// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) where the step began, at the first guess, and at the root.
+/// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) where the step began, at the first
+/// guess, and at the root.
 ///
 /// `off_square` is the square of the first correction, `path_square` that of the path, both lengths; `far` is
 /// [`FAR_GUESS`] or [`FAR_EXTRAPOLATION`].

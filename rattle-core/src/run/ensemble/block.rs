@@ -1,19 +1,20 @@
-//! A block of trajectories side by side, kept as the [RATTLE step](crate::run::ensemble::loops) that moves all of them on
-//! wants them.
+//! A block of trajectories side by side, kept as the [RATTLE step](crate::run::ensemble::loops) that moves all of them
+//! on wants them.
 //!
 //! ```text
 //! q′ = q + h p + Λ ∇g(q)                          Λ such that g(q′) = 0
 //! p′ = p + Λ/h ∇g(q) − k ∇U(q′) + ∇g(q′) η        η such that ∇g(q′)·p′ = 0
 //! ```
 //!
-//! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a step
-//! and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions are those
-//! of RATTLE; [`Block::momentum`] takes the kick back. And they are kept times the length of a step, as the *way* that they
-//! lead in it: in a method of equal steps no product is left of h p and Λ/h.
+//! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a
+//! step and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions
+//! are those of RATTLE; [`Block::momentum`] takes the kick back. And they are kept times the length of a step, as the
+//! *way* that they lead in it: in a method of equal steps no product is left of h p and Λ/h.
 //!
 //! **Equal steps need no projection.** The way that is left of a step, h p + Λ ∇g(q), leads along the surface to second
-//! order as it is, and what it leads off Λ puts back at once: η is 0, a Λ twice as large. This is how Störmer's and Verlet's
-//! method is written with constraints (SHAKE: Ryckaert, Ciccotti, Berendsen 1977); places are those of RATTLE to rounding.
+//! order as it is, and what it leads off Λ puts back at once: η is 0, a Λ twice as large. This is how Störmer's and
+//! Verlet's method is written with constraints (SHAKE: Ryckaert, Ciccotti, Berendsen 1977); places are those of RATTLE
+//! to rounding.
 //!
 //! Every lane is a function of its own past alone.
 
@@ -177,8 +178,9 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     }
 
     /// Puts a trajectory at q with momentum p, which are along the constraint, into a lane; `parts` are those of the
-    /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther off than twice the
-    /// path of the step, which then has no end on the surface, it takes the digits of the way; and where either is no number.
+    /// method, of which the block's is to come. False where the lane cannot hold it: where the first guess is farther
+    /// off than twice the path of the step, which then has no end on the surface, it takes the digits of the way; and
+    /// where either is no number.
     pub(crate) fn set(
         &mut self,
         lane: usize,

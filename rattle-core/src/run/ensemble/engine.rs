@@ -1,4 +1,5 @@
-//! What moves trajectories on, side by side. Which of them fail, what stands in for them and what is shown is not its concern.
+//! What moves trajectories on, side by side. Which of them fail, what stands in for them and what is shown is not its
+//! concern.
 
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
@@ -7,14 +8,15 @@ use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Sight;
 use nalgebra::SVector;
 
-/// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked at.
+/// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked
+/// at.
 pub(crate) struct Stuck {
     pub(crate) lane: usize,
     pub(crate) failure: Option<Failure>,
 }
 
-/// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and what rounding
-/// took from each.
+/// Where all lanes are to be written, and what is needed for their times: those of the starts, the time since then, and
+/// what rounding took from each.
 pub(crate) struct Written<'a, const D: usize> {
     pub(crate) page: Page<'a, D>,
     pub(crate) starts: &'a [(f64, f64)],
@@ -74,8 +76,8 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
 
     /// The body of a lane.
     fn body(&self, lane: usize) -> Body<f64, D>;
-    /// Where a body that obeys what a lane does is after so many steps, each in so many equal parts, by itself: each is looked at,
-    /// and sums are compensated.
+    /// Where a body that obeys what a lane does is after so many steps, each in so many equal parts, by itself: each is
+    /// looked at, and sums are compensated.
     ///
     /// # Errors
     /// Says why it cannot be moved.

@@ -36,8 +36,8 @@ pub(crate) struct SideBySide<E, const D: usize> {
     moving: [bool; LANES],
     copy_of: [usize; LANES],
     ended: Vec<Ended<D>>,
-    /// By lane: whether it goes by itself, since other sheets are near or the lane cannot hold it, and where it is then; and when that
-    /// ends.
+    /// By lane: whether it goes by itself, since other sheets are near or the lane cannot hold it, and where it is
+    /// then; and when that ends.
     crowded: [bool; LANES],
     own: Vec<(usize, Body<f64, D>)>,
     crowded_until: u64,
@@ -80,8 +80,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         group
     }
 
-    /// Puts a body, which is along the constraint, into a lane; and beside it where other sheets are near, or where the lane cannot
-    /// hold it.
+    /// Puts a body, which is along the constraint, into a lane; and beside it where other sheets are near, or where the
+    /// lane cannot hold it.
     fn set(&mut self, lane: usize, body: &Body<f64, D>) {
         let holds = self.engine.set(lane, body) && self.engine.body(lane).p.iter().all(|p| p.is_finite());
         self.own.retain(|own| own.0 != lane);
@@ -145,8 +145,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         }
     }
 
-    /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are near, or, if
-    /// it is a single step, in parts. False, and as if none were taken, where one of several cannot.
+    /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are
+    /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     fn leg(&mut self, steps: u64) -> bool {
         let before = (self.engine.lanes(), self.engine.laws().clone(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
@@ -205,8 +205,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         self.own.retain(|own| own.0 != lane);
     }
 
-    /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often halved as is
-    /// allowed.
+    /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often
+    /// halved as is allowed.
     #[cold]
     fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Body<f64, D>, Error> {
         let body = self.body(lane);

@@ -45,8 +45,8 @@ where
     }
 }
 
-/// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the same
-/// whose addresses differ by a multiple of the alignment, and wait for one when they need the other.
+/// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the
+/// same whose addresses differ by a multiple of the alignment, and wait for one when they need the other.
 #[repr(C, align(4096))]
 struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,

@@ -93,8 +93,9 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for all,
-    /// however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of effects over members.)
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for
+    /// all, however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of
+    /// effects over members.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
@@ -176,9 +177,10 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts, that step of
-    /// that trajectory alone, as [`Simulation::retry`](crate::run::simulation::Simulation::retry) does; the others are not touched by
-    /// it. Where no step fails nothing changes. In parts a step takes some microseconds, as in a simulation.
+    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts,
+    /// that step of that trajectory alone, as [`Simulation::retry`](crate::run::simulation::Simulation::retry) does;
+    /// the others are not touched by it. Where no step fails nothing changes. In parts a step takes some microseconds,
+    /// as in a simulation.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -203,13 +205,14 @@ impl<const D: usize> Ensemble<D> {
         self.steps = self.steps.saturating_add(steps);
     }
 
-    /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not shown
-    /// again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of trajectories
-    /// are left at different times.
+    /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not
+    /// shown again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of
+    /// trajectories are left at different times.
     ///
-    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is done
-    /// with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::watch::Mean) of a height takes 1.9 steps
-    /// where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the [energy](crate::run::watch::Sight::energy) a step more.
+    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is
+    /// done with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::watch::Mean)
+    /// of a height takes 1.9 steps where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the
+    /// [energy](crate::run::watch::Sight::energy) a step more.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
@@ -379,8 +382,8 @@ impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<
     }
 }
 
-/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked for is then
-/// not compiled.
+/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked
+/// for is then not compiled.
 const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
     coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
 }

@@ -81,8 +81,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         self.settle(last, 2.0 * last, bodies, witness)
     }
 
-    /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations ask
-    /// for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
+    /// Whether the equations hold at the end of the step, whose gradients were just evaluated: what dependent equations
+    /// ask for beyond what the normals of the start can give moves nothing, and is not seen by the iteration.
     fn check_residuals(
         &self,
         c: usize,

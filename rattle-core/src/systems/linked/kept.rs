@@ -151,8 +151,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
     }
 
-    /// The largest residual of a component, just evaluated with its gradients: as a length, in roundings of the coordinates
-    /// it depends on or of their way in the time h, and its row. NaN if one is.
+    /// The largest residual of a component, just evaluated with its gradients: as a length, in roundings of the
+    /// coordinates it depends on or of their way in the time h, and its row. NaN if one is.
     pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> (f64, f64, usize) {
         let component = &self.shape.components[c];
         let (rows, (_, block)) = (&component.rows, component.first);

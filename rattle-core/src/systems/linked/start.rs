@@ -13,8 +13,8 @@ use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 
-/// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has the
-/// condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
+/// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has
+/// the condition 1/sin², and two rounds of projection mend up to 1e8 (measured: 1e-4 leaves 1e-12, 1e-6 leaves 5e-8).
 const NARROW: f64 = 1e-3;
 
 /// Distances that no longer shrink may be the rounding of g below this part of the coordinates.
@@ -59,8 +59,8 @@ impl<const D: usize> Start<D> {
     }
 }
 
-/// Whether the motion may start: finite, on the constraints, momenta along them unless staggered, nothing singular. Components whose
-/// equations depend on each other get the linear algebra that bears it, if they may.
+/// Whether the motion may start: finite, on the constraints, momenta along them unless staggered, nothing singular.
+/// Components whose equations depend on each other get the linear algebra that bears it, if they may.
 pub(crate) fn check<const D: usize>(
     shape: &mut Shape<D>,
     algebra: LinearAlgebra,

@@ -1,4 +1,5 @@
-//! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of constraints and any masses.
+//! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of
+//! constraints and any masses.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Rule};

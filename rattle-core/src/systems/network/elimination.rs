@@ -2,8 +2,8 @@
 //!
 //! The pattern is symmetric, the matrix need not be: in the position equation the normals are those of two places.
 //! Pivots stay on the diagonal, which is safe as long as the normals turn by less than a right angle; a pivot that is
-//! not positive says that they did. The order is one of minimum degree: chains and trees fill in nothing, so that a step
-//! costs as many operations as there are equations. Displacements of bodies with many equations are unknowns too
+//! not positive says that they did. The order is one of minimum degree: chains and trees fill in nothing, so that a
+//! step costs as many operations as there are equations. Displacements of bodies with many equations are unknowns too
 //! ([`super::hubs`]).
 
 use crate::number::vector::{add_scaled, dot};
@@ -169,8 +169,8 @@ impl<const D: usize> Elimination<D> {
         true
     }
 
-    /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest pivot,
-    /// relative to its entry.
+    /// Takes the derivative of g along the start's normals at a trial position, or its symmetric part; the smallest
+    /// pivot, relative to its entry.
     pub(crate) fn chord<const SYMMETRIC: bool>(
         &mut self,
         rows: &Rows,
@@ -183,7 +183,8 @@ impl<const D: usize> Elimination<D> {
         smallest
     }
 
-    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, and the row.
+    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry,
+    /// and the row.
     fn factor<const SYMMETRIC: bool>(
         &self,
         rows: &Rows,
@@ -301,7 +302,8 @@ impl<const D: usize, const SYMMETRIC: bool> WithHubs<'_, D, SYMMETRIC> {
         self.roots[self.rows.bodies[body]].halve(block)
     }
 
-    /// The entries of an equation's row along a hub's coordinates, or without the sign of the hub's rows along the equation.
+    /// The entries of an equation's row along a hub's coordinates, or without the sign of the hub's rows along the
+    /// equation.
     fn along_hub<const COLUMN: bool>(&self, block: usize, body: usize) -> [f64; D] {
         let (there, here) = (&self.blocks[block], &self.elimination.normals[block]);
         if SYMMETRIC {

@@ -1,17 +1,17 @@
 //! Equations that are solved for after all others, as a border of the factor.
 //!
-//! Where bodies are unknowns beside the multipliers ([`super::hubs`]), an equation that holds well may have no pivot among the
-//! equations before it: a rod from a hub to a body, and one in the same line from there to a pin. Such an equation is left out
-//! of the factor, and its multiplier found from the others:
+//! Where bodies are unknowns beside the multipliers ([`super::hubs`]), an equation that holds well may have no pivot
+//! among the equations before it: a rod from a hub to a body, and one in the same line from there to a pin. Such an
+//! equation is left out of the factor, and its multiplier found from the others:
 //!
 //! ```text
 //! A′ x + c x_late = g      z = A′⁻¹c       (a − r z) x_late = g_late − r A′⁻¹g
 //! r x  + a x_late = g_late                  x = A′⁻¹g − z x_late
 //! ```
 //!
-//! A hub of D coordinates makes at most D equations late, where others do not depend on each other. Room for all would be too much where
-//! hubs are many and late equations few: there is room for [`FEWEST`], and at the start of a run, where more are found to be late, for
-//! twice as many as are.
+//! A hub of D coordinates makes at most D equations late, where others do not depend on each other. Room for all would
+//! be too much where hubs are many and late equations few: there is room for [`FEWEST`], and at the start of a run,
+//! where more are found to be late, for twice as many as are.
 
 use crate::systems::network::factor::Factor;
 use crate::systems::network::pattern::Pattern;
@@ -21,7 +21,8 @@ const FEWEST: usize = 8;
 
 #[derive(Debug, Clone, Default)]
 pub(super) struct Late {
-    /// Unknowns of the factor, those among them that are coordinates of hubs, and late equations that there is room for.
+    /// Unknowns of the factor, those among them that are coordinates of hubs, and late equations that there is room
+    /// for.
     unknowns: usize,
     coordinates: usize,
     most: usize,
@@ -86,8 +87,8 @@ impl Late {
         &self.rows
     }
 
-    /// Factors the border; `line` and `column` write the entries of a row and a column of the matrix, by unknown. Calls `see`
-    /// with each late equation and its pivot.
+    /// Factors the border; `line` and `column` write the entries of a row and a column of the matrix, by unknown. Calls
+    /// `see` with each late equation and its pivot.
     pub(super) fn factor(
         &mut self,
         pattern: &Pattern,

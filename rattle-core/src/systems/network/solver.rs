@@ -85,8 +85,8 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    /// The same where multipliers act on chosen coordinates only: the matrix is then not symmetric, as between two places.
-    /// `rates` are used up.
+    /// The same where multipliers act on chosen coordinates only: the matrix is then not symmetric, as between two
+    /// places. `rates` are used up.
     pub(crate) fn respond(
         &mut self,
         rows: &Rows,

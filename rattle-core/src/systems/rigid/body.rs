@@ -1,8 +1,9 @@
 //! Free attitude of rigid bodies: RATTLE on QᵀQ = 1, reduced to three unknowns.
 //!
-//! A body with centre of mass at rest turns with attitude Q (body → space). In the nine entries of Q its kinetic energy is
-//! that of a point with masses d₁, d₂, d₃ in the columns, I₁ = d₂ + d₃ and so on, and RATTLE under the six equations
-//! QᵀQ = 1 is the map of J. Moser and A. Veselov (Comm. Math. Phys. 139, 1991). In the angular momentum m of the body frame:
+//! A body with centre of mass at rest turns with attitude Q (body → space). In the nine entries of Q its kinetic energy
+//! is that of a point with masses d₁, d₂, d₃ in the columns, I₁ = d₂ + d₃ and so on, and RATTLE under the six equations
+//! QᵀQ = 1 is the map of J. Moser and A. Veselov (Comm. Math. Phys. 139, 1991). In the angular momentum m of the body
+//! frame:
 //!
 //! ```text
 //! m½ = m + c τ(Q)              τ̂ = QᵀF − FᵀQ,  F = −∂U/∂Q       c = h/2
@@ -11,7 +12,8 @@
 //! m′ = m½′ + c τ(Q′)
 //! ```
 //!
-//! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to rounding.
+//! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to
+//! rounding.
 
 use crate::effect::interval::Inertia;
 use crate::motion::state::State;
@@ -28,11 +30,11 @@ pub(crate) const CROOKED: f64 = 1e-14;
 pub(crate) const HALVINGS: i32 = 40;
 
 /// Rigid bodies with these moments of inertia, turning about their centres of mass: one, or with
-/// [`bodies`](crate::scene::Scene::bodies) several alike, with effects on each or [over](crate::kernel::over::Over) several.
-/// Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
+/// [`bodies`](crate::scene::Scene::bodies) several alike, with effects on each or [over](crate::kernel::over::Over)
+/// several. Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
 ///
-/// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's frame,
-/// in the first of nine places.
+/// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's
+/// frame, in the first of nine places.
 ///
 /// ```
 /// use rattle::{Rattle, Rigid, Scene};

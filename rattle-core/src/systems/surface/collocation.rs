@@ -7,10 +7,10 @@
 //! Σⱼ h² aᵢⱼ (∇g(Qᵢ)·∇g(Qⱼ)) δλⱼ = −rᵢ,     rᵢ = g(Qᵢ) + ∇g(Qᵢ)·h² Σⱼ aᵢⱼ (Fⱼ − Fⱼ before),   F = f + ∇g λ
 //! ```
 //!
-//! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one. Else
-//! constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to node.
-//! **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the positions.
-//! **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
+//! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one.
+//! Else constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to
+//! node. **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the
+//! positions. **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
 //! ([`crate::solve::stop`]). **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
@@ -36,7 +36,8 @@ use std::array::from_fn;
 /// Iterations after which a step is given up; six to ten suffice where there is a solution.
 const MAX_ITERATIONS: usize = 60;
 
-/// A guess from the step before is given up if it is off by more than this part of the path: it may lead to another root.
+/// A guess from the step before is given up if it is off by more than this part of the path: it may lead to another
+/// root.
 const FAR_GUESS: f64 = 1e-2;
 
 /// Displacements of this many roundings move normals enough for another matrix.
@@ -466,8 +467,8 @@ fn pair<T: Real>((high, low): (f64, f64)) -> (T, T) {
 }
 
 /// Inverts the matrix of rows 1 … S − 1 and columns 0 … S − 2 in place, by Gauss and Jordan without exchanges: leading
-/// minors of the tables are positive, and normals of successive stages do not turn over. Row i + 1, column j is then that
-/// of unknown i and equation j + 1. (With rows from 0 on the compiler makes it slower by a quarter of a step.)
+/// minors of the tables are positive, and normals of successive stages do not turn over. Row i + 1, column j is then
+/// that of unknown i and equation j + 1. (With rows from 0 on the compiler makes it slower by a quarter of a step.)
 #[inline(always)]
 fn invert<T: Real, const S: usize>(a: &mut [T]) {
     for k in 0..S - 1 {

@@ -1,7 +1,8 @@
 //! Where a body lands: on the root of the [position equation](crate::systems::surface::position) that its motion
 //! leads to.
 //!
-//! A root that is not trusted is followed, see [`crate::solve::root`]; where h·κ·|v| > ½ it always is, beyond 1 there may be none.
+//! A root that is not trusted is followed, see [`crate::solve::root`]; where h·κ·|v| > ½ it always is, beyond 1 there
+//! may be none.
 
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
@@ -261,7 +262,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     }
 }
 
-/// Whether a slope differs by less than a factor from that where a way began: on its way to the next root it turns over.
+/// Whether a slope differs by less than a factor from that where a way began: on its way to the next root it turns
+/// over.
 fn is_steady<T: Real>(slope: T, before: T) -> T::Mask {
     let most = T::from_f64(STEADY);
     slope.le(most * before).and(before.le(most * slope))

@@ -1,17 +1,17 @@
-//! Many bodies on a surface, several at a time: the two halves of a step as plain loops over a tile of bodies, which a compiler
-//! vectorises, entered through one function per instruction set.
+//! Many bodies on a surface, several at a time: the two halves of a step as plain loops over a tile of bodies, which a
+//! compiler vectorises, entered through one function per instruction set.
 //!
-//! The position equation is solved as [`solver`](crate::systems::surface::position) says, by one cycle of Ostrowski's iteration from g₀, ∇g₀ and
-//! g₁, and a Newton step from where that leads, with g₂ and ∇g₂:
+//! The position equation is solved as [`solver`](crate::systems::surface::position) says, by one cycle of Ostrowski's
+//! iteration from g₀, ∇g₀ and g₁, and a Newton step from where that leads, with g₂ and ∇g₂:
 //!
 //! ```text
 //! Λ₁ = Λ₀ − g₀/s₀      Λ₂ = Λ₁ − g₁/(s₀ (1 − 2g₁/g₀))      Λ₃ = Λ₂ − g₂/s₂      sᵢ = ∇gᵢ·∇g(q)
 //! ```
 //!
-//! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step was not a
-//! small one takes more of them by itself. Bodies that do not come to rest, or at a root
-//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one; so do those near other
-//! sheets ([`crate::systems::surface::around`]).
+//! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step
+//! was not a small one takes more of them by itself. Bodies that do not come to rest, or at a root
+//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one; so do those near
+//! other sheets ([`crate::systems::surface::around`]).
 //!
 //! What a body does depends on nothing but itself, whatever tile it is in.
 
@@ -48,8 +48,8 @@ pub(crate) const CORRECTIONS: usize = 3;
 /// At rest where the last correction is at most so many roundings of the position: Newton's step leaves its square.
 pub(crate) const AT_REST: f64 = 256.0;
 
-/// Whether a scene may have so many bodies. Asked where a constant is wanted, before [`entry`]: loops over tiles are then not compiled for
-/// scenes of one body.
+/// Whether a scene may have so many bodies. Asked where a constant is wanted, before [`entry`]: loops over tiles are
+/// then not compiled for scenes of one body.
 pub(super) const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
     N::MANY && D <= MOST_COORDINATES
 }
@@ -161,8 +161,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         Ok(())
     }
 
-    /// Evaluates all normals if bodies go in tiles, and says whether they do: what is kept must be a function of the positions, to
-    /// the bit, also after steps that move them one by one.
+    /// Evaluates all normals if bodies go in tiles, and says whether they do: what is kept must be a function of the
+    /// positions, to the bit, also after steps that move them one by one.
     #[inline(always)]
     pub(super) fn fuse_normals<T: Real, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>) -> bool
     where
