@@ -184,7 +184,7 @@ fn a_field_does_no_work() {
     assert!((simulation.kinetic_energy() - 0.5).abs() < 1e-12, "{:e}", simulation.kinetic_energy() - 0.5);
     let mut there = ball.simulate(start, Rattle::new(0.05)).unwrap().check_reversal(1e-13).unwrap();
     there.run(100).unwrap();
-    let strong = Scene::point().with(MagneticField::new([0.0, 0.0, 1e6]));
+    let strong = Scene::point().with(MagneticField::new([0.0, 0.0, 100.0]));
     let mut simulation =
         strong.simulate(State::at([0.0; 3]).moving([1.0, 0.0, 0.0]), Rattle::new(0.1)).unwrap();
     simulation.run(100).unwrap();
