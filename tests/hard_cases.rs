@@ -266,6 +266,7 @@ fn follow_root<C: Constraint<3, 1>>(
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn huge_steps_never_land_on_another_sheet() {
     huge_steps(Rattle::new);
     huge_steps(|h| Rattle::new(h).solved_by(Symmetric));
