@@ -222,6 +222,27 @@ fn sliding_on_a_slope() {
     }
 }
 
+/// Where a method leaves forces of another place, friction takes those of now: of second order by every method.
+#[test]
+fn friction_feels_the_forces_of_now() {
+    potential! {
+        /// Heavier by the square of x, and a slope along y.
+        struct Uneven {}
+        |x, y, z| z * (1 + x^2) + y / 10
+    }
+    let plane = Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 };
+    let scene = Scene::on(plane).with(Uneven {}).with(DryFriction { coefficient: 0.3 });
+    let end = |h: f64| {
+        let start = State::at([0.0; 3]).moving([1.0, 0.0, 0.0]);
+        let mut simulation = scene.simulate(start, PositionVerlet::new(h)).unwrap();
+        simulation.run((0.5 / h).round() as u64).unwrap();
+        simulation.position().x
+    };
+    let exact = end(0.05 / 128.0);
+    let order = order(&[0.05, 0.025, 0.0125].map(|h| (end(h) - exact).abs()));
+    assert!((1.8..2.3).contains(&order), "{order}");
+}
+
 /// The constraint forces of a curved path: on a cylinder's inside without gravity a body slows like v₀/(1 + μ v₀ t/r).
 #[test]
 fn friction_by_curvature() {

@@ -6,7 +6,7 @@ mod common;
 
 use rattle::bodies::Many;
 use rattle::curvature::points;
-use rattle::effect::{Andersen, Effects, Flow, Langevin, VelocityRescaling};
+use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
 use rattle::links::Rod;
 use rattle::potentials::{Gravity, Harmonic, LennardJones};
 use rattle::prelude::*;
@@ -351,6 +351,32 @@ fn brownian_motion_has_the_right_density() {
     let coarse = mean_height(&scene, 100, Brownian::new(1.0, 0.5, 2, 0.02), 2_000);
     let off = coarse[0] - height(0.5);
     assert!(off.abs() < DEVIATIONS * coarse[1] + 0.02, "{off:.1e} ± {:.1e}", coarse[1]);
+}
+
+/// Methods that cannot be divided say so: a bath goes on from step to step, and Brownian motion has no momenta to reflect. Links that move
+/// are refused by a bath; a start from numbers goes on with the noise of then.
+#[test]
+fn what_cannot_be_divided_is_refused() {
+    let gas = || Scene::on(Sphere { r: 1.0 }).bodies(2);
+    let start = || State::of([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]).moving([1.0, 0.0, 0.0]);
+    let bath = gas().simulate(start(), NoseHoover::new(KT, 0.5, 0.01)).unwrap();
+    let told = bath.collide(HardSpheres::new(0.1)).unwrap_err().to_string();
+    assert!(told.contains("bath"), "{told}");
+    let dust = gas().simulate(start(), Brownian::new(1.0, KT, 1, 0.01)).unwrap();
+    let told = dust.collide(HardSpheres::new(0.1)).unwrap_err().to_string();
+    assert!(told.contains("no momenta"), "{told}");
+
+    let heat = Langevin { friction: 1.0, temperature: KT, seed: 1 };
+    let heated = Scene::on(Sphere { r: 1.0 }).with(heat);
+    let mut whole = heated.simulate(State::at([0.0, 0.0, 1.0]), Rattle::new(0.01)).unwrap();
+    whole.run(3).unwrap();
+    let state = whole.state();
+    let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+    let numbers = State::at(q).moving(p).at_time(state.time()).after_steps(state.steps());
+    let mut again = heated.simulate(numbers, Rattle::new(0.01)).unwrap();
+    whole.run(1).unwrap();
+    again.run(1).unwrap();
+    assert!((whole.position() - again.position()).norm() < 1e-15);
 }
 
 #[test]

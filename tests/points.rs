@@ -99,6 +99,29 @@ fn boxes_and_seeds() {
     ));
 }
 
+/// A pole, and the edge of where g is a number, are no zeros.
+#[test]
+fn only_zeros_are_points() {
+    constraint! {
+        /// It has no zero.
+        struct Pole {}
+        |x, y, z| 1 / (x^2 + y^2 + z^2 - 1)
+    }
+    constraint! {
+        /// A sphere of radius √2; no number inside of 1.
+        struct Hollow {}
+        |x, y, z| sqrt(x^2 + y^2 + z^2 - 1) - 1
+    }
+    assert!(matches!(
+        uniform(&Pole {}, [-2.0; 3], [2.0; 3], 3, 1),
+        Err(PointsError::NotMet { found: 0, .. })
+    ));
+    for q in uniform(&Hollow {}, [-2.0; 3], [2.0; 3], 50, 1).unwrap() {
+        assert!((q.norm() - 2_f64.sqrt()).abs() < 1e-14, "{q}");
+    }
+    assert!(matches!(apart(&Hollow {}, [-2.0; 3], [2.0; 3], 3, f64::NAN, 1), Err(PointsError::Distance(_))));
+}
+
 /// The mean of z² over points on a sphere, 1/3: of even points nearer than of random ones, whose deviation is √(4/45n),
 /// by more than half.
 #[test]

@@ -13,6 +13,9 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// ṗ = 0            where it rests and the force along the surface is at most μ N
 /// ```
 ///
+/// Friction knows forces and potentials, not other flows: name it after [`force!`](crate::effect::Flow) and drag, or a body that
+/// they push creeps by half a step's impulse.
+///
 /// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the force of the
 /// next step would give. Of second order while a body slides. The surface holds a body from both sides, so N does not
 /// know a sign; it is that of forces and of the curvature of the path, N = |f·n + κv²|. Of linked bodies N is the pull

@@ -19,6 +19,9 @@ use crate::number::vector::scaled;
 /// disturbed less than by [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many
 /// bodies that exchange energy; one particle by itself gets the right energies and keeps to its path.
 ///
+/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). Not for links that
+/// move, whose motion would count as heat.
+///
 /// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
 ///
 /// ```
@@ -68,7 +71,7 @@ impl<const D: usize> Flow<D> for VelocityRescaling {
 impl VelocityRescaling {
     /// α; 1 for bodies at rest, which have no direction to go in.
     fn factor<T, const D: usize>(&self, during: &Interval<'_, T, D>, kinetic: f64) -> f64 {
-        if kinetic <= 0.0 || during.freedom == 0 {
+        if kinetic <= f64::MIN_POSITIVE / f64::EPSILON || during.freedom == 0 {
             return 1.0;
         }
         let (kept, gone) = ((-during.h / self.time).exp(), -(-during.h / self.time).exp_m1());

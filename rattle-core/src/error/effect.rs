@@ -24,6 +24,12 @@ pub enum EffectMistake {
         /// Bodies of the scene.
         bodies: usize,
     },
+    /// Momenta that no masses belong to.
+    #[error("{system} has no masses, and so no temperature")]
+    NoMasses {
+        /// The kind of system.
+        system: &'static str,
+    },
     /// Random forces do not run backwards.
     #[error(
         "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"

@@ -21,6 +21,8 @@ const HALVINGS: usize = 80;
 const MEETINGS: usize = 4;
 /// So many lines without a further point, and the search is given up.
 const LINES: usize = 10_000;
+/// What |g| may be at a zero, as part of what it is at the ends of its cell.
+const ZERO: f64 = 1e-6;
 /// Candidates for each point that is to be far from others.
 const CANDIDATES: usize = 10;
 
@@ -64,8 +66,8 @@ pub fn even<C: Constraint<D, 1>, const D: usize>(
     number: usize,
     seed: u64,
 ) -> Result<Vec<SVector<f64, D>>, PointsError> {
-    let candidates = uniform(surface, low, high, CANDIDATES * number, seed)?;
-    let mut points: Vec<SVector<f64, D>> = Vec::with_capacity(number);
+    let candidates = uniform(surface, low, high, CANDIDATES.saturating_mul(number), seed)?;
+    let mut points: Vec<SVector<f64, D>> = Vec::new();
     for candidates in candidates.chunks_exact(CANDIDATES) {
         let room = |q: &SVector<f64, D>| {
             points.iter().map(|other| (q - other).norm_squared()).fold(f64::INFINITY, f64::min)
@@ -91,6 +93,9 @@ pub fn apart<C: Constraint<D, 1>, const D: usize>(
     distance: f64,
     seed: u64,
 ) -> Result<Vec<SVector<f64, D>>, PointsError> {
+    if !(distance >= 0.0 && distance.is_finite()) {
+        return Err(PointsError::Distance(distance));
+    }
     let far = |q: &SVector<f64, D>, others: &[SVector<f64, D>]| {
         others.iter().all(|other| (q - other).norm_squared() >= distance * distance)
     };
@@ -116,6 +121,9 @@ pub enum PointsError {
         /// Its greatest coordinates.
         high: Vec<f64>,
     },
+    /// A distance that is no length.
+    #[error("a least distance is 0 or positive, and finite; found {0}")]
+    Distance(f64),
     /// Lines do not meet the surface, or hardly.
     #[error(
         "{lines} lines through the box met the surface in {found} points of {number}; try a box that fits the surface"
@@ -182,7 +190,7 @@ impl<K: ConstraintKernel<f64, D, 1>, const D: usize> Lines<K, D> {
     ) -> Result<Vec<SVector<f64, D>>, PointsError> {
         let mut most = MEETINGS;
         'anew: loop {
-            let (mut points, mut meetings, mut since) = (Vec::with_capacity(number), Vec::new(), 0);
+            let (mut points, mut meetings, mut since) = (Vec::new(), Vec::new(), 0);
             let mut line = 0;
             while points.len() < number {
                 if since >= LINES {
@@ -238,7 +246,13 @@ impl<K: ConstraintKernel<f64, D, 1>, const D: usize> Lines<K, D> {
         };
         let cells = ((CELLS as f64 * half / self.radius).ceil() as usize).max(4);
         let mut take = |from: f64, to: f64| {
-            let q = at(root(value, from, to));
+            let place = root(value, from, to);
+            let q = at(place);
+            // A pole, a jump, or the edge of where g is a number, is no zero.
+            let zero = value(place).abs() <= ZERO * value(from).abs().max(value(to).abs());
+            if !zero {
+                return;
+            }
             if (0..D).all(|d| self.low[d] <= q[d] && q[d] <= self.high[d]) {
                 meetings.push(q);
             }

@@ -22,7 +22,7 @@ use crate::number::real::Real;
 /// Brownian motion by the projected method of Euler and Maruyama, of first order in averages.
 ///
 /// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those
-/// of the links). Energies then are potential ones, and the energy error says nothing. A step needs h·κ·|v| < 1 for its
+/// of the links). Energies then are potential ones, no work is booked, and the energy error says nothing. A step needs h·κ·|v| < 1 for its
 /// random displacement h|v|.
 ///
 /// ```
@@ -78,6 +78,9 @@ impl Method for Brownian {
     fn is_symmetric(&self) -> bool {
         false
     }
+    fn undivided(&self) -> Option<&'static str> {
+        Some("it has no momenta, and another division draws other random numbers")
+    }
     fn parameters(&self) -> Vec<f64> {
         vec![self.friction, self.temperature]
     }
@@ -99,6 +102,7 @@ impl Method for Brownian {
         _: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
+        let work = bodies.work;
         let size = (2.0 * self.temperature / (self.friction * self.h)).sqrt();
         let zero = [T::from_f64(0.0); D];
         for body in 0..bodies.q.as_ref().len() {
@@ -113,7 +117,7 @@ impl Method for Brownian {
         }
         system.evaluate_forces(bodies);
         system.settle(0.0, self.h, bodies, witness)?;
-        bodies.noise.place += 1; // for the parts of a step that is taken in parts
+        bodies.work = work;
         Ok(())
     }
 }

@@ -17,7 +17,7 @@ use crate::methods::rattle;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
 use crate::motion::method::{Method, View, check_step_size};
-use crate::motion::need::Kicks;
+use crate::motion::need::Still;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -130,7 +130,7 @@ impl NoseHoover {
 
 impl Method for NoseHoover {
     type Memory<T: Real> = Vec<T>;
-    type Need = Kicks;
+    type Need = Still;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -149,6 +149,9 @@ impl Method for NoseHoover {
     }
     fn is_symmetric(&self) -> bool {
         false // only together with what it remembers
+    }
+    fn undivided(&self) -> Option<&'static str> {
+        Some("its bath goes on from step to step")
     }
     fn parameters(&self) -> Vec<f64> {
         vec![self.temperature, self.time]

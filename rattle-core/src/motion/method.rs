@@ -4,7 +4,8 @@
 //! |---|---|---|---|---|---|---|---|
 //! | `Rattle`, and compositions of it | yes | yes | yes | yes | yes | yes | yes |
 //! | `Geodesic`, `PositionVerlet`, and compositions; `Shake`, `SymplecticEuler` | yes | yes | yes | yes | yes | yes | – |
-//! | `Baoab`, `NoseHoover`, `Brownian` | yes | yes | yes | yes | yes | yes | – |
+//! | `Baoab`, `Brownian` | yes | yes | yes | yes | yes | yes | – |
+//! | `NoseHoover` | yes | yes | yes | – | yes | yes | – |
 //! | `Lobatto` | yes | yes | yes | yes | – | – | – |
 //! | `Leapfrog` | – | yes | – | – | – | yes | – |
 //! | `Dop853` | yes | yes | yes | yes | yes | yes | – |
@@ -69,6 +70,11 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// Whether a step follows the root of its constraints from its start: one that does not may end on another sheet,
     /// and is looked at afterwards where others are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
+
+    /// Why a step cannot be taken in parts, by [`retry`](crate::run::simulation::Simulation::retry) or at the instant of an event; none if it can.
+    fn undivided(&self) -> Option<&'static str> {
+        None
+    }
 
     /// Whether a step draws random numbers.
     const DRAWS: bool = false;

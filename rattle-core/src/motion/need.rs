@@ -34,6 +34,10 @@ pub struct Kicks;
 #[derive(Debug)]
 pub struct Differences;
 
+/// Kicks and drifts by themselves, where neither constraints nor forces change with time.
+#[derive(Debug)]
+pub struct Still;
+
 /// [`Rates`](crate::motion::capability::Rates).
 #[derive(Debug)]
 pub struct WithRates;
@@ -63,6 +67,9 @@ need!(Steps<X>, X: Y, |system| {
     if X::KIND == Kind::Newton || system.is_cartesian() { Ok(system) } else { Err(system.kind()) }
 });
 need!(Kicks: Y, |system| system.rates().map(|_| system));
+need!(Still: Y, |system| {
+    if system.moves_with_time() { Err("constraints or forces that change with time") } else { system.rates().map(|_| system) }
+});
 need!(Differences: Y, |system| {
     match (system.is_cartesian(), system.moves_with_time()) {
         (true, false) => Ok(system),

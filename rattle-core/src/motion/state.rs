@@ -118,6 +118,20 @@ impl<const D: usize> State<D> {
         self
     }
 
+    /// The same after so many steps since its first start, for [random numbers](crate::effect::Noise): a start from numbers that were
+    /// written down goes on with the noise of then. Else it begins with the first noise again.
+    #[must_use]
+    pub fn after_steps(mut self, steps: u64) -> Self {
+        self.steps = steps;
+        self
+    }
+
+    /// Steps taken since its first start.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
     /// Its time.
     #[must_use]
     pub fn time(&self) -> f64 {

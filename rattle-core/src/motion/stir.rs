@@ -125,6 +125,7 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             *velocity = inertia.velocity(body, &bodies.p.as_ref()[body]);
         }
         if self.feels {
+            system.evaluate_forces(bodies); // a method may have left those of another place
             system.feel(bodies, rates, holding);
         }
         let noise = Noise { effect: self.number as u64, ..bodies.noise };

@@ -54,6 +54,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
             .map_err(|mistake| Error::Effect { effect, mistake })?;
         let mut at_rest = state.clone().moving([0.0; D]);
         let system = self.system_at(&at_rest, 1.0, false)?;
+        if let Err(system) = system.rates() {
+            return Err(Error::Effect { effect, mistake: EffectMistake::NoMasses { system } });
+        }
         let mut bodies = system.bodies(&at_rest.bodies, at_rest.time);
         let noise = Noise { trajectory: state.number.unwrap_or(0), step: u64::MAX, ..Noise::default() };
         for body in 0..at_rest.len() {

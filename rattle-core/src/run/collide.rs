@@ -84,6 +84,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 why: "its momenta are of another time than its places",
             });
         }
+        if let Some(why) = self.method.undivided() {
+            return Err(Error::NoEvents { who: method, why });
+        }
         if self.method.time_taken(self.memory.as_ref()).is_some() {
             return Err(Error::NoEvents { who: method, why: "it chooses the lengths of its steps" });
         }

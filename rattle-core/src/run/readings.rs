@@ -108,8 +108,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The temperature kT that the present momenta have, an energy: twice the kinetic energy for each of the
-    /// [independent momenta](Self::freedom). NaN where there are none.
+    /// [independent momenta](Self::freedom). NaN where there are none, or no masses
+    /// (phase space). Where links move, their motion counts too.
     pub fn temperature(&self) -> f64 {
+        if self.system.rates().is_err() {
+            return f64::NAN;
+        }
         2.0 * self.kinetic_energy() / self.freedom() as f64
     }
 
@@ -123,8 +127,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, to the order of the method, by
-    /// [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0
+    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, and by potentials that change with
+    /// time, ∫ ∂U/∂t dt, both to the order of the method, by [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0
     /// where there are none.
     pub fn work(&self) -> f64 {
         self.bodies.work
@@ -136,8 +140,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.events.as_ref().map_or(0, |events| events.number)
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done. Forces that change with time change
-    /// the energy too, by ∂U/∂t; that is no work here.
+    /// Energy now less energy at the start and less the [work](Self::work) done. Effects written by hand that change with
+    /// time do work that is booked if they tell their [power](crate::effect::Acting::power).
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }

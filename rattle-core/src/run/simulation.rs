@@ -398,7 +398,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn take_in_parts(&mut self, mut trouble: Trouble, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
         let clock = self.clock;
         self.put_back();
-        let halving = self.halving.filter(|_| self.method.momentum_delay() == 0.0);
+        let whole = self.method.momentum_delay() != 0.0 || self.method.undivided().is_some();
+        let halving = self.halving.filter(|_| !whole);
         let most = halving.map_or(0, |halving| halving.most);
         if let Some(Halving { take, .. }) = halving {
             for halved in 1..=most {
