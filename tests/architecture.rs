@@ -243,3 +243,23 @@ fn files_have_one_subject() {
         }
     }
 }
+
+/// What tests leave out without optimisation, the script of the checks runs with it.
+#[test]
+fn what_needs_speed_is_run_with_it() {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let script = std::fs::read_to_string(format!("{root}/.ci/run")).unwrap();
+    let left_out = ["cfg_attr(", "debug_assertions, ignore"].concat();
+    let mut found = 0;
+    for entry in std::fs::read_dir(format!("{root}/tests")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+        if path.extension().is_some_and(|end| end == "rs")
+            && std::fs::read_to_string(&path).unwrap().contains(&left_out)
+        {
+            assert!(script.contains(&format!("--test {name} ")), "`.ci/run` lacks --test {name}");
+            found += 1;
+        }
+    }
+    assert!(found > 5, "{found}");
+}

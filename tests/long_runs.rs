@@ -43,6 +43,7 @@ fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn rounding_grows_like_the_root_of_the_steps() {
     check_growth(FromState, Newton, &[1_000, 10_000, 60_000]);
 }
@@ -188,6 +189,7 @@ where
 
 /// Random roundings of 1e-17 leave 2e-17/n^{3/2}·n = 4e-20 of a slope in 2.5e5 steps.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn energy_does_not_drift_by_collocation() {
     check_drift::<5>(250_000, 1.5e-19);
     check_drift::<7>(250_000, 1.5e-19);

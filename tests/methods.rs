@@ -551,6 +551,7 @@ fn energy_does_not_drift() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn energy_stays_bounded_in_chaos() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, start) = uneven_pendulum();

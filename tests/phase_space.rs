@@ -327,6 +327,7 @@ fn energy_stays_and_constraints_hold() {
 
 /// Compensated sums: without them the energy of both runs is off by 3e-15 after 136 000 stages.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn rounding_does_not_add_up() {
     for name in ["B", "C"] {
         let method = Composition::new(KAHAN_LI_1997_ORDER_8, 0.05); // its own error is some 1e-16
