@@ -140,7 +140,7 @@ fn what_a_field_does_to_the_symplectic_form() {
     };
     let start = State::at(START).moving([0.0, 1.0, 0.5]);
     let on_ring = ring().with(Gravity { g: 1.0 });
-    let charged = on_ring.clone().with(MagneticField::new(field.into()));
+    let charged = on_ring.with(MagneticField::new(field.into()));
     let errors = [0.1, 0.05, 0.025].map(|h| {
         let run = |state: State<3>| {
             let mut simulation = charged.simulate(state, Rattle::new(h)).unwrap();
