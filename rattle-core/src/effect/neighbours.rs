@@ -5,7 +5,7 @@
 //! ```
 //!
 //! As long as no body has moved by more than half of the skin since, every two bodies within reach are in the list (L.
-//! Verlet 1967). It is made anew before it is too short, from [cells](crate::effect::cells), in as many operations as
+//! Verlet 1967). It is made anew before it is too short, from cells, in as many operations as
 //! there are near pairs.
 //!
 //! The row of body i holds its partners j < i in the order of their numbers. A loop over rows, and over partners within

@@ -18,7 +18,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// Impulses act along the constraints, masses included. Elastic ones keep the kinetic energy to rounding; what
     /// others take is booked as [`work`](Self::work). Time goes on in whole steps; [`events`](Self::events) counts.
-    /// Contacts are not part of a [`State`](crate::State): name them again after a restart. What
+    /// Contacts are not part of a [`State`](crate::motion::state::State): name them again after a restart. What
     /// [`retry`](Self::retry) does within a step that has events it does to their parts;
     /// [`check_reversal`](Self::check_reversal) passes such steps over. Where a contact would stay closed, as a ball
     /// at rest on a floor, a step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
