@@ -183,6 +183,7 @@ fn all_methods(seed: u64, runs: u32) -> [Outcome; 5] {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn each_step_stays_on_its_sheet() {
     for outcome in all_methods(100, 500) {
         assert!(outcome.wrong == 0 && outcome.steps >= 3000, "{outcome:?}");
@@ -190,6 +191,7 @@ fn each_step_stays_on_its_sheet() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn each_step_of_lanes_stays_on_its_sheet() {
     let outcome = moves_in_lanes(200, 200);
     assert!(outcome.wrong == 0 && outcome.steps >= 20_000, "{outcome:?}");

@@ -84,6 +84,7 @@ fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl 
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn chains_keep_their_distances() {
     stay(1, 1000, 1, 700, Rattle::new);
     stay(2, 500, 2, 290, Rattle::new);
@@ -91,6 +92,7 @@ fn chains_keep_their_distances() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn other_iterations_and_guesses_keep_them() {
     stay(4, 300, 3, 140, |h| Rattle::new(h).solved_by(Broyden));
     stay(5, 300, 3, 130, |h| Rattle::new(h).solved_by(Simplified));
@@ -100,6 +102,7 @@ fn other_iterations_and_guesses_keep_them() {
 
 /// What a guess is off by grows and shrinks with the steps of a composition, the distance of roots does not.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn compositions_keep_them() {
     stay(8, 300, 2, 200, |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h));
     stay(9, 300, 2, 140, |h| Composition::new(rattle::composition::YOSHIDA_1990_ORDER_4, h));
@@ -123,6 +126,7 @@ constraint! {
 
 /// Where a guess lies beyond where an equation is a number, its root is followed in parts that do not.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_guess_beyond_the_domain_is_followed() {
     let mut followed = 0;
     for speed in [0.5, 1.0, 1.5, 2.0, 2.5] {

@@ -54,6 +54,7 @@ fn page_on_disk() -> PathBuf {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn every_case_is_within_its_bound() {
     let mut beyond = Vec::new();
     for (area, rows) in measured() {
