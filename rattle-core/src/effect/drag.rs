@@ -1,7 +1,7 @@
 //! Drag: what slows bodies down in proportion to their velocity, or to its square.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval};
+use crate::effect::interval::{Inertia, Interval, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::Real;
@@ -67,10 +67,7 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
     }
 
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
-        let listed = self.of_bodies.len();
-        if listed != 0 && listed != bodies {
-            return Err(EffectMistake::Count { listed, bodies });
-        }
+        EffectMistake::unless_listed(self.of_bodies.len(), bodies)?;
         let numbers = self.along.iter().chain(&self.of_bodies);
         numbers.copied().try_for_each(|c| EffectMistake::unless_positive_or_zero("a coefficient of drag", c))
     }
@@ -120,8 +117,7 @@ fn less<T: Real>(h: f64, rate: T) -> T {
 
 /// The diagonal of M⁻¹ of a body, if M⁻¹ is diagonal.
 fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> Option<[T; D]> {
-    let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
-    let columns: [[T; D]; D] = from_fn(|i| inertia.velocity(body, &unit(i)));
+    let columns = inverse_mass(inertia, body);
     let zero = |i: usize, k: usize| i == k || columns[i][k].lanes().all(|x| x == 0.0);
     (0..D).all(|i| (0..D).all(|k| zero(i, k))).then(|| from_fn(|i| columns[i][i]))
 }
@@ -137,8 +133,7 @@ fn slowed<T: Real, const D: usize>(
 ) -> [T; D] {
     let step = |h: f64, p: &[T; D]| -> [T; D] {
         let c = drag(&during.inertia.velocity(body, p)).map(|c| T::from_f64(h) * c);
-        let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
-        let columns: [[T; D]; D] = from_fn(|i| during.inertia.velocity(body, &unit(i)));
+        let columns = inverse_mass(during.inertia, body);
         // (1 + h C M⁻¹) p′ = p: with M⁻¹ positive definite no pivot vanishes.
         let rows = from_fn(|i| {
             from_fn(|k| c[i].multiply_add(columns[k][i], T::from_f64(f64::from(u8::from(i == k)))))

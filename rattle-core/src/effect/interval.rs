@@ -3,6 +3,7 @@
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::number::real::Real;
+use std::array::from_fn;
 use std::fmt::Debug;
 
 /// What a flow is handed: the bodies, and a time in which only their momenta change.
@@ -57,6 +58,11 @@ pub trait Inertia<T, const D: usize>: Debug {
     fn root(&self, body: usize, u: &[T; D]) -> [T; D];
     /// Whether the body is held at its place.
     fn is_pinned(&self, body: usize) -> bool;
+}
+
+/// The columns of M⁻¹ of a body.
+pub(crate) fn inverse_mass<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> [[T; D]; D] {
+    from_fn(|i| inertia.velocity(body, &from_fn(|k| T::from_f64(f64::from(u8::from(i == k))))))
 }
 
 /// Bodies of unit mass.

@@ -64,10 +64,7 @@ impl MagneticField {
     }
 
     fn look(&self, bodies: usize) -> Result<(), EffectMistake> {
-        let listed = self.charges.len();
-        if listed != 0 && listed != bodies {
-            return Err(EffectMistake::Count { listed, bodies });
-        }
+        EffectMistake::unless_listed(self.charges.len(), bodies)?;
         self.field.iter().try_for_each(|&b| EffectMistake::unless_finite("a component of the field", b))?;
         self.charges.iter().try_for_each(|&e| EffectMistake::unless_finite("a charge", e))
     }

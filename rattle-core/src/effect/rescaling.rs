@@ -61,10 +61,7 @@ impl<const D: usize> Flow<D> for VelocityRescaling {
 
     fn check(&self, _: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("temperature", self.temperature)?;
-        let fine = self.time > 0.0 && self.time.is_finite();
-        let mistake =
-            EffectMistake::Parameter { name: "time", range: "positive and finite", value: self.time };
-        if fine { Ok(()) } else { Err(mistake) }
+        EffectMistake::unless_positive("time", self.time)
     }
 }
 

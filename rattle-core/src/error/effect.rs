@@ -47,6 +47,23 @@ impl EffectMistake {
         if fine { Ok(()) } else { Err(Self::Parameter { name, range: "0 or positive, and finite", value }) }
     }
 
+    /// Looks whether a parameter is above 0 and finite.
+    ///
+    /// # Errors
+    /// [`EffectMistake::Parameter`].
+    pub fn unless_positive(name: &'static str, value: f64) -> Result<(), Self> {
+        let fine = value > 0.0 && value.is_finite();
+        if fine { Ok(()) } else { Err(Self::Parameter { name, range: "positive and finite", value }) }
+    }
+
+    /// Looks whether nothing is listed, or one number for each body.
+    ///
+    /// # Errors
+    /// [`EffectMistake::Count`].
+    pub fn unless_listed(listed: usize, bodies: usize) -> Result<(), Self> {
+        if listed == 0 || listed == bodies { Ok(()) } else { Err(Self::Count { listed, bodies }) }
+    }
+
     /// Looks whether a parameter is a number.
     ///
     /// # Errors

@@ -88,10 +88,7 @@ impl Method for Brownian {
         check_step_size(self.h)?;
         let of = |mistake| Error::Effect { effect: "Brownian", mistake };
         EffectMistake::unless_positive_or_zero("temperature", self.temperature).map_err(of)?;
-        if !(self.friction > 0.0 && self.friction.is_finite()) {
-            let (name, range, value) = ("friction", "positive and finite", self.friction);
-            return Err(of(EffectMistake::Parameter { name, range, value }));
-        }
+        EffectMistake::unless_positive("friction", self.friction).map_err(of)?;
         if self.h < 0.0 { Err(of(EffectMistake::NoWayBack)) } else { Ok(()) }
     }
 

@@ -158,13 +158,9 @@ impl Method for NoseHoover {
     }
     fn check(&self, _: usize) -> Result<(), Error> {
         check_step_size(self.h)?;
-        let positive = |name, value: f64| {
-            let mistake = EffectMistake::Parameter { name, range: "positive and finite", value };
-            let error = Error::Effect { effect: "NoseHoover", mistake };
-            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(error) }
-        };
-        positive("temperature", self.temperature)?;
-        positive("time", self.time)
+        let of = |mistake| Error::Effect { effect: "NoseHoover", mistake };
+        EffectMistake::unless_positive("temperature", self.temperature).map_err(of)?;
+        EffectMistake::unless_positive("time", self.time).map_err(of)
     }
 
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
