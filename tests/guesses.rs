@@ -53,11 +53,12 @@ fn evaluations<S: Method>(method: S) -> [f64; 3] {
 
 #[test]
 fn extrapolated_stages_take_fewer_iterations() {
-    for (h, most) in [(0.02, 0.84), (0.01, 0.80), (0.005, 0.76)] {
+    for (h, most) in [(0.02, 0.87), (0.01, 0.83), (0.005, 0.79)] {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
-        assert!(pure <= 19.0, "h = {h}: {pure}"); // 18 for iterations that end below half a rounding, and a look for other sheets
+        // 18 for iterations that end below half a rounding, 2 inside the step, and a look for other sheets or an acceleration.
+        assert!(pure <= 21.5, "h = {h}: {pure}");
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
 }

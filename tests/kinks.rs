@@ -53,6 +53,11 @@ constraint! {
     struct Flight { height }
     |x, _y, z| z - height * floor(2 * x)
 }
+constraint! {
+    /// Steps of a slope, of width 1, until x = 3.
+    struct SlopedStairs { height }
+    |x, _y, z| z - height * floor(x) - mod(x, 3)
+}
 
 /// The step that failed, its argument, the share of the step and the angle by which the normal turns, in degrees.
 fn kink(error: Error) -> (u64, &'static str, f64, f64) {
@@ -129,6 +134,17 @@ fn steps_of_a_floor_and_branches_are_errors() {
         let (step, argument, share, _) = kink(simulation.run(1000).unwrap_err());
         assert_eq!((step, argument), (9, "x * 2 - 2 * floor(x * 2 / 2) - 1")); // 0.25 is 8⅓ steps
         assert!((share - 1.0 / 3.0).abs() < 1e-5 && (simulation.position().x - end).abs() < 0.03, "{share}");
+    }
+
+    // Newton's steps go to and fro across a step of a slope, on neither side of which the body lands.
+    let start = State::at([0.5, 0.0, 0.5]).moving([1.0, 0.0, 1.0]);
+    for height in [0.1, 0.01] {
+        let scene = Scene::on(SlopedStairs { height });
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(0.03)).unwrap();
+        let error = simulation.run(1000).unwrap_err();
+        assert!(error.to_string().contains("the surface goes on 7.1e-"), "{error}");
+        assert_eq!((simulation.steps(), simulation.residuals()), (16, vec![0.0]));
+        assert_eq!(kink(error).1, "x - 2 * floor(x / 2) - 1");
     }
 
     let start = State::at([-1.0, 0.0, 0.0]).moving([1.0, 0.5, 0.0]);

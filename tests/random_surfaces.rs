@@ -190,6 +190,36 @@ fn each_step_stays_on_its_sheet() {
     }
 }
 
+/// Seeds and numbers of scenes whose steps once ended on another sheet in silence.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
+fn scenes_that_were_wrong_are_not() {
+    for (seed, runs) in
+        [(1571, 27), (4441, 95), (4821, 142), (5021, 13), (5901, 135), (7241, 119), (10161, 177)]
+    {
+        assert_eq!(moves(seed, runs, |h| Rattle::new(h).solved_by(Broyden).guess(Extrapolated)).wrong, 0);
+    }
+    for (seed, runs) in [
+        (1873, 8),
+        (2603, 19),
+        (2783, 38),
+        (3173, 20),
+        (3753, 10),
+        (4733, 44),
+        (5113, 28),
+        (5333, 44),
+        (5563, 32),
+        (6743, 43),
+        (6793, 31),
+        (6813, 29),
+    ] {
+        assert_eq!(moves(seed, runs, Lobatto::<3>::new).wrong, 0);
+    }
+    for (seed, runs) in [(2154, 57), (2424, 166), (3634, 145), (4564, 141), (4604, 127), (8524, 50)] {
+        assert_eq!(moves(seed, runs, |h| Taylor::new(8, h)).wrong, 0);
+    }
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn each_step_of_lanes_stays_on_its_sheet() {

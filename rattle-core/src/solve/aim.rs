@@ -23,6 +23,13 @@ use crate::number::real::{Mask, Real};
 /// taken at its word if it is off what is expected by less than d/4: and one on the next sheet is off by d.
 const CHANGE: f64 = 0.5;
 
+/// Where the slope of g at the guess is not known, nor by more than this part, divided by the angle by which the normal turns:
+/// in long steps what guesses are off by changes by as much as sheets are apart, and may be as expected by chance.
+const CHANGE_BY_TURN: f64 = 0.05;
+
+/// Where it turns by more than this angle nothing is taken for usual.
+const MOST_TURN: f64 = 0.3;
+
 /// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
 pub(crate) const ROUNDINGS: f64 = 64.0;
 
@@ -85,9 +92,24 @@ impl<T: Real> Aim<T> {
     /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).
     #[inline(always)]
     pub(crate) fn is_usual(&self, off: T, weights: [f64; 2]) -> T::Mask {
+        let (change, most) = self.change(off, weights);
+        change.abs().le(T::from_f64(CHANGE) * most)
+    }
+
+    /// The same, where the slope of g at the guess is not known, and the normal turns by an angle of this square.
+    #[inline(always)]
+    pub(crate) fn is_usual_after_turn(&self, off: T, weights: [f64; 2], angle_square: T) -> T::Mask {
+        let (change, most) = self.change(off, weights);
+        let most = T::from_f64(CHANGE_BY_TURN) * most;
+        let is_short = angle_square.le(T::from_f64(MOST_TURN * MOST_TURN));
+        self.is_usual(off, weights).and(is_short).and((angle_square * change * change).le(most * most))
+    }
+
+    /// By how much what a guess was off by differs from what is expected, and the larger one of the two before.
+    #[inline(always)]
+    fn change(&self, off: T, weights: [f64; 2]) -> (T, T) {
         let (Self { last, before }, [a, b]) = (*self, weights.map(T::from_f64));
-        let change = off - (a * last + b * before);
-        change.abs().le(T::from_f64(CHANGE) * last.abs().max(before.abs()))
+        (off - (a * last + b * before), last.abs().max(before.abs()))
     }
 
     /// Notes what a guess was off by.

@@ -50,13 +50,6 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         (step * step * self.bend * self.bend * self.normal.inverse_square).le(dot(self.p, self.p))
     }
 
-    /// Whether the first guess was off as guesses usually are, or by rounding.
-    #[inline(always)]
-    fn is_as_usual(&self, landing: &Landing<T, D>, aim: &Aim<T>, weights: [f64; 2]) -> T::Mask {
-        let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
-        aim.is_usual(landing.multiplier - self.guess, weights).or(rounding)
-    }
-
     /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the
     /// right one.
     #[inline(always)]
@@ -70,14 +63,21 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             Kind::Newton => self.solve(equation, |_| ()),
             _ => self.chords::<X>(equation),
         };
-        let trusted = match X::KIND {
-            Kind::Newton | Kind::Symmetric => self.trusts(&landing, self.path_square(), FAR_GUESS),
+        let (off, path_square) = (landing.multiplier - self.guess, self.path_square());
+        let (trusted, usual) = match X::KIND {
+            Kind::Newton | Kind::Symmetric => {
+                (self.trusts(&landing, path_square, FAR_GUESS), aim.is_usual(off, weights))
+            }
             Kind::Simplified | Kind::Broyden => {
-                self.trusts_without_slope(&landing, self.path_square(), FAR_GUESS)
+                let turned_square = self.turned_square(&landing);
+                let trusted = self.trusts_without_slope(&landing, path_square, FAR_GUESS, turned_square);
+                let angle_square = turned_square * self.normal.inverse_square;
+                (trusted, aim.is_usual_after_turn(off, weights, angle_square))
             }
         };
         let trusted = self.turns_little(2.0).and(trusted);
-        let certain = trusted.and(self.is_as_usual(&landing, aim, weights));
+        let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
+        let certain = trusted.and(usual.or(rounding));
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
@@ -150,6 +150,13 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let rounding = self.with_noise(self.rounding(), equation, landing.multiplier);
         let certain = certain.or(trusted.and(is_same(&found, landing.multiplier, rounding)));
         Ok((landing.or(certain, found), certain.not()))
+    }
+
+    /// The square of ∇g(q′) − ∇g(q).
+    #[inline(always)]
+    fn turned_square(&self, landing: &Landing<T, D>) -> T {
+        let turned = add_scaled(&landing.gradient, T::from_f64(-1.0), &self.normal.gradient);
+        dot(&turned, &turned)
     }
 
     /// The slope of g along its normal where the step begins.
@@ -251,12 +258,17 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is
     /// not known.
     #[inline(always)]
-    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
-        let n = &self.normal.gradient;
-        let (square, turned) = (dot(n, n), add_scaled(&landing.gradient, T::from_f64(-1.0), n));
+    fn trusts_without_slope(
+        &self,
+        landing: &Landing<T, D>,
+        path_square: T,
+        far: f64,
+        turned_square: T,
+    ) -> T::Mask {
+        let square = self.square();
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-        let short_path = dot(&turned, &turned).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
+        let short_path = turned_square.le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
         let upright = is_upright(landing.slopes[1], square);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }

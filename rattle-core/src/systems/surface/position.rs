@@ -18,8 +18,9 @@
 //! γ = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g do nothing. Once that is spare
 //! ([`crate::solve::stop`]), the slope there is evaluated, which the end of the step needs anyway. Its difference from the
 //! slope s̃ of the parabola tells what third derivatives do: (1 − s̃/s) δ₂ is left of g(q′). If that is spare too the solve
-//! ends. Otherwise it goes on until a correction is at the floor, or a Newton step is no longer half the one before although
-//! the slope no longer changes: then it is the rounding of g itself.
+//! ends. Otherwise it goes on until a correction is at the floor, or a Newton step below √ε of the place is no longer half the
+//! one before although the slope no longer changes: then it is the rounding of g itself. Where g jumps, Newton's steps
+//! do not shrink either, and are long.
 //!
 //! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: the next
 //! correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the slope s there is evaluated, and
@@ -121,7 +122,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             correction(first);
             first_cycle.get_or_insert((first, slope));
             let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
-            let stalled = (half * last).le(first).and(straight);
+            let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
+            let stalled = (half * last).le(first).and(straight).and(small);
             last_slope = slope;
             converged = converged.or(first.le(floor)).or(stalled);
             if converged.all() {
