@@ -5,8 +5,12 @@
 //! ```
 //!
 //! Instructions are those of callgrind (Debian: `apt-get install valgrind`), per step, from the difference
-//! of two runs of this program with different numbers of steps, so that set-up cancels. The yardstick is
-//! the same method written by hand for this one surface, with nothing that a free particle does not need.
+//! of two runs of this program with different numbers of steps, so that set-up cancels. The yardsticks are
+//! the same method written by hand for this one surface, with nothing that a free particle does not need: once without any
+//! check, and once with those that a scene makes, which are when a solve has ended, by third derivatives; whether the root
+//! found is the one that the motion continues on, by slopes and by what guesses were off before; whether momenta are
+//! numbers. Where a check asks for a look inside the step, it looks; where that asks for the root to be followed, the
+//! loop goes on without.
 
 use rattle::Counted;
 use rattle::bodies::{Bodies, One};
@@ -22,8 +26,12 @@ const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const H: f64 = 0.01;
 /// A name, and the position after so many steps.
 type Program = (&'static str, fn(u64) -> [f64; 3]);
-const PROGRAMS: [Program; 3] =
-    [("by hand, free", by_hand), ("scene, free", free), ("scene, gravity", falling)];
+const PROGRAMS: [Program; 4] = [
+    ("by hand, free", by_hand::<false>),
+    ("by hand, checked", by_hand::<true>),
+    ("scene, free", free),
+    ("scene, gravity", falling),
+];
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -36,9 +44,11 @@ fn main() {
     }
     evaluations();
     bytes();
-    let [by_hand, free, _] = PROGRAMS.map(|(_, run)| run(1000));
-    let apart = by_hand.iter().zip(free).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    assert!(apart < 1e-8, "the loop written by hand moves otherwise: {apart:e}"); // chaos amplifies rounding
+    let [by_hand, checked, free, _] = PROGRAMS.map(|(_, run)| run(1000));
+    for other in [by_hand, checked] {
+        let apart = other.iter().zip(free).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-8, "the loop written by hand moves otherwise: {apart:e}"); // chaos amplifies rounding
+    }
     instructions();
 }
 
@@ -103,7 +113,7 @@ fn bytes() {
 fn instructions() {
     println!("\ninstructions per step (callgrind)");
     let counts: Vec<f64> = (0..PROGRAMS.len()).filter_map(instructions_per_step).collect();
-    let [by_hand, free, gravity] = counts[..] else {
+    let [by_hand, checked, free, gravity] = counts[..] else {
         println!("skipped: valgrind was not found (Debian: apt-get install valgrind)");
         return;
     };
@@ -111,6 +121,7 @@ fn instructions() {
         println!("{name:22} {count:8.1}");
     }
     println!("\nratio free_over_by_hand {:.3}", free / by_hand);
+    println!("ratio free_over_checked_by_hand {:.3}", free / checked);
     println!("ratio gravity_over_free {:.3}", gravity / free);
 }
 
@@ -131,8 +142,8 @@ fn instructions_per_step(program: usize) -> Option<f64> {
     Some((total(many)? - total(few)?) / (many - few) as f64)
 }
 
-/// RATTLE for a free particle on this surface, compensated, as one would write it by hand.
-fn by_hand(steps: u64) -> [f64; 3] {
+/// RATTLE for a free particle on this surface, compensated, as one would write it by hand; with the checks of a scene, or without.
+fn by_hand<const CHECKED: bool>(steps: u64) -> [f64; 3] {
     let (a2, r2) = (SURFACE.a * SURFACE.a, SURFACE.r * SURFACE.r);
     let value = |[x, y, z]: [f64; 3]| {
         let (x2, y2) = (x * x, y * y);
@@ -175,6 +186,7 @@ fn by_hand(steps: u64) -> [f64; 3] {
     let (mut q_low, mut p_low) = ([0.0; 3], [0.0; 3]);
     let mut n = value_and_gradient(q).1;
     let mut n_square = dot(n, n);
+    let (mut off_before, mut off_last) = (f64::NAN, f64::NAN);
     for _ in 0..steps {
         let curve = bend(q, p);
         let mut free = [0.0; 3];
@@ -193,30 +205,76 @@ fn by_hand(steps: u64) -> [f64; 3] {
             }
             x
         };
-        let mut multiplier = -0.5 * H * H * curve / n_square;
-        let mut last = f64::INFINITY;
-        let gradient = loop {
+        let guess = -0.5 * H * H * curve / n_square;
+        let mut multiplier = guess;
+        let (mut last, mut last_slope) = (f64::INFINITY, 0.0);
+        let mut at_guess = None;
+        let (gradient, at_end) = loop {
             let (g, gradient) = value_and_gradient(point(multiplier));
             let slope = dot(gradient, n);
             let newton = -g / slope;
             let first = newton.abs() * length;
-            if first <= floor || (first >= 0.5 * last && first < 1e4 * floor) {
-                break gradient;
+            at_guess.get_or_insert((first, slope));
+            let stalled = if CHECKED {
+                let straight = (slope - last_slope).abs() <= 1e-7 * slope.abs();
+                first >= 0.5 * last && straight && f64::EPSILON * first * first <= floor * floor
+            } else {
+                first >= 0.5 * last && first < 1e4 * floor
+            };
+            if first <= floor || stalled {
+                break (gradient, slope);
             }
             multiplier += newton;
             let next = value(point(multiplier));
             let ratio = next / g;
-            last = first;
+            (last, last_slope) = (first, slope);
             if ratio.abs() < 0.25 {
-                let second = -next / (slope * (1.0 - 2.0 * ratio));
-                multiplier += second;
-                last = second.abs() * length;
-                let shrinking = last / first;
-                if 256.0 * last * shrinking * shrinking <= floor {
-                    break value_and_gradient(point(multiplier)).1;
+                let bend = 1.0 - 2.0 * ratio;
+                let share = ratio / bend;
+                multiplier += share * newton;
+                let second = share.abs() * first;
+                if if CHECKED { 16.0 } else { 256.0 } * share * share * second <= floor {
+                    let gradient = value_and_gradient(point(multiplier)).1;
+                    let at_end = dot(gradient, n);
+                    if !CHECKED {
+                        break (gradient, at_end);
+                    }
+                    let of_parabola = slope * (bend - 2.0 * ratio * (1.0 - ratio));
+                    let found = bend * at_end;
+                    if 16.0 * (found - of_parabola).abs() * second <= floor * found.abs() {
+                        break (gradient, at_end);
+                    }
                 }
             }
+            if CHECKED && !(first <= f64::MAX) {
+                panic!("no root");
+            }
         };
+        if CHECKED {
+            let (first, slope) = at_guess.expect("a cycle");
+            let (off, path_square) = (multiplier - guess, H * H * dot(p, p));
+            let change = (at_end - slope) / at_end;
+            let (change_square, first_square) = (change * change, first * first);
+            let upright = 1e-3 * n_square < at_end && at_end <= 1e3 * n_square;
+            let near =
+                first_square <= 4e-4 * path_square && change_square * path_square <= 0.25 * first_square;
+            let short = 4.0 * (H * curve) * (H * curve) <= dot(p, p) * n_square;
+            let trusted = short && upright && (change_square <= 1e-14 || near);
+            let expected = 2.0 * off_last - off_before;
+            let usual = (off - expected).abs() <= 0.5 * off_last.abs().max(off_before.abs());
+            if !(trusted && (usual || first <= 64.0 * floor)) {
+                let inside = |s: f64| {
+                    let mut x = [0.0; 3];
+                    for i in 0..3 {
+                        x[i] = q[i] + (q_low[i] + (s * free[i] + s * s * guess * n[i]));
+                    }
+                    -value(x) / slope
+                };
+                let looks = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0].map(inside);
+                black_box(looks);
+            }
+            (off_before, off_last) = (off_last, off);
+        }
         let multiplier_per_step = multiplier / H;
         let (mut step, mut kick) = ([0.0; 3], [0.0; 3]);
         for i in 0..3 {
@@ -233,6 +291,9 @@ fn by_hand(steps: u64) -> [f64; 3] {
             kick[i] = p_low[i] + eta * n[i];
         }
         (p, p_low) = two_sum(p, kick);
+        if CHECKED && !(dot(p, p) <= f64::MAX) {
+            panic!("no finite momentum");
+        }
     }
     q
 }

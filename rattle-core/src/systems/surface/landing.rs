@@ -63,19 +63,21 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             Kind::Newton => self.solve(equation, |_| ()),
             _ => self.chords::<X>(equation),
         };
-        let (off, path_square) = (landing.multiplier - self.guess, self.path_square());
-        let (trusted, usual) = match X::KIND {
-            Kind::Newton | Kind::Symmetric => {
-                (self.trusts(&landing, path_square, FAR_GUESS), aim.is_usual(off, weights))
-            }
+        let trusted = match X::KIND {
+            Kind::Newton | Kind::Symmetric => self.trusts(&landing, self.path_square(), FAR_GUESS),
             Kind::Simplified | Kind::Broyden => {
-                let turned_square = self.turned_square(&landing);
-                let trusted = self.trusts_without_slope(&landing, path_square, FAR_GUESS, turned_square);
-                let angle_square = turned_square * self.normal.inverse_square;
-                (trusted, aim.is_usual_after_turn(off, weights, angle_square))
+                self.trusts_without_slope(&landing, self.path_square(), FAR_GUESS)
             }
         };
         let trusted = self.turns_little(2.0).and(trusted);
+        let off = landing.multiplier - self.guess;
+        let usual = match X::KIND {
+            Kind::Newton | Kind::Symmetric => aim.is_usual(off, weights),
+            Kind::Simplified | Kind::Broyden => {
+                let angle_square = self.turned_square(&landing) * self.normal.inverse_square;
+                aim.is_usual_after_turn(off, weights, angle_square)
+            }
+        };
         let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
         let certain = trusted.and(usual.or(rounding));
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
@@ -258,17 +260,11 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is
     /// not known.
     #[inline(always)]
-    fn trusts_without_slope(
-        &self,
-        landing: &Landing<T, D>,
-        path_square: T,
-        far: f64,
-        turned_square: T,
-    ) -> T::Mask {
+    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
         let square = self.square();
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
-        let short_path = turned_square.le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
+        let short_path = self.turned_square(landing).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
         let upright = is_upright(landing.slopes[1], square);
         landing.converged.and(upright).and(near_guess).and(short_path)
     }

@@ -121,9 +121,12 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let first = newton.abs() * length;
             correction(first);
             first_cycle.get_or_insert((first, slope));
-            let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
-            let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
-            let stalled = (half * last).le(first).and(straight).and(small);
+            let mut stalled = (half * last).le(first);
+            if !stalled.not().all() {
+                let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
+                let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
+                stalled = stalled.and(straight).and(small);
+            }
             last_slope = slope;
             converged = converged.or(first.le(floor)).or(stalled);
             if converged.all() {
