@@ -246,7 +246,7 @@ fn by_hand<const CHECKED: bool>(steps: u64) -> [f64; 3] {
                     }
                 }
             }
-            if CHECKED && !(first <= f64::MAX) {
+            if CHECKED && !first.is_finite() {
                 panic!("no root");
             }
         };
@@ -291,7 +291,7 @@ fn by_hand<const CHECKED: bool>(steps: u64) -> [f64; 3] {
             kick[i] = p_low[i] + eta * n[i];
         }
         (p, p_low) = two_sum(p, kick);
-        if CHECKED && !(dot(p, p) <= f64::MAX) {
+        if CHECKED && !dot(p, p).is_finite() {
             panic!("no finite momentum");
         }
     }
