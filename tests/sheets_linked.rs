@@ -108,6 +108,32 @@ fn compositions_keep_them() {
     stay(9, 300, 2, 140, |h| Composition::new(rattle::composition::YOSHIDA_1990_ORDER_4, h));
 }
 
+/// Methods that follow no root look inside their steps, and refuse those that end on another one.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
+fn methods_without_a_guess_keep_them() {
+    stay(20, 300, 2, 110, Lobatto::<3>::new);
+    stay(21, 300, 3, 80, Lobatto::<5>::new);
+    stay(22, 300, 2, 200, |h| Taylor::new(8, h));
+    stay(23, 300, 2, 210, Dop853::new);
+    stay(24, 300, 2, 80, Bdf2::new);
+}
+
+/// `cargo test --release --test sheets_linked many_chains -- --ignored`
+#[test]
+#[ignore = "some minutes"]
+fn many_chains_keep_them_by_methods_without_a_guess() {
+    let wrong = |seed: u64| {
+        let links = 1 + (seed % 4) as usize;
+        chains(seed, 100, links, Lobatto::<3>::new).wrong
+            + chains(seed, 100, links, Lobatto::<5>::new).wrong
+            + chains(seed, 100, links, |h| Taylor::new(8, h)).wrong
+            + chains(seed, 100, links, Dop853::new).wrong
+            + chains(seed, 100, links, Bdf2::new).wrong
+    };
+    assert_eq!((5000..5200_u64).into_par_iter().map(wrong).sum::<u32>(), 0);
+}
+
 #[test]
 #[ignore = "some minutes"]
 fn a_hundred_thousand_chains_keep_them() {

@@ -45,6 +45,10 @@ pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 177
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
 pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
 
+/// Of a method that has no guess: on a curve through the two ends of a step g is, as a length, less than this part of what the
+/// step may have led astray. Between two sheets, side by side, it is a tenth.
+pub(crate) const OFF_INSIDE: f64 = 1.0 / 64.0;
+
 /// What is found inside may be so many times as much, or as little, as it should be.
 const TIMES: f64 = 3.0;
 

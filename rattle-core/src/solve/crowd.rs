@@ -31,7 +31,7 @@ pub(crate) const PATH: f64 = 0.05;
 pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
 /// g rises along the normal by at least this part of what it does at the body.
-const RISES: f64 = 0.5;
+pub(crate) const RISES: f64 = 0.5;
 
 /// The shares of the reach, from −1 to 1, at which it is asked after so many steps: pseudo-random, since multiples of any
 /// number, and of the golden ratio too, may all meet the same phase of a wave. Each third one is its ninth power,

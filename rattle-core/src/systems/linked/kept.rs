@@ -40,11 +40,19 @@ pub struct Kept<F: Forces<f64, D>, const D: usize> {
     /// What guesses were off by in the last steps, by row of all components.
     pub(super) aims: Vec<Aim<f64>>,
     pub(super) pace: Pace,
+    pub(super) crowd: Crowd,
     pub(super) room: Room<D>,
     /// Room for a method with inner stages.
     pub(super) stages: Option<Box<Stages<F, D>>>,
     /// Room for power series.
     pub(super) series: Option<Box<SeriesRoom<D>>>,
+}
+
+/// After steps that did not follow their root: how far it was last asked whether other roots are near, and whether one was.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Crowd {
+    pub(super) asked: f64,
+    pub(super) near: bool,
 }
 
 /// What the position equations have cost since the start of a simulation.

@@ -9,6 +9,7 @@ mod hold;
 pub(crate) mod kept;
 mod room;
 mod series;
+mod sheets;
 mod start;
 mod system;
 

@@ -24,6 +24,7 @@ use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
+use crate::systems::linked::kept::Crowd;
 use crate::systems::linked::kept::Kept;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
@@ -95,6 +96,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             counts: Counts::default(),
             aims: vec![Aim::unknown(); shape.equations],
             pace: Pace::unknown(),
+            crowd: Crowd::default(),
             room,
             stages: None,
             series: None,
@@ -331,6 +333,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             }
         }
         Ok(())
+    }
+
+    fn check_sheets(
+        &self,
+        steps: u64,
+        h: f64,
+        before: &Saved<N, f64, D>,
+        now: &mut BodiesOf<F, N, D>,
+    ) -> Result<(), Failure> {
+        if self.shape.equations == 0 { Ok(()) } else { self.look_inside(steps, h, before, now) }
     }
 
     fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {

@@ -18,7 +18,7 @@ use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::aim::{INSIDE, ROUNDINGS};
+use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY as SHARES_EVERY, rises, shares};
 use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
@@ -46,9 +46,6 @@ const ACROSS: f64 = 1e-3;
 
 /// No farther is asked than this part of the radius in which a path is bent, where any surface turns.
 const OF_RADIUS: f64 = 0.1;
-
-/// Along one sheet g is less than this part of what a step may have led astray; between two sheets, side by side, a tenth.
-const OFF_INSIDE: f64 = 1.0 / 64.0;
 
 /// It is asked as far as so many times what a step may have led astray.
 const FARTHER: f64 = 4.0;

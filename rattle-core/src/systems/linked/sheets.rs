@@ -1,0 +1,249 @@
+//! Whether a step of a method that follows no root has ended at the roots that it began on, where equations have several.
+//!
+//! Two signs tell that it may be at others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change where bodies are moved
+//! along them as far as the step may have led astray; or an equation *inside* the step, on a curve through its ends, is not as
+//! small as it is along one root. Either is a reason to go there: bodies are led along the curve in parts of the step, each of which lands
+//! as a step of RATTLE does. From another root one arrives beside. Going there allocates.
+//!
+//! The curve is Hermite's cubic, and where an equation is not small on that one, the quartic that knows the acceleration at
+//! the end as well.
+
+use crate::effect::list::Forces;
+use crate::error::StepFailure;
+use crate::motion::bodies::{Count, Saved};
+use crate::motion::capability::Rates;
+use crate::motion::failure::Failure;
+use crate::motion::system::System;
+use crate::number::vector::{add_scaled, dot, largest};
+use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
+use crate::solve::crowd::{EVERY as SHARES_EVERY, RISES, shares};
+use crate::systems::linked::kept::{BodiesOf, Kept, Linked, Room};
+use std::array::from_fn;
+
+/// After so many steps it is asked again whether other roots are near.
+const EVERY: u64 = 16;
+
+/// It is asked as far as so many times what a step may have led astray, …
+const FARTHER: f64 = 4.0;
+
+/// … and no farther than this part of the radius in which paths are bent: any link turns there.
+const OF_RADIUS: f64 = 0.1;
+
+/// On the quartic g is less than this part of s (s/path)⁴, where s is by how much a body's velocity changes, times h: three
+/// times what it is on a circle. For a body that starts at rest that is more than it may have been led astray.
+const OF_TURN: f64 = 1e-3;
+
+/// Parts of a step in which one goes there, and in which it is tried again and again.
+const PARTS: [u32; 3] = [2, 16, 128];
+
+/// At the end parts shrink so often by a factor of 8: one ends beside the curve by about the square of the last one.
+const SHRINKS: u32 = 6;
+
+/// One is there within so many roundings of the size of places.
+const THERE: f64 = 65536.0;
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Looks inside a step of length h, after so many; and now and then whether other roots are near.
+    pub(super) fn look_inside(
+        &self,
+        steps: u64,
+        h: f64,
+        before: &Saved<N, f64, D>,
+        now: &mut BodiesOf<F, N, D>,
+    ) -> Result<(), Failure> {
+        let roots = &self.shape.roots;
+        now.kept.room.lift.fill([0.0; D]);
+        self.take_ends(h, before, now);
+        self.ask(steps, before, now);
+        if now.kept.crowd.near {
+            return self.go_there(h, before, now);
+        }
+        if !self.is_off_inside(h, false, before, now) {
+            return Ok(());
+        }
+        now.with_room(1, |now, _, forces| {
+            self.evaluate_rates(now, forces, &mut ());
+            self.take_ends(h, before, now);
+            for (body, root) in roots.iter().enumerate() {
+                let (a, [q, r]) =
+                    (root.velocity(&forces[body]), [&before.q, &now.q].map(|q| q.as_ref()[body]));
+                let Room { drift: v, velocity: w, lift, .. } = &mut now.kept.room;
+                let of_cubic = |i: usize| 6.0 * (q[i] - r[i]) + h * (2.0 * v[body][i] + 4.0 * w[body][i]);
+                lift[body] = from_fn(|i| 0.5 * (h * h * a[i] - of_cubic(i)));
+            }
+        });
+        if self.is_off_inside(h, true, before, now) { self.go_there(h, before, now) } else { Ok(()) }
+    }
+
+    /// Velocities at the two ends of a step in `drift` and `velocity`, and in `push` how far astray it may have led each body.
+    fn take_ends(&self, h: f64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
+        let Kept { room, .. } = &mut now.kept;
+        for (body, root) in self.shape.roots.iter().enumerate() {
+            let [v, w] = [&before.p, &now.p].map(|p| root.velocity(&p.as_ref()[body]));
+            (room.drift[body], room.velocity[body]) = (v, w);
+            let way = add_scaled(&now.q.as_ref()[body], -1.0, &before.q.as_ref()[body]);
+            room.push[body] = from_fn(|i| way[i] - 0.5 * h * (v[i] + w[i]));
+        }
+    }
+
+    /// Now and then, and after a step that may have led farther astray than was asked for, asks whether other roots are near.
+    fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
+        let astray = most(now.kept.room.push.iter().map(largest));
+        let asked = now.kept.crowd.asked;
+        if !steps.is_multiple_of(EVERY) && astray <= asked {
+            return;
+        }
+        let steps = if astray <= asked { steps } else { 0 }; // at as many places as at first, for a root that was passed over
+        let ways = now.q.as_ref().iter().zip(before.q.as_ref());
+        let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));
+        let radius = path * (path / (12.0 * astray)).sqrt(); // as on a circle; none where nothing is led astray
+        let reach = (FARTHER * astray).max(0.5 * asked);
+        now.kept.crowd.asked = reach;
+        now.kept.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
+    }
+
+    /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what it was.
+    #[cold]
+    #[inline(never)]
+    fn others_are_near(&self, steps: u64, reach: f64, now: &mut BodiesOf<F, N, D>) -> bool {
+        let shape = &*self.shape;
+        let (q, time) = (now.q.as_ref(), now.time);
+        let Kept { room, blocks, .. } = &mut now.kept;
+        shares(steps * (SHARES_EVERY / EVERY)).any(|share| {
+            shape.components.iter().enumerate().any(|(c, component)| {
+                let (rows, (_, first)) = (&component.rows, component.first);
+                let here = &blocks[first..first + rows.blocks()];
+                let square =
+                    |row: usize| rows.touched_by(row).map(|(block, _)| dot(&here[block], &here[block]));
+                rows.bodies.iter().for_each(|&body| room.trial[body] = q[body]);
+                for row in 0..rows.equations() {
+                    let shift = share * reach / square(row).sum::<f64>().sqrt();
+                    for (block, body) in rows.touched_by(row) {
+                        room.trial[body] = add_scaled(&room.trial[body], shift, &here[block]);
+                    }
+                }
+                let there = &mut room.blocks[..rows.blocks()];
+                shape.gradients(c, time, &room.trial, &mut room.g, there, &mut room.rates);
+                (0..rows.equations()).any(|row| {
+                    let along: f64 =
+                        rows.touched_by(row).map(|(block, _)| dot(&here[block], &there[block])).sum();
+                    let rises = RISES * square(row).sum::<f64>() <= along;
+                    !rises // where it is not a number either
+                })
+            })
+        })
+    }
+
+    /// Whether an equation is not as small inside the step as it is along one root, on the curve of the two ends and of `lift`:
+    /// a cubic or a quartic.
+    fn is_off_inside(
+        &self,
+        h: f64,
+        quartic: bool,
+        before: &Saved<N, f64, D>,
+        now: &mut BodiesOf<F, N, D>,
+    ) -> bool {
+        let shape = &*self.shape;
+        let (from, to, time) = (before.q.as_ref(), now.q.as_ref(), [before.time, now.time]);
+        let Kept { room, blocks, .. } = &mut now.kept;
+        INSIDE.iter().any(|&s| {
+            for body in 0..to.len() {
+                room.trial[body] = between(h, s, [&from[body], &to[body]], room, body);
+            }
+            let time = (1.0 - s) * time[0] + s * time[1];
+            let allowed = |body: usize| {
+                let turned = add_scaled(&room.velocity[body], -1.0, &room.drift[body]);
+                let (s, path) =
+                    (h.abs() * largest(&turned), largest(&add_scaled(&to[body], -1.0, &from[body])));
+                let squared = (s / path) * (s / path);
+                let turn = if quartic { OF_TURN * s * squared * squared } else { 0.0 };
+                let rounding = ROUNDINGS * f64::EPSILON * largest(&to[body]);
+                (OFF_INSIDE * largest(&room.push[body])).max(turn) + rounding
+            };
+            shape.components.iter().enumerate().any(|(c, component)| {
+                let (rows, (_, first)) = (&component.rows, component.first);
+                shape.values(c, time, &room.trial, &mut room.g);
+                (0..rows.equations()).any(|row| {
+                    let (mut square, mut most) = (0.0, 0.0_f64);
+                    for (block, body) in rows.touched_by(row) {
+                        square += dot(&blocks[first + block], &blocks[first + block]);
+                        most = most.max(allowed(body));
+                    }
+                    let small = room.g[row].abs() <= most * square.sqrt();
+                    !small // where it is not a number either
+                })
+            })
+        })
+    }
+
+    /// Goes from the start of a step to its end in small parts. An error where that is not reached.
+    #[cold]
+    #[inline(never)]
+    fn go_there(&self, h: f64, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let (mut off, mut body) = (f64::NAN, 0);
+        for parts in PARTS {
+            let Some(there) = self.goes_along(h, parts, before, now) else { continue };
+            let places = there.iter().zip(now.q.as_ref());
+            let offs: Vec<f64> = places.map(|(a, b)| largest(&add_scaled(a, -1.0, b))).collect();
+            off = most(offs.iter().copied());
+            body = offs.iter().position(|&x| x == off).unwrap_or(0);
+            if off <= THERE * f64::EPSILON * most(now.q.as_ref().iter().map(largest)) {
+                return Ok(());
+            }
+        }
+        let position = now.q.as_ref()[body].to_vec();
+        Err(Failure { body, cause: StepFailure::OtherSheet { h, off, position } })
+    }
+
+    /// Where one gets to in so many parts; None where one of them cannot be taken.
+    fn goes_along(
+        &self,
+        h: f64,
+        parts: u32,
+        before: &Saved<N, f64, D>,
+        now: &BodiesOf<F, N, D>,
+    ) -> Option<Vec<[f64; D]>> {
+        let mut ahead = now.clone();
+        self.put_back(&mut ahead, before);
+        let length = 1.0 / f64::from(parts);
+        let close = (1..=SHRINKS).map(|n| 1.0 - length / f64::from(1_u32 << (3 * n)));
+        let shares = (1..parts).map(|n| f64::from(n) * length).chain(close).chain([1.0]);
+        let mut last = 0.0;
+        for s in shares {
+            let part = h * (s - last);
+            last = s;
+            for (body, root) in self.shape.roots.iter().enumerate() {
+                let ends = [&before.q, &now.q].map(|q| &q.as_ref()[body]);
+                let way =
+                    add_scaled(&between(h, s, ends, &now.kept.room, body), -1.0, &ahead.q.as_ref()[body]);
+                let velocity = way.map(|x| x / part);
+                let axis = |i: usize| from_fn(|j| f64::from(u8::from(i == j)));
+                ahead.p.as_mut()[body] = from_fn(|i| root.product(&axis(i), &velocity));
+                ahead.p_low.as_mut()[body] = [0.0; D];
+            }
+            self.settle(0.0, part, &mut ahead, &mut ()).ok()?;
+            self.drift(0.0, part, &mut ahead, &mut ()).ok()?;
+        }
+        Some(ahead.q.as_ref().to_vec())
+    }
+}
+
+/// The largest of these; NaN if one is.
+fn most(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.fold(0.0, |most, x| if x <= most { most } else { x })
+}
+
+/// Where a body is after the share s of a step of length h, on the curve of its places and velocities at both ends, and of `lift`.
+fn between<const D: usize>(
+    h: f64,
+    s: f64,
+    [from, to]: [&[f64; D]; 2],
+    room: &Room<D>,
+    body: usize,
+) -> [f64; D] {
+    let r = 1.0 - s;
+    let [a, b] = [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r)];
+    let [c, d, bump] = [h * s * r * r, -h * r * s * s, s * s * r * r];
+    let (v, w, lift) = (&room.drift[body], &room.velocity[body], &room.lift[body]);
+    from_fn(|i| a * from[i] + b * to[i] + c * v[i] + d * w[i] + bump * lift[i])
+}
