@@ -91,6 +91,7 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
 {
     type Room = ();
     const FLOWS: bool = true;
+    const PUSHES: bool = !X::ON_VELOCITY;
     fn room(&self, _: usize) {}
 
     #[inline(always)]

@@ -26,6 +26,10 @@ pub struct Interval<'a, T, const D: usize> {
     pub holding: &'a [[T; D]],
     /// Masses.
     pub inertia: &'a dyn Inertia<T, D>,
+    /// The surfaces that bodies are on, each on one; none in other scenes.
+    pub surface: Option<&'a dyn Normals<T, D>>,
+    /// What the flow [remembers](crate::effect::Acting::marks).
+    pub marks: &'a [T],
     /// Whether constraints tie bodies to one another, so that momenta are made tangent together.
     pub tied: bool,
     /// The number of independent momenta.
@@ -58,6 +62,12 @@ pub trait Inertia<T, const D: usize>: Debug {
     fn root(&self, body: usize, u: &[T; D]) -> [T; D];
     /// Whether the body is held at its place.
     fn is_pinned(&self, body: usize) -> bool;
+}
+
+/// The surfaces that bodies are on, each on one.
+pub trait Normals<T, const D: usize>: Debug {
+    /// ∇g/|∇g| at the place of this body.
+    fn normal(&self, body: usize) -> [T; D];
 }
 
 /// The columns of M⁻¹ of a body.

@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
-use crate::error::Error;
+use crate::error::{EffectMistake, Error};
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -91,6 +91,28 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn power(&self, _at: Moment<'_, T, D>) -> T {
         T::from_f64(0.0)
     }
+
+    /// Whether the effect, which is a flow, remembers anything from step to step.
+    const REMEMBERS: bool = false;
+    /// Whether the flow is a push, in proportion to h and the same for all momenta: such a flow acts where there are
+    /// [no momenta](crate::methods::brownian::Brownian) too.
+    const PUSHES: bool = false;
+    /// How many numbers the effect remembers from step to step in a scene of so many bodies. They decide what it does:
+    /// they are put back with the places when a step fails, and a [`State`](crate::motion::state::State) takes them
+    /// along.
+    fn marks(&self, _bodies: usize) -> usize {
+        0
+    }
+    /// Writes what is remembered at the start of a run; what is there are zeros.
+    ///
+    /// # Errors
+    /// Where the effect cannot act.
+    fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
+        Ok(())
+    }
+    /// Changes what is remembered, which is also that of the interval, as a time h passes at the present places: asked once before each flow that comes before a
+    /// step, and once after each that comes after it. Neither allocates nor panics.
+    fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
     /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES)
     /// forces.

@@ -60,16 +60,60 @@ pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
     if const { Y::FLOWS == 0 } {
         return Ok(());
     }
-    if Y::FLOWS == 1 && system.flow_rule(0).0 == Rule::Random {
+    if at_once(system) {
         return stir(Half::Before, h, system, bodies);
     }
     stir(Half::After, 0.5 * h, system, bodies)?; // of the drift that was
     stir(Half::Before, 0.5 * h, system, bodies)
 }
 
-/// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic
-/// energy counts as work.
+/// Whether flows that act in the middle of a step act all at once: the two halves of more than one, or of one that is
+/// no exact solution, would not commute.
+fn at_once<T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
+    Y::FLOWS == 1 && !Y::REMEMBERS && system.flow_rule(0).0 == Rule::Random
+}
+
+/// How often a step of the method has the flows act.
+pub(crate) fn times<S: Method, T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> u32 {
+    if S::STIRS && (S::FORGETS || at_once(system)) { 1 } else { 2 }
+}
+
+/// Has all flows act for a time h, one after the other, and take note of it. Positions, and what is kept there, stay.
+/// The change of kinetic energy counts as work.
 pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    if half == Half::Before {
+        take_note(half, h, system, bodies);
+    }
+    push(half, h, system, bodies)?;
+    if half == Half::After {
+        take_note(half, h, system, bodies);
+        bodies.noise.place += u64::from(Y::REMEMBERS);
+    }
+    Ok(())
+}
+
+/// Has all flows take note of a time h that passes.
+pub(crate) fn take_note<T: Real, Y: System<T, D>, const D: usize>(
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) {
+    if const { Y::REMEMBERS } {
+        for number in 0..Y::FLOWS {
+            let noise = Noise { effect: number as u64, ..bodies.noise };
+            system.take_note(number, Given::of(h, half == Half::Before, noise), bodies);
+        }
+    }
+}
+
+/// Has all flows act for a time h, one after the other.
+pub(crate) fn push<T: Real, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,
     system: &Y,

@@ -1,9 +1,9 @@
 //! What a step costs, and what of it each effect takes: the bill.
 
-use crate::effect::interval::{Half, Rule};
+use crate::effect::interval::Half;
 use crate::error::Error;
 use crate::motion::method::Method;
-use crate::motion::stir::stir;
+use crate::motion::stir::{stir, times};
 use crate::motion::system::System;
 use crate::run::course::check;
 use crate::run::simulation::Simulation;
@@ -108,8 +108,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_rule(number).2).collect();
             let h = 1e-6 * self.method.step_size();
             let one = time(|| drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
-            let once = S::STIRS && Y::FLOWS == 1 && self.system.flow_rule(0).0 == Rule::Random;
-            let nanoseconds = if once { one } else { 2.0 * one };
+            let nanoseconds = f64::from(times::<S, _, _, D>(&self.system)) * one;
             items.push(Item { what: format!("momenta by `{}`", names.join("`, `")), nanoseconds });
         }
         let mut copy = self.clone();

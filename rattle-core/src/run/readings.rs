@@ -80,13 +80,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.memory.as_ref()
     }
 
+    /// What effects carry from step to step, such as the headings of
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): numbers of each of them in turn, none where nothing is
+    /// remembered.
+    pub fn marks(&self) -> &[f64] {
+        &self.bodies.marks
+    }
+
     /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy
     /// errors are then counted from there. (Linked bodies whose equations have come to depend on each other may choose
     /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
-        let numbers = self.memory.as_ref();
+        let numbers = [self.memory.as_ref(), &self.bodies.marks].concat();
         let remembered = (!numbers.is_empty()).then(|| Remembered {
             method: self.method.identity(),
             system: Identity::of_system(&self.system, &self.bodies),

@@ -5,7 +5,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Rule};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
+use crate::error::{EffectMistake, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
@@ -38,6 +38,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     type Collocation = Self;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const REMEMBERS: bool = F::REMEMBERS;
+    const PUSHES: bool = F::PUSHES;
     const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
@@ -137,13 +139,21 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         changes: &mut [[f64; D]],
     ) {
-        let Given { h, before, velocities, rates, holding, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &*self.shape);
-        let during =
-            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
-        self.effects.flow(number, &during, room, changes);
+        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
+    }
+
+    fn first_marks(&self, bodies: &BodiesOf<F, N, D>) -> Result<Vec<f64>, (&'static str, EffectMistake)> {
+        let n = bodies.q.as_ref().len();
+        let mut marks = vec![0.0; self.effects.marks(n)];
+        let given = Given::of(0.0, true, bodies.noise);
+        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
+        Ok(marks)
+    }
+
+    fn take_note(&self, number: usize, given: Given<'_, f64, D>, bodies: &mut BodiesOf<F, N, D>) {
+        let mut marks = std::mem::take(&mut bodies.marks);
+        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
+        bodies.marks = marks;
     }
 
     fn add_force_alone(
@@ -511,5 +521,37 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> 
     fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
         let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
         work.fold(0.0, |sum, coefficient| coefficient + h * sum)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Has the effects look at the bodies: at what they remember, and their room.
+    fn shown<R>(
+        &self,
+        given: Given<'_, f64, D>,
+        bodies: &mut BodiesOf<F, N, D>,
+        look: impl FnOnce(&F, &Interval<'_, f64, D>, &mut F::Room) -> R,
+    ) -> R {
+        let Given { h, before, velocities, rates, holding, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (momenta, inertia, marks) = (bodies.p.as_ref(), &*self.shape, &*bodies.marks);
+        let surface = None;
+        let during = Interval {
+            h,
+            before,
+            at,
+            momenta,
+            velocities,
+            rates,
+            holding,
+            inertia,
+            surface,
+            marks,
+            tied,
+            freedom,
+            noise,
+        };
+        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }
