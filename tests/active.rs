@@ -107,6 +107,11 @@ fn great_circles() {
         let way = force / (friction * friction) * (4.0 * friction - 1.0 + (-4.0 * friction).exp());
         (simulation.position() - (q * way.cos() + u * way.sin())).norm()
     };
+    // Both halves of a push are along the way, in the direction of their own places: |p| = F t to rounding.
+    let free = Scene::on(Sphere { r: 1.0 }).with(SelfPropulsion::new(force, 0.0, 1).headed([u.into()]));
+    let mut simulation = free.simulate(State::at(q), Rattle::new(0.1)).unwrap();
+    simulation.run(20).unwrap();
+    assert!((simulation.momentum().norm() - 2.0 * force).abs() < 1e-13);
     let errors = [0.02, 0.01, 0.005].map(off);
     assert!((1.9..2.1).contains(&order(&errors)), "{errors:?}");
 }
@@ -118,8 +123,6 @@ fn great_circles() {
 fn holonomy_is_the_solid_angle() {
     for theta in [0.4_f64, 1.0, 1.9] {
         let off = |steps: u32| {
-            // Steps of the field close the circle where each turns by 2 arctan(hB/4) twice and RATTLE by its own way:
-            // near enough, as the last place is part of the angle that is measured.
             let ball = Scene::on(Sphere { r: 1.0 })
                 .with(MagneticField::new([0.0, 0.0, -1.0]))
                 .with(SelfPropulsion::new(0.0, 0.0, 1).headed([[theta.cos(), 0.0, -theta.sin()]]));
@@ -132,7 +135,7 @@ fn holonomy_is_the_solid_angle() {
                 Vector3::new(q.x * q.z, q.y * q.z, -q.xy().norm_squared()).normalize(),
             );
             let u = SelfPropulsion::<3>::headings(simulation.marks()).next().unwrap();
-            // Counterclockwise from south, seen from outside; along the way east it turns by −2π cos θ there.
+            // Counterclockwise from south, seen from outside: at the place that the last step has led to.
             let turned = u.dot(&east).atan2(u.dot(&south));
             let exact = TAU * (1.0 - theta.cos());
             ((turned - exact + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU).abs()
