@@ -4,6 +4,7 @@
 mod common;
 
 use common::order;
+use common::statistics::DEVIATIONS;
 use rattle::effect::{DryFriction, Langevin, LinearDrag, MagneticField, SelfPropulsion};
 use rattle::links::Rod;
 use rattle::nalgebra::{SVector, Vector3};
@@ -11,8 +12,6 @@ use rattle::potentials::{Gravity, Wca};
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere, Torus};
 use std::f64::consts::TAU;
-
-const DEVIATIONS: f64 = 4.5;
 
 /// The mean of some numbers is this, within chance and what the step is off by.
 fn is(numbers: &[f64], exact: f64, by_step: f64) {

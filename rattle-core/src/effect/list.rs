@@ -3,7 +3,7 @@
 //! compiling.
 
 use crate::effect::force::{Absent, Force};
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
@@ -77,10 +77,9 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Whether forces at the same positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name
-    /// of its type.
-    fn rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Symmetric, false, "")
+    /// What the flow of this number is like, the first of which has number 0, and the name of its type.
+    fn manner(&self, _number: usize) -> (Manner, &'static str) {
+        (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
     }
     /// Writes what the momenta change by by the flow of this number.
     fn flow(
@@ -261,12 +260,8 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     fn changes_with_time(&self) -> bool {
         self.others.changes_with_time() || self.effect.changes_with_time()
     }
-    fn rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        if number < F::FLOWS {
-            return self.others.rule(number);
-        }
-        let (rule, feels) = self.effect.rule();
-        (rule, feels, self.name)
+    fn manner(&self, number: usize) -> (Manner, &'static str) {
+        if number < F::FLOWS { self.others.manner(number) } else { (self.effect.manner(), self.name) }
     }
     fn flow(
         &self,

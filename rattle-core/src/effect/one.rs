@@ -1,7 +1,7 @@
 //! One effect: as a user names it, and over a scalar.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
 use crate::error::{EffectMistake, Error};
@@ -114,10 +114,9 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// step, and once after each that comes after it. Neither allocates nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
-    /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES)
-    /// forces.
-    fn rule(&self) -> (Rule, bool) {
-        (Rule::Symmetric, false)
+    /// What a flow of momenta is like.
+    fn manner(&self) -> Manner {
+        Manner { rule: Rule::Symmetric, feels: false, pushes: Self::PUSHES }
     }
     /// Writes what the momenta change by, as [`Flow::flow`](crate::effect::Flow::flow) does.
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {

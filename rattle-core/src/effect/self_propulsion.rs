@@ -1,6 +1,6 @@
 //! Active particles: bodies that push themselves along a heading of their own.
 
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
@@ -165,8 +165,8 @@ impl<T: Real, const D: usize> Acting<T, D> for ActsBySelf<D> {
         }
     }
 
-    fn rule(&self) -> (Rule, bool) {
-        (Rule::Random, false)
+    fn manner(&self) -> Manner {
+        Manner { rule: Rule::Random, feels: false, pushes: true }
     }
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
         let impulse = T::from_f64(self.0.force * during.h);

@@ -85,9 +85,9 @@ fn moves<S: Method, Y: System<f64, D>, const D: usize>(system: &Y) -> bool {
 
 /// Refuses flows that draw random numbers, for a motion that runs backwards.
 pub(crate) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
-    let rules = (0..Y::FLOWS).map(|number| system.flow_rule(number));
-    match rules.into_iter().find(|rule| rule.0 == Rule::Random) {
-        Some((.., effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
+    let manners = (0..Y::FLOWS).map(|number| system.flow_manner(number));
+    match manners.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
+        Some((_, effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
         None => Ok(()),
     }
 }

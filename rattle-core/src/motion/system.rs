@@ -12,7 +12,7 @@
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
 //! [`Linked`](crate::systems::linked::Linked) is for everything else.
 
-use crate::effect::interval::{Inertia, Rule, UnitMasses};
+use crate::effect::interval::{Inertia, Manner, Rule, UnitMasses};
 use crate::effect::noise::Noise;
 use crate::error::EffectMistake;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
@@ -223,9 +223,14 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// The [rule](Rule) of the flow of this number, whether it feels forces, and the name of its type.
-    fn flow_rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Symmetric, false, "")
+    /// What the flow of this number is like, and the name of its type.
+    fn flow_manner(&self, _number: usize) -> (Manner, &'static str) {
+        (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
+    }
+
+    /// Whether constraints change with time, so that they move bodies.
+    fn constraints_move(&self) -> bool {
+        false
     }
 
     /// Masses, in the coordinates of the momenta; unit masses if nothing else is said.
@@ -376,14 +381,19 @@ pub struct Given<'a, T, const D: usize> {
     pub rates: &'a [[T; D]],
     /// Gᵀλ of all bodies, likewise.
     pub holding: &'a [[T; D]],
+    /// What of ṗ h is still to come, likewise.
+    pub coming: &'a [[T; D]],
+    /// The kinetic energy that constraints which move impose.
+    pub imposed: T,
     /// Random numbers.
     pub noise: Noise,
 }
 
-impl<T, const D: usize> Given<'_, T, D> {
+impl<T: Real, const D: usize> Given<'_, T, D> {
     /// For so long, before a step or after it, with nothing laid beside.
     pub(crate) fn of(h: f64, before: bool, noise: Noise) -> Self {
-        Self { h, before, velocities: &[], rates: &[], holding: &[], noise }
+        let imposed = T::from_f64(0.0);
+        Self { h, before, velocities: &[], rates: &[], holding: &[], coming: &[], imposed, noise }
     }
 }
 

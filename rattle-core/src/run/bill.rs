@@ -126,7 +126,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         if Y::FLOWS > 0 {
-            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_rule(number).2).collect();
+            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_manner(number).1).collect();
             let h = 1e-6 * self.method.step_size();
             let one = time(|| drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
             let nanoseconds = f64::from(times::<S, _, _, D>(&self.system)) * one;

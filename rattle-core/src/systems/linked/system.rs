@@ -2,7 +2,7 @@
 //! constraints and any masses.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EffectMistake, StepFailure};
@@ -116,8 +116,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn moves_with_time(&self) -> bool {
-        let links_move = self.shape.components.iter().any(|component| component.rows.moving);
-        links_move || self.effects.changes_with_time()
+        self.constraints_move() || self.effects.changes_with_time()
+    }
+
+    fn constraints_move(&self) -> bool {
+        self.shape.components.iter().any(|component| component.rows.moving)
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -166,8 +169,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, D> {
@@ -532,7 +535,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         bodies: &mut BodiesOf<F, N, D>,
         look: impl FnOnce(&F, &Interval<'_, f64, D>, &mut F::Room) -> R,
     ) -> R {
-        let Given { h, before, velocities, rates, holding, noise } = given;
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
         let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (momenta, inertia, marks) = (bodies.p.as_ref(), &*self.shape, &*bodies.marks);
@@ -545,6 +548,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             velocities,
             rates,
             holding,
+            coming,
+            imposed,
             inertia,
             surface,
             marks,

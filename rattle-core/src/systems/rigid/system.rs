@@ -1,7 +1,7 @@
 //! The verbs of a [`System`] for rigid bodies.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EffectMistake, Passing, StepFailure};
@@ -110,8 +110,8 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, 9> {
@@ -313,7 +313,7 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         look: impl FnOnce(&F, &Interval<'_, f64, 9>, &mut F::Room) -> R,
     ) -> R {
-        let Given { h, before, velocities, rates, holding, noise } = given;
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
         let (freedom, tied) = (self.freedom(bodies), false);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (momenta, inertia, marks) = (bodies.p.as_ref(), &self.body, &*bodies.marks);
@@ -326,6 +326,8 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
             velocities,
             rates,
             holding,
+            coming,
+            imposed,
             inertia,
             surface,
             marks,

@@ -3,7 +3,7 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Normals, Rule, UnitMasses};
+use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::EffectMistake;
@@ -211,8 +211,8 @@ where
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn force(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
@@ -403,7 +403,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
         Self: System<T, D, Count = N, Kept = Kept<N, T, F, D>>,
     {
-        let Given { h, before, velocities, rates, holding, noise } = given;
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
         let (freedom, tied) = (self.freedom(bodies), false);
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         let (momenta, inertia, marks) = (bodies.p.as_ref(), &UnitMasses, &*bodies.marks);
@@ -417,6 +417,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             velocities,
             rates,
             holding,
+            coming,
+            imposed,
             inertia,
             surface,
             marks,
