@@ -9,7 +9,7 @@
 //! between is stored. The dots fill what the energy allows of the three parts of the plane that lie on the surface, as
 //! chaos does; streaks are what is left of the first swing, which starts from a line.
 //!
-//! Prints time per step and trajectory, and energy errors; draws into `out/ensemble`: the section (`section.svg`) and how
+//! Prints time per step and trajectory, with the bill of it, and energy errors; draws into `out/ensemble`: the section (`section.svg`) and how
 //! long trajectories take to come back to it (`returns.svg`).
 
 use indicatif::ProgressBar;
@@ -39,6 +39,7 @@ fn speed<P: Precision>(name: &str, precision: P) -> Result<(), rattle::Error> {
     let time = clock.elapsed().as_secs_f64() / (2000.0 * NUMBER as f64);
     let failed = ensemble.failures().count();
     println!("{name:12} {:6.2} ns per step and trajectory, {failed} of {NUMBER} ended", 1e9 * time);
+    println!("{}\n", ensemble.bill()?);
     Ok(())
 }
 

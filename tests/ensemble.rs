@@ -642,3 +642,28 @@ fn a_steady_motion_keeps_its_speed() {
         assert!((speed - 1.0).abs() < 1e-11, "h = {h}: {:e}", speed - 1.0);
     }
 }
+
+/// The bill of trajectories in lanes, and of others; a run knows nothing of it.
+#[test]
+fn a_bill_of_trajectories() {
+    let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
+    let start = |i: u32| State::at([0.0, 0.0, 1.0 / 6.0]).moving([1.0 / f64::from(i + 1), 0.1, 0.0]);
+    let ensemble = || scene.ensemble((0..70).map(start), Rattle::new(0.01)).unwrap();
+    let (mut billed, mut other) = (ensemble(), ensemble());
+    billed.run(50);
+    let bill = billed.bill().unwrap();
+    billed.run(50);
+    other.run(50);
+    other.run(50);
+    assert!(billed.states().eq(other.states()));
+    let sum = |bill: &rattle::bill::Bill| bill.items.iter().map(|item| item.nanoseconds).sum::<f64>();
+    assert!(bill.step > 0.0 && sum(&bill) >= bill.step * (1.0 - 1e-12), "{bill}");
+    assert_eq!(bill.items[0].what, "force of `Gravity`");
+    let in_lanes = InstructionSet::widest().fuses();
+    assert_eq!((bill.bodies, bill.side_by_side), (1, if in_lanes { 64 } else { 1 }));
+    // One by one; and no trajectory at all.
+    let alone = scene.ensemble((0..3).map(start), Lobatto::<3>::new(0.01)).unwrap().bill().unwrap();
+    assert_eq!((alone.bodies, alone.side_by_side), (1, 1));
+    let nothing = scene.ensemble([], Rattle::new(0.01)).unwrap().bill().unwrap();
+    assert!(nothing.items.is_empty() && nothing.step == 0.0);
+}

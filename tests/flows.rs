@@ -5,7 +5,7 @@ mod common;
 
 use common::order;
 use common::symplectic::defect_in;
-use rattle::effect::{DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag};
+use rattle::effect::{DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag, SelfPropulsion};
 use rattle::links::Rod;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::potentials::Gravity;
@@ -219,6 +219,55 @@ fn sliding_on_a_slope() {
         let mut simulation = slope(mu).simulate(State::at([0.0; 3]), Baoab::new(0.01)).unwrap();
         simulation.run(100).unwrap();
         assert_eq!(simulation.position().norm() > 1e-5, moves, "{mu}");
+    }
+}
+
+/// Sticking weighs what all forces give, and N is of all of them: potentials, `force!` and self-propulsion, however they
+/// are named. At 98 % of μN nothing moves to the last bit; at twice μN a body is faster by h (f − μN) in each step.
+#[test]
+fn friction_weighs_all_forces() {
+    force! {
+        /// Weight, and a pull along x.
+        struct Pull { weight, pull }
+        |_q: [f64; 3]| [pull, 0, -weight]
+    }
+    fn check<E: Effects<3>>(scene: &Scene<Plane, E, rattle::bodies::One, 3>, moves: bool) {
+        let mut simulation = scene.simulate(State::at([0.0; 3]), Rattle::new(0.01)).unwrap();
+        simulation.run(100).unwrap();
+        let x = simulation.position().x;
+        if moves {
+            assert!((x - 0.5 * 0.5).abs() < 1e-13, "{x}");
+            assert!(simulation.energy_error().abs() < 1e-13);
+        } else {
+            assert_eq!((x, simulation.momentum().x), (0.0, 0.0));
+        }
+    }
+    let table = || Scene::on(Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.0 });
+    let rough = DryFriction { coefficient: 0.5 }; // N = 1
+    for (force, moves) in [(0.49, false), (1.0, true)] {
+        let pull = Pull { weight: 1.0, pull: force };
+        check(&table().with(pull).with(rough), moves);
+        check(&table().with(rough).with(pull), moves);
+        let half = Pull { weight: 0.5, pull: 0.5 * force };
+        check(&table().with(half).with(rough).with(half), moves);
+        let light = Pull { weight: 0.4, pull: force };
+        check(&table().with(Gravity { g: 0.6 }).with(rough).with(light), moves);
+        let along = SelfPropulsion::new(force, 0.0, 1).headed([[1.0, 0.0, 0.0]]);
+        check(&table().with(Gravity { g: 1.0 }).with(rough).with(along.clone()), moves);
+        check(&table().with(Gravity { g: 1.0 }).with(along).with(rough), moves);
+    }
+    // Of second order where N changes on the way, by a force that knows velocities.
+    force! {
+        /// Weight that depends on place and speed, and a push across.
+        struct Wind {}
+        |q: [f64; 3], v: [f64; 3], t| [-v[0] / 5, sin(q[0]) / 10, -1 - q[0]^2 - v[0] * v[1] + cos(t) / 2]
+    }
+    let start = State::at([0.0; 3]).moving([1.0, 0.5, 0.0]);
+    for scene in [
+        orders(&table().with(Wind {}).with(rough), &start, 0.04, 0.8),
+        orders(&table().with(rough).with(Wind {}), &start, 0.04, 0.8),
+    ] {
+        assert!((1.8..2.3).contains(&scene[0]), "{scene:?}");
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod common;
 
+use common::statistics::{DEVIATIONS, fits};
 use rattle::bodies::Many;
 use rattle::curvature::points;
 use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
@@ -12,9 +13,6 @@ use rattle::potentials::{Gravity, Harmonic, LennardJones};
 use rattle::prelude::*;
 use rattle::surfaces::{Ellipsoid, Sphere, Torus};
 use std::f64::consts::TAU;
-
-/// Deviations that a mean of so many independent samples may have: once in 150 000 tests.
-const DEVIATIONS: f64 = 4.5;
 
 const KT: f64 = 0.7;
 
@@ -79,16 +77,6 @@ fn chains_and_rigid_bodies() {
         let (mean, sigma) = (square / steps as f64, KT * (2.0 / steps as f64).sqrt());
         assert!((mean - KT).abs() < DEVIATIONS * sigma, "{mean} of {KT}, σ = {sigma:.1e}");
     }
-}
-
-/// χ² of numbers in bins against their probabilities, and the bound for its bins: the mean of χ² is their number less
-/// one, its variance twice that.
-fn fits(counts: &[f64], probabilities: &[f64]) {
-    let (n, bins) = (counts.iter().sum::<f64>(), (counts.len() - 1) as f64);
-    let term = |(count, p): (&f64, &f64)| (count - n * p).powi(2) / (n * p);
-    let chi = counts.iter().zip(probabilities).map(term).sum::<f64>();
-    assert!(chi < bins + DEVIATIONS * (2.0 * bins).sqrt(), "χ² = {chi} of {bins} bins: {counts:?}");
-    assert!(chi > bins - DEVIATIONS * (2.0 * bins).sqrt(), "too good: χ² = {chi}");
 }
 
 /// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed
@@ -404,4 +392,43 @@ fn what_makes_no_sense_is_refused() {
             .to_string()
             .contains("symmetric")
     );
+}
+
+/// What links that move impose on bodies is no heat: on a plane that is lifted by 3 in a unit of time, of masses 1 and
+/// 2, the temperature is that of momenta along the plane, and baths hold them at it.
+#[test]
+fn bodies_that_are_carried_are_not_hot() {
+    constraint! {
+        /// A plane on its way up.
+        struct Lift { v }
+        |_x, _y, z, t| z - v * t
+    }
+    const N: usize = 20;
+    const V: f64 = 3.0;
+    fn check(heat: impl Flow<3>) {
+        let mass = |i: usize| 1.0 + (i % 2) as f64;
+        let scene = Scene::points::<3>(N)
+            .masses((0..N).map(mass))
+            .link_moving(Lift { v: V }, (0..N).map(|i| [i]))
+            .with(heat);
+        let at = State::of([[0.0; 3]; N]);
+        let carried = at.clone().with_momenta((0..N).map(|i| [0.0, 0.0, mass(i) * V]));
+        let still = scene.simulate(carried, Rattle::new(0.05)).unwrap();
+        assert!(still.temperature().abs() < 1e-13 && still.kinetic_energy() > 100.0);
+        let start = at.with_momenta((0..N).map(|i| [1.0, 0.0, mass(i) * V]));
+        let mut simulation = scene.simulate(start, Rattle::new(0.05)).unwrap();
+        assert_eq!(simulation.freedom(), 2 * N);
+        simulation.run(40).unwrap();
+        let (mut sum, steps) = (0.0, 200);
+        for _ in 0..steps {
+            simulation.run(2).unwrap(); // correlations are e⁻⁴ at most
+            sum += simulation.temperature();
+        }
+        let (mean, sigma) = (sum / f64::from(steps), KT * (1.0 / (N as f64 * f64::from(steps))).sqrt());
+        assert!((mean - KT).abs() < DEVIATIONS * 1.05 * sigma, "{mean} of {KT} ± {sigma:.1e}");
+        assert!(simulation.momenta().enumerate().all(|(i, p)| (p.z - mass(i) * V).abs() < 1e-13));
+    }
+    check(VelocityRescaling { time: 0.025, temperature: KT, seed: 2 });
+    check(strong(0.05));
+    check(Andersen { rate: 20.0, temperature: KT, seed: 2 });
 }

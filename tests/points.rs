@@ -1,5 +1,8 @@
 //! Points on surfaces: uniform in area, even, apart; and momenta of a temperature.
 
+mod common;
+
+use common::statistics::fits;
 use rattle::curvature::points::{PointsError, apart, even, uniform};
 use rattle::curvature::{integrate, measure};
 use rattle::prelude::*;
@@ -16,14 +19,6 @@ constraint! {
     /// The unit sphere of four dimensions.
     struct ThreeSphere {}
     |q: [f64; 4]| dot(q, q) - 1
-}
-
-/// χ² of numbers in bins against their probabilities: within 4.5 deviations of its mean.
-fn fits(counts: &[f64], probabilities: &[f64]) {
-    let (n, bins) = (counts.iter().sum::<f64>(), (counts.len() - 1) as f64);
-    let chi =
-        counts.iter().zip(probabilities).map(|(count, p)| (count - n * p).powi(2) / (n * p)).sum::<f64>();
-    assert!((chi - bins).abs() < 4.5 * (2.0 * bins).sqrt(), "χ² = {chi} of {bins} bins: {counts:?}");
 }
 
 const N: usize = 2000;

@@ -3,6 +3,7 @@
 
 pub mod lanes;
 pub mod linked;
+pub mod statistics;
 pub mod symplectic;
 
 use rattle::composition::{ALL, Coefficients};

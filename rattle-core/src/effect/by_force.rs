@@ -10,7 +10,7 @@
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::Interval;
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::error::{Error, expect_variables};
@@ -91,14 +91,12 @@ impl<T: Real, X: ForceLawKernel<f64, K>, const D: usize, const K: usize, const A
 {
     type Room = ();
     const FLOWS: bool = true;
+    const PUSHES: bool = !X::ON_VELOCITY;
     fn room(&self, _: usize) {}
 
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         X::ON_TIME
-    }
-    fn rule(&self) -> (Rule, bool) {
-        (Rule::Symmetric, false)
     }
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
         let &Interval { h, at, momenta, velocities, inertia, .. } = during;

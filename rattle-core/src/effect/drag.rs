@@ -4,7 +4,7 @@ use crate::effect::flow::Flow;
 use crate::effect::interval::{Inertia, Interval, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
-use crate::number::real::Real;
+use crate::number::real::{Real, each_lane};
 use crate::number::vector::{add_scaled, dot, scaled};
 use std::array::from_fn;
 
@@ -60,7 +60,9 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
             let factor = self.of_bodies.get(body).copied().unwrap_or(1.0);
             let c = self.along.map(|c| T::from_f64(c * factor));
             *change = match diagonal(during.inertia, body) {
-                Some(inverse) => from_fn(|i| less(-during.h, c[i] * inverse[i]) * p[i]),
+                Some(inverse) => {
+                    from_fn(|i| each_lane(c[i] * inverse[i], |rate| (-during.h * rate).exp_m1()) * p[i])
+                }
                 None => slowed(during, body, p, |_| c),
             };
         }
@@ -108,11 +110,6 @@ impl<const D: usize> Flow<D> for QuadraticDrag {
     fn check(&self, _: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_positive_or_zero("coefficient", self.coefficient)
     }
-}
-
-/// exp(h r) − 1.
-fn less<T: Real>(h: f64, rate: T) -> T {
-    T::from_lanes(|lane| (h * rate.lanes().nth(lane).unwrap_or(f64::NAN)).exp_m1())
 }
 
 /// The diagonal of M⁻¹ of a body, if M⁻¹ is diagonal.

@@ -13,10 +13,11 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// ṗ = 0            where it rests and the force along the surface is at most μ N
 /// ```
 ///
-/// Friction knows forces and potentials, not other flows: name it after [`force!`](crate::effect::Flow) and drag, or a body that
-/// they push creeps by half a step's impulse.
+/// N and the force along the surface are those of potentials and of other flows, such as a
+/// [`force!`](crate::effect::Flow) and [`SelfPropulsion`](crate::effect::SelfPropulsion), in whatever order a scene names
+/// them; but for random ones, which shake a body loose.
 ///
-/// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the force of the
+/// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the forces of the
 /// next step would give. Of second order while a body slides. The surface holds a body from both sides, so N does not
 /// know a sign; it is that of forces and of the curvature of the path, N = |f·n + κv²|. Of linked bodies N is the pull
 /// of all links on the body. For bodies whose mass is one number.
@@ -53,8 +54,8 @@ impl<const D: usize> Flow<D> for DryFriction {
             let size = length(p);
             scaled(T::select(impulse.lt(size), one - impulse / size, zero), p)
         };
-        let forces = during.rates.iter().zip(during.holding);
-        for ((change, p), (rate, holding)) in changes.iter_mut().zip(during.momenta).zip(forces) {
+        let forces = during.rates.iter().zip(during.holding).zip(during.coming);
+        for ((change, p), ((rate, holding), coming)) in changes.iter_mut().zip(during.momenta).zip(forces) {
             // N at the middle of the flow: its part that answers forces stays, that of the curvature goes with v².
             let (size, force) = (length(p), add_scaled(rate, -one, holding));
             let square = dot(holding, holding);
@@ -65,11 +66,9 @@ impl<const D: usize> Flow<D> for DryFriction {
             let curved = add_scaled(holding, -one, &at_rest);
             let impulse = mu * length(&add_scaled(&at_rest, left, &curved)) * h;
 
-            let given = scaled(h, rate);
-            let then = sum(p, &given);
-            let near_rest = size.le(impulse).all();
-            let next = if during.before && near_rest {
-                add_scaled(&slowed(&then, impulse), -one, &given)
+            let near_rest = size.le(impulse + length(coming)).all();
+            let next = if near_rest {
+                add_scaled(&slowed(&sum(p, coming), impulse), -one, coming)
             } else {
                 slowed(p, impulse)
             };

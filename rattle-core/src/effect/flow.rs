@@ -1,6 +1,6 @@
 //! What momenta decide: drag, magnetic fields, heat.
 
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::error::{EffectMistake, Error};
@@ -112,8 +112,8 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     fn changes_with_time(&self) -> bool {
         self.0.changes_with_time()
     }
-    fn rule(&self) -> (Rule, bool) {
-        (F::RULE, F::FEELS_FORCES)
+    fn manner(&self) -> Manner {
+        Manner { rule: F::RULE, feels: F::FEELS_FORCES, pushes: false }
     }
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
         self.0.flow(during, changes);

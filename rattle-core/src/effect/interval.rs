@@ -20,12 +20,22 @@ pub struct Interval<'a, T, const D: usize> {
     /// M⁻¹p of all bodies in turn, in the coordinates of the momenta: of a rigid body its angular velocity in the
     /// body's frame.
     pub velocities: &'a [[T; D]],
-    /// ṗ of all bodies by forces and constraints, for a flow that [feels](crate::effect::Flow::FEELS_FORCES) it.
+    /// ṗ of all bodies by forces, other flows that are not random, and constraints, for a flow that
+    /// [feels](crate::effect::Flow::FEELS_FORCES) it.
     pub rates: &'a [[T; D]],
     /// The part Gᵀλ of ṗ that holds the bodies on their constraints, likewise.
     pub holding: &'a [[T; D]],
+    /// What of ṗ h, from this half of a step, is still to come before places move again, or before the step is over,
+    /// likewise.
+    pub coming: &'a [[T; D]],
+    /// The kinetic energy that links which move impose on bodies, part of that of their momenta.
+    pub imposed: T,
     /// Masses.
     pub inertia: &'a dyn Inertia<T, D>,
+    /// The surfaces that bodies are on, each on one; none in other scenes.
+    pub surface: Option<&'a dyn Normals<T, D>>,
+    /// What the flow [remembers](crate::effect::Acting::marks).
+    pub marks: &'a [T],
     /// Whether constraints tie bodies to one another, so that momenta are made tangent together.
     pub tied: bool,
     /// The number of independent momenta.
@@ -39,6 +49,11 @@ impl<T: Real, const D: usize> Interval<'_, T, D> {
     pub fn kinetic_energy(&self) -> T {
         let products = self.momenta.iter().flatten().zip(self.velocities.iter().flatten());
         products.fold(T::from_f64(0.0), |sum, (&p, &v)| sum + T::from_f64(0.5) * p * v)
+    }
+
+    /// The kinetic energy of all bodies beside what links that move impose on them: what has a temperature.
+    pub fn thermal_energy(&self) -> T {
+        self.kinetic_energy() - self.imposed
     }
 
     /// A random momentum of this body, normal with mean 0 and covariance `variance` M: with the variance kT that of
@@ -58,6 +73,12 @@ pub trait Inertia<T, const D: usize>: Debug {
     fn root(&self, body: usize, u: &[T; D]) -> [T; D];
     /// Whether the body is held at its place.
     fn is_pinned(&self, body: usize) -> bool;
+}
+
+/// The surfaces that bodies are on, each on one.
+pub trait Normals<T, const D: usize>: Debug {
+    /// ∇g/|∇g| at the place of this body.
+    fn normal(&self, body: usize) -> [T; D];
 }
 
 /// The columns of M⁻¹ of a body.
@@ -97,6 +118,24 @@ pub enum Rule {
     /// constraints tie together, and a normal number of covariance proportional to M. Such a flow does not run
     /// backwards.
     Random,
+}
+
+/// What a flow is like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Manner {
+    /// How it is kept along the constraints.
+    pub rule: Rule,
+    /// Whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
+    pub feels: bool,
+    /// Whether it is a [push](crate::effect::Acting::PUSHES).
+    pub pushes: bool,
+}
+
+impl Manner {
+    /// Whether it is a force that others feel.
+    pub(crate) fn is_felt(self) -> bool {
+        !self.feels && (self.pushes || self.rule == Rule::Symmetric)
+    }
 }
 
 /// Which half of a flow: before a step or after it.

@@ -3,11 +3,12 @@
 //! compiling.
 
 use crate::effect::force::{Absent, Force};
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
+use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::swept::Swept;
-use crate::error::Error;
+use crate::error::{EffectMistake, Error};
 use crate::kernel::over::short_name;
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
@@ -48,15 +49,37 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     const FLOWS: usize;
     /// How many effects there are.
     const EFFECTS: usize;
+    /// Whether one of the effects [remembers](Acting::REMEMBERS) anything.
+    const REMEMBERS: bool;
+    /// Whether all flows are [pushes](Acting::PUSHES).
+    const PUSHES: bool;
     /// Room for so many bodies, made before the first step.
     fn room(&self, bodies: usize) -> Self::Room;
 
+    /// How many numbers the effects remember, see [`Acting::marks`]. Those of an effect come after those of the effects
+    /// named before.
+    fn marks(&self, _bodies: usize) -> usize {
+        0
+    }
+    /// Writes what the effects remember at the start of a run.
+    ///
+    /// # Errors
+    /// Of the first effect that cannot act, with the name of its type.
+    fn first_marks(
+        &self,
+        _during: &Interval<'_, T, D>,
+        _marks: &mut [T],
+    ) -> Result<(), (&'static str, EffectMistake)> {
+        Ok(())
+    }
+    /// Has the flow of this number take note, see [`Acting::take_note`].
+    fn take_note(&self, _number: usize, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
+
     /// Whether forces at the same positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// The [rule](Rule) of the flow of this number, the first of which has number 0; whether it feels forces; the name
-    /// of its type.
-    fn rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Symmetric, false, "")
+    /// What the flow of this number is like, the first of which has number 0, and the name of its type.
+    fn manner(&self, _number: usize) -> (Manner, &'static str) {
+        (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
     }
     /// Writes what the momenta change by by the flow of this number.
     fn flow(
@@ -130,6 +153,8 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
     type Room = ();
     const FLOWS: usize = 0;
     const EFFECTS: usize = 0;
+    const REMEMBERS: bool = false;
+    const PUSHES: bool = true;
     fn room(&self, _: usize) {}
 
     #[inline(always)]
@@ -203,20 +228,40 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     type Room = (F::Room, A::Room);
     const FLOWS: usize = F::FLOWS + A::FLOWS as usize;
     const EFFECTS: usize = F::EFFECTS + 1;
+    const REMEMBERS: bool = F::REMEMBERS || A::REMEMBERS;
+    const PUSHES: bool = F::PUSHES && (A::PUSHES || !A::FLOWS);
     fn room(&self, bodies: usize) -> Self::Room {
         (self.others.room(bodies), self.effect.room(bodies))
+    }
+
+    fn marks(&self, bodies: usize) -> usize {
+        self.others.marks(bodies) + self.effect.marks(bodies)
+    }
+    fn first_marks(
+        &self,
+        during: &Interval<'_, T, D>,
+        marks: &mut [T],
+    ) -> Result<(), (&'static str, EffectMistake)> {
+        let (others, own) = marks.split_at_mut(self.others.marks(during.at.positions.len()));
+        self.others.first_marks(during, others)?;
+        let noise = Noise { effect: F::FLOWS as u64, ..during.noise };
+        self.effect.first_marks(&Interval { noise, ..*during }, own).map_err(|mistake| (self.name, mistake))
+    }
+    fn take_note(&self, number: usize, during: &Interval<'_, T, D>, marks: &mut [T]) {
+        let (others, own) = marks.split_at_mut(self.others.marks(during.at.positions.len()));
+        if number < F::FLOWS {
+            self.others.take_note(number, during, others);
+        } else {
+            self.effect.take_note(during, own);
+        }
     }
 
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         self.others.changes_with_time() || self.effect.changes_with_time()
     }
-    fn rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        if number < F::FLOWS {
-            return self.others.rule(number);
-        }
-        let (rule, feels) = self.effect.rule();
-        (rule, feels, self.name)
+    fn manner(&self, number: usize) -> (Manner, &'static str) {
+        if number < F::FLOWS { self.others.manner(number) } else { (self.effect.manner(), self.name) }
     }
     fn flow(
         &self,
@@ -225,10 +270,14 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         (others, own): &mut Self::Room,
         changes: &mut [[T; D]],
     ) {
+        let (of_others, of_own) = match const { Self::REMEMBERS } {
+            true => during.marks.split_at(self.others.marks(during.at.positions.len())),
+            false => (during.marks, during.marks),
+        };
         if number < F::FLOWS {
-            self.others.flow(number, during, others, changes);
+            self.others.flow(number, &Interval { marks: of_others, ..*during }, others, changes);
         } else {
-            self.effect.flow(during, own, changes);
+            self.effect.flow(&Interval { marks: of_own, ..*during }, own, changes);
         }
     }
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! A magnetic field: what turns momenta and does no work.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval};
+use crate::effect::interval::{Inertia, Interval, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::Real;
@@ -105,8 +105,7 @@ fn turned<T: Real, const D: usize>(
     p: &[T; D],
     a: impl Fn([T; D]) -> [T; D],
 ) -> [T; D] {
-    let unit = |i: usize| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))));
-    let columns: [[T; D]; D] = from_fn(|i| a(inertia.velocity(body, &unit(i))));
-    let rows = from_fn(|i| from_fn(|k| unit(i)[k] - columns[k][i]));
+    let columns = inverse_mass(inertia, body).map(&a);
+    let rows = from_fn(|i| from_fn(|k| T::from_f64(f64::from(u8::from(i == k))) - columns[k][i]));
     solve_positive(rows, scaled(T::from_f64(2.0), &a(inertia.velocity(body, p))))
 }

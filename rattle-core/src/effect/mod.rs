@@ -3,8 +3,8 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`], [`Propelled`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`], [`ActsBySelf`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are
@@ -37,6 +37,7 @@ pub mod noise;
 pub mod on_each;
 pub mod one;
 pub mod rescaling;
+pub mod self_propulsion;
 pub mod stop;
 pub mod swept;
 mod tiles;
@@ -58,7 +59,7 @@ pub use dry_friction::DryFriction;
 pub use flow::{ActsByFlow, Flow, Flowing};
 pub use force::{Absent, Force};
 pub use hard_spheres::HardSpheres;
-pub use interval::{Inertia, Interval, Rule};
+pub use interval::{Inertia, Interval, Normals, Rule};
 pub use langevin::Langevin;
 pub use list::{Effects, Forces, Superposed, With};
 pub use magnetic::MagneticField;
@@ -67,5 +68,6 @@ pub use noise::Noise;
 pub use on_each::{ActsOnEach, OnEach, SweptOnEach};
 pub use one::{Acting, Effect};
 pub use rescaling::VelocityRescaling;
+pub use self_propulsion::{ActsBySelf, Propelled, SelfPropulsion};
 pub use stop::Stop;
 pub use swept::Swept;

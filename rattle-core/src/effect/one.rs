@@ -1,10 +1,10 @@
 //! One effect: as a user names it, and over a scalar.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Rule};
+use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
-use crate::error::Error;
+use crate::error::{EffectMistake, Error};
 use crate::kernel::series::Order;
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -92,10 +92,31 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         T::from_f64(0.0)
     }
 
-    /// How a flow of momenta is kept along the constraints, and whether it [feels](crate::effect::Flow::FEELS_FORCES)
-    /// forces.
-    fn rule(&self) -> (Rule, bool) {
-        (Rule::Symmetric, false)
+    /// Whether the effect, which is a flow, remembers anything from step to step.
+    const REMEMBERS: bool = false;
+    /// Whether the flow is a push, in proportion to h and the same for all momenta: such a flow acts where there are
+    /// [no momenta](crate::methods::brownian::Brownian) too.
+    const PUSHES: bool = false;
+    /// How many numbers the effect remembers from step to step in a scene of so many bodies. They decide what it does:
+    /// they are put back with the places when a step fails, and a [`State`](crate::motion::state::State) takes them
+    /// along.
+    fn marks(&self, _bodies: usize) -> usize {
+        0
+    }
+    /// Writes what is remembered at the start of a run; what is there are zeros.
+    ///
+    /// # Errors
+    /// Where the effect cannot act.
+    fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
+        Ok(())
+    }
+    /// Changes what is remembered, which is also that of the interval, as a time h passes at the present places: asked once before each flow that comes before a
+    /// step, and once after each that comes after it. Neither allocates nor panics.
+    fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
+
+    /// What a flow of momenta is like.
+    fn manner(&self) -> Manner {
+        Manner { rule: Rule::Symmetric, feels: false, pushes: Self::PUSHES }
     }
     /// Writes what the momenta change by, as [`Flow::flow`](crate::effect::Flow::flow) does.
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {

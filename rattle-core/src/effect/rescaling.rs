@@ -5,7 +5,7 @@ use crate::effect::interval::{Interval, Rule};
 use crate::effect::noise::Noise;
 use crate::error::EffectMistake;
 use crate::number::philox::normal;
-use crate::number::real::Real;
+use crate::number::real::{Real, each_lane};
 use crate::number::vector::scaled;
 
 /// Velocity rescaling with the right fluctuations (G. Bussi, D. Donadio, M. Parrinello 2007).
@@ -19,8 +19,8 @@ use crate::number::vector::scaled;
 /// disturbed less than by [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many
 /// bodies that exchange energy; one particle by itself gets the right energies and keeps to its path.
 ///
-/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). Not for links that
-/// move, whose motion would count as heat.
+/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). What links
+/// that move impose on bodies is no heat, and stays: K is that of the other momenta.
 ///
 /// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
 ///
@@ -51,9 +51,8 @@ impl<const D: usize> Flow<D> for VelocityRescaling {
     const RULE: Rule = Rule::Random;
 
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
-        let kinetic = during.kinetic_energy();
-        let factor =
-            T::from_lanes(|lane| self.factor(during, kinetic.lanes().nth(lane).unwrap_or(f64::NAN)) - 1.0);
+        let kinetic = during.thermal_energy();
+        let factor = each_lane(kinetic, |kinetic| self.factor(during, kinetic) - 1.0);
         for (change, p) in changes.iter_mut().zip(during.momenta) {
             *change = scaled(factor, p);
         }

@@ -30,6 +30,17 @@ pub enum EffectMistake {
         /// The kind of system.
         system: &'static str,
     },
+    /// What goes along a surface, and bodies that are on none.
+    #[error("it is for bodies each on a surface in space, or for bodies in the plane that are on no curve")]
+    NoSurface,
+    /// A direction without a part along the surface.
+    #[error("the heading {heading:?} of body {body} has no part along the surface")]
+    NoHeading {
+        /// Which body.
+        body: usize,
+        /// The heading that was given.
+        heading: Vec<f64>,
+    },
     /// Random forces do not run backwards.
     #[error(
         "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"

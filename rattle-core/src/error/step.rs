@@ -291,9 +291,10 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
-    /// A flow of momenta whose implicit half is not found: it changes momenta by too much in one step.
+    /// A flow of momenta for which no impulse of the constraints is found that keeps momenta along them: it changes
+    /// momenta by too much in one step.
     #[error(
-        "the flow of `{effect}` cannot be solved for a time of {h:.3e}: it changes momenta by more than themselves; try a smaller step"
+        "the flow of `{effect}` for a time of {h:.3e} is not found together with the impulse of the constraints: it changes momenta by more than themselves; try a smaller step"
     )]
     FlowTooLong {
         /// The type of the effect.

@@ -31,7 +31,7 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
     system: &'a Y,
 ) -> Result<View<'a, S, f64, Y, D>, Error> {
     let divided = method.is_symmetric() && method.momentum_delay() == 0.0;
-    if Y::FLOWS > 0 && !divided && !S::STIRS {
+    if Y::FLOWS > 0 && ((!divided && !S::STIRS) || (S::FORGETS && !Y::PUSHES)) {
         return Err(refused(method.name(), FLOW, system));
     }
     S::Need::of(system).map_err(|kind| refused(method.name(), kind, system))
@@ -45,7 +45,7 @@ fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'stat
         moves::<Rattle, Y, D>(system),
         moves::<Baoab, Y, D>(system),
         moves::<NoseHoover, Y, D>(system) && whole,
-        moves::<Brownian, Y, D>(system) && whole,
+        moves::<Brownian, Y, D>(system) && Y::PUSHES,
         moves::<Geodesic, Y, D>(system),
         moves::<PositionVerlet, Y, D>(system),
         moves::<Shake, Y, D>(system) && whole,
@@ -85,9 +85,9 @@ fn moves<S: Method, Y: System<f64, D>, const D: usize>(system: &Y) -> bool {
 
 /// Refuses flows that draw random numbers, for a motion that runs backwards.
 pub(crate) fn no_way_back<Y: System<f64, D>, const D: usize>(system: &Y) -> Result<(), Error> {
-    let rules = (0..Y::FLOWS).map(|number| system.flow_rule(number));
-    match rules.into_iter().find(|rule| rule.0 == Rule::Random) {
-        Some((.., effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
+    let manners = (0..Y::FLOWS).map(|number| system.flow_manner(number));
+    match manners.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
+        Some((_, effect)) => Err(Error::Effect { effect, mistake: EffectMistake::NoWayBack }),
         None => Ok(()),
     }
 }

@@ -11,10 +11,12 @@
 //!
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
+use crate::effect::interval::Half;
 use crate::error::{EffectMistake, Error};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View, check_step_size};
 use crate::motion::need::Kicks;
+use crate::motion::stir;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
@@ -23,7 +25,8 @@ use crate::number::real::Real;
 ///
 /// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those
 /// of the links). Energies then are potential ones, no work is booked, and the energy error says nothing. A step needs h·κ·|v| < 1 for its
-/// random displacement h|v|.
+/// random displacement h|v|. Of [flows](crate::effect::Flow) only pushes make sense, which are the same for all
+/// momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -59,6 +62,8 @@ impl Method for Brownian {
     type Memory<T: Real> = [T; 0];
     type Need = Kicks;
     const DRAWS: bool = true;
+    const STIRS: bool = true;
+    const FORGETS: bool = true;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -108,7 +113,12 @@ impl Method for Brownian {
             bodies.p_low.as_mut()[body] = zero;
         }
         system.settle(0.0, self.h, bodies, &mut ())?;
+        if const { Y::FLOWS > 0 } {
+            stir::take_note(Half::Before, 0.5 * self.h, system, bodies);
+            stir::push(Half::Before, 1.0 / self.friction, system, bodies)?;
+        }
         system.drift(1.0 / self.friction, self.h, bodies, witness)?;
+        stir::take_note(Half::After, 0.5 * self.h, system, bodies);
         for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
             (*p, *low) = (zero, zero);
         }

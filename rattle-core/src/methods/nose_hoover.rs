@@ -20,7 +20,7 @@ use crate::motion::method::{Method, View, check_step_size};
 use crate::motion::need::Still;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::{Real, each_lane};
 use crate::number::vector::scaled;
 
 /// Links of the chain.
@@ -104,8 +104,7 @@ impl NoseHoover {
             1 => rates[0] * rates[0] * number(freedom) - tau,
             _ => rates[i - 1] * rates[i - 1] - tau,
         };
-        let fade =
-            |h: f64, rate: T| T::from_lanes(|lane| (-h * rate.lanes().nth(lane).unwrap_or(f64::NAN)).exp());
+        let fade = |h: f64, rate: T| each_lane(rate, |rate| (-h * rate).exp());
         for weight in WEIGHTS {
             let h = weight * h;
             for i in (0..LINKS).rev() {

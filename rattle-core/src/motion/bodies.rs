@@ -105,6 +105,8 @@ pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     /// When random numbers are drawn: kept up where a scene has flows, or a method
     /// [draws](crate::motion::method::Method::DRAWS).
     pub noise: Noise,
+    /// What effects remember from step to step, see [`Acting::marks`](crate::effect::Acting::marks).
+    pub marks: Vec<T>,
     /// What was evaluated at the positions: normals, forces.
     pub kept: X,
     /// Room for a method to work in, made [before a run](crate::motion::method::Method::prepare).
@@ -132,7 +134,8 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         let zero = count.each([T::from_f64(0.0); D]);
         let (q, q_low, p, p_low) = (zero.clone(), zero.clone(), zero.clone(), zero);
         let (work, noise) = (T::from_f64(0.0), Noise::default());
-        let mut bodies = Self { q, q_low, p, p_low, time, work, noise, kept, room: None };
+        let marks = Vec::new();
+        let mut bodies = Self { q, q_low, p, p_low, time, work, noise, marks, kept, room: None };
         for i in 0..count.number() {
             let Body { q, q_low, p, p_low } = places[i];
             (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
@@ -145,16 +148,18 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
     pub fn saved(&self) -> Saved<N, T, D> {
         let (q, q_low, p, p_low) = (self.q.clone(), self.q_low.clone(), self.p.clone(), self.p_low.clone());
         let Self { time, work, noise, .. } = *self;
-        Bodies { q, q_low, p, p_low, time, work, noise, kept: (), room: None }
+        let marks = self.marks.clone();
+        Bodies { q, q_low, p, p_low, time, work, noise, marks, kept: (), room: None }
     }
 
-    /// Puts places, momenta, time and work aside, without allocating.
+    /// Puts places, momenta, time and work aside, without allocating; not what effects remember, see
+    /// [`put_aside`](crate::motion::system::System::put_aside).
     #[inline(always)]
     pub fn save(&self, to: &mut Saved<N, T, D>) {
         to.take_over(self);
     }
 
-    /// Takes back what was put aside of as many bodies, without allocating; not what is kept, see
+    /// Takes back what was put aside of as many bodies, without allocating; not what is kept and remembered, see
     /// [`put_back`](crate::motion::system::System::put_back).
     #[inline(always)]
     pub fn restore(&mut self, from: &Saved<N, T, D>) {

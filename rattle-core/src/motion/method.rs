@@ -83,6 +83,9 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// them acts before it and half after.
     const STIRS: bool = false;
 
+    /// Whether momenta play no part, so that of flows only [pushes](crate::effect::Acting::PUSHES) make sense.
+    const FORGETS: bool = false;
+
     /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble
     /// are compiled for methods of that kind alone.
     const SPLITTING: Splitting = Splitting::Not;

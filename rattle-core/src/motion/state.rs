@@ -35,7 +35,7 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
 /// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what
-/// rounding took from positions and momenta, and what the method remembered: a simulation started from it by the same
+/// rounding took from positions and momenta, and what method and effects remembered: a simulation started from it by the same
 /// method in the same scene goes on bit for bit. Other momenta, another method or another scene start anew.
 ///
 /// ```

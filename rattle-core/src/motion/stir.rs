@@ -6,12 +6,13 @@
 //!
 //! Source: G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 
-use crate::effect::interval::{Half, Rule};
+use crate::effect::interval::{Half, Manner, Rule};
 use crate::effect::noise::Noise;
 use crate::error::StepFailure;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
+use crate::motion::rest::{along, imposed};
 use crate::motion::system::{BodiesOf, Given, System};
 use crate::motion::witness::Witness;
 use crate::number::real::{Mask, Real};
@@ -21,8 +22,9 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
 /// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
-/// four others.
-pub(crate) const ROOM: usize = 10;
+/// four others; and what is still to come, velocities in the middle, what another flow gives and what of it is along the constraints, momenta
+/// that are imposed, momenta put aside with what rounding took.
+pub(crate) const ROOM: usize = 17;
 
 /// [`Rule::Symmetric`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
 const MOST_ITERATIONS: usize = 100;
@@ -60,16 +62,60 @@ pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
     if const { Y::FLOWS == 0 } {
         return Ok(());
     }
-    if Y::FLOWS == 1 && system.flow_rule(0).0 == Rule::Random {
+    if at_once(system) {
         return stir(Half::Before, h, system, bodies);
     }
     stir(Half::After, 0.5 * h, system, bodies)?; // of the drift that was
     stir(Half::Before, 0.5 * h, system, bodies)
 }
 
-/// Has all flows act for a time h, one after the other. Positions, and what is kept there, stay. The change of kinetic
-/// energy counts as work.
+/// Whether flows that act in the middle of a step act all at once: the two halves of more than one, or of one that is
+/// no exact solution, would not commute.
+fn at_once<T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
+    Y::FLOWS == 1 && !Y::REMEMBERS && system.flow_manner(0).0.rule == Rule::Random
+}
+
+/// How often a step of the method has the flows act.
+pub(crate) fn times<S: Method, T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> u32 {
+    if S::STIRS && (S::FORGETS || at_once(system)) { 1 } else { 2 }
+}
+
+/// Has all flows act for a time h, one after the other, and take note of it. Positions, and what is kept there, stay.
+/// The change of kinetic energy counts as work.
 pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    if half == Half::Before {
+        take_note(half, h, system, bodies);
+    }
+    push(half, h, system, bodies)?;
+    if half == Half::After {
+        take_note(half, h, system, bodies);
+        bodies.noise.place += u64::from(Y::REMEMBERS);
+    }
+    Ok(())
+}
+
+/// Has all flows take note of a time h that passes.
+pub(crate) fn take_note<T: Real, Y: System<T, D>, const D: usize>(
+    half: Half,
+    h: f64,
+    system: &Y,
+    bodies: &mut BodiesOf<Y, T, D>,
+) {
+    if const { Y::REMEMBERS } {
+        for number in 0..Y::FLOWS {
+            let noise = Noise { effect: number as u64, ..bodies.noise };
+            system.take_note(number, Given::of(h, half == Half::Before, noise), bodies);
+        }
+    }
+}
+
+/// Has all flows act for a time h, one after the other.
+pub(crate) fn push<T: Real, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,
     system: &Y,
@@ -80,13 +126,14 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
         let n = bodies.q.as_ref().len();
         for number in 0..Y::FLOWS {
             let number = if half == Half::Before { number } else { Y::FLOWS - 1 - number };
-            let (rule, feels, name) = system.flow_rule(number);
+            let (Manner { rule, feels, .. }, name) = system.flow_manner(number);
             let (room, p) = room.split_at_mut(4 * n);
+            let (p, felt) = p.split_at_mut(6 * n);
             let (first, low) = p.split_at_mut(n);
             let (low, other) = low.split_at_mut(n);
             first.copy_from_slice(bodies.p.as_ref());
             low.copy_from_slice(bodies.p_low.as_ref());
-            let mut flow = Flowing { number, half, feels, system, room, first, low };
+            let mut flow = Flowing { number, half, feels, system, room, felt, first, low };
             match rule {
                 Rule::Random => flow.act(h, bodies)?,
                 Rule::Symmetric => flow.act_symmetrically(h, bodies, other, name)?,
@@ -108,6 +155,9 @@ struct Flowing<'a, T, Y, const D: usize> {
     system: &'a Y,
     /// Velocities, rates, holding forces and changes.
     room: &'a mut [[T; D]],
+    /// What is still to come, velocities in the middle, what another flow gives, what of that is along the constraints, what is imposed, two
+    /// vectors to put momenta aside.
+    felt: &'a mut [[T; D]],
     /// The momenta at first, and what rounding had taken from them.
     first: &'a [[T; D]],
     low: &'a [[T; D]],
@@ -124,21 +174,64 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
         for (body, velocity) in velocities.iter_mut().enumerate() {
             *velocity = inertia.velocity(body, &bodies.p.as_ref()[body]);
         }
+        let mut given = Given {
+            velocities,
+            ..Given::of(h, self.half == Half::Before, Noise { effect: self.number as u64, ..bodies.noise })
+        };
+        let (coming, others) = self.felt.split_at_mut(n);
+        let (middle, others) = others.split_at_mut(n);
+        let (push, others) = others.split_at_mut(n);
+        let (way, others) = others.split_at_mut(n);
+        let (still, aside) = others.split_at_mut(n);
+        if self.feels || system.constraints_move() {
+            imposed(system, bodies, still, aside)?;
+            let energy = |(body, p): (usize, &[T; D])| T::from_f64(0.5) * dot(p, &inertia.velocity(body, p));
+            given.imposed =
+                still.iter().enumerate().map(energy).fold(T::from_f64(0.0), |sum, part| sum + part);
+        }
         if self.feels {
             system.evaluate_forces(bodies); // a method may have left those of another place
-            system.feel(bodies, rates, holding);
+            middle.copy_from_slice(velocities);
         }
-        let noise = Noise { effect: self.number as u64, ..bodies.noise };
-        let before = self.half == Half::Before;
-        let given = Given { h, before, velocities, rates, holding, noise };
-        system.flow(self.number, given, bodies, changes);
+        let others = |number: usize| number != self.number && system.flow_manner(number).0.is_felt();
+        let others = || (0..Y::FLOWS).filter(|&number| self.feels && others(number));
+        // Others are felt as they are in the middle of the flow, so that it is of second order.
+        for _ in 0..if others().next().is_some() { 2 } else { 1 } {
+            if self.feels {
+                system.feel(bodies, rates, holding);
+                let share = T::from_f64(if given.before { h } else { 0.0 });
+                coming.iter_mut().zip(&*rates).for_each(|(coming, rate)| *coming = scaled(share, rate));
+            }
+            for number in others() {
+                // h times the force at these velocities: forwards and backwards, without its own way between.
+                system.flow(number, Given { velocities: middle, ..given }, bodies, push);
+                system.flow(number, Given { h: -h, velocities: middle, ..given }, bodies, way);
+                for (push, way) in push.iter_mut().zip(&mut *way) {
+                    *push = scaled(T::from_f64(0.5), &minus(push, way));
+                    *way = *push;
+                }
+                along(system, bodies, way, still, aside)?;
+                let later = (number > self.number) == given.before;
+                for body in 0..n {
+                    let (push, way, of_time) = (&push[body], &way[body], T::from_f64(1.0 / h));
+                    rates[body] = add_scaled(&rates[body], of_time, way);
+                    holding[body] = add_scaled(&holding[body], of_time, &minus(way, push));
+                    coming[body] = if later { sum(&coming[body], way) } else { coming[body] };
+                }
+            }
+            system.flow(self.number, Given { rates, holding, coming, ..given }, bodies, changes);
+            for (body, middle) in middle.iter_mut().enumerate().filter(|_| self.feels) {
+                let p = add_scaled(&bodies.p.as_ref()[body], T::from_f64(0.5), &changes[body]);
+                *middle = inertia.velocity(body, &p);
+            }
+        }
         for (body, change) in changes.iter_mut().enumerate() {
             if system.inertia().is_pinned(body) {
                 *change = [T::from_f64(0.0); D];
             }
             let finite = change.iter().all(|x| x.lanes().all(f64::is_finite));
             if !finite {
-                let (effect, q) = (system.flow_rule(self.number).2, bodies.q.as_ref()[body]);
+                let (effect, q) = (system.flow_manner(self.number).1, bodies.q.as_ref()[body]);
                 let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
                 let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
                 let cause = StepFailure::FlowNotFound { effect, h, momentum, position };

@@ -12,8 +12,9 @@
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
 //! [`Linked`](crate::systems::linked::Linked) is for everything else.
 
-use crate::effect::interval::{Inertia, Rule, UnitMasses};
+use crate::effect::interval::{Inertia, Manner, Rule, UnitMasses};
 use crate::effect::noise::Noise;
+use crate::error::EffectMistake;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
@@ -49,6 +50,12 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// How many effects there are.
     const EFFECTS: usize = 0;
 
+    /// Whether one of the effects [remembers](crate::effect::Acting::REMEMBERS) anything.
+    const REMEMBERS: bool = false;
+
+    /// Whether all flows are [pushes](crate::effect::Acting::PUSHES).
+    const PUSHES: bool = true;
+
     /// What messages call such a system: "a rigid body".
     fn kind(&self) -> &'static str;
 
@@ -61,7 +68,19 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     #[inline(always)]
     fn put_back(&self, bodies: &mut BodiesOf<Self, T, D>, saved: &Saved<Self::Count, T, D>) {
         bodies.restore(saved);
+        if const { Self::REMEMBERS } {
+            bodies.marks.copy_from_slice(&saved.marks);
+        }
         self.refresh(bodies);
+    }
+
+    /// Puts everything aside, without allocating.
+    #[inline(always)]
+    fn put_aside<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, to: &mut Saved<Self::Count, T, D>) {
+        bodies.save(to);
+        if const { Self::REMEMBERS } {
+            to.marks.copy_from_slice(&bodies.marks);
+        }
     }
 
     /// Rates of change.
@@ -181,6 +200,18 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes.fill([T::from_f64(0.0); D]);
     }
 
+    /// What effects remember at the start of a run, at the present places and with the random numbers of now.
+    ///
+    /// # Errors
+    /// Of an effect that cannot act here, by the name of its type.
+    fn first_marks(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<Vec<T>, (&'static str, EffectMistake)> {
+        Ok(Vec::new())
+    }
+
+    /// Has the flow of this number take note of the present places, and of a time that passes. Neither allocates nor
+    /// panics.
+    fn take_note(&self, _number: usize, _given: Given<'_, T, D>, _bodies: &mut BodiesOf<Self, T, D>) {}
+
     /// Adds the force of the effect of this number alone, and tells the name of its type; none of a flow, or where
     /// there are no more.
     fn add_force_alone(
@@ -192,9 +223,14 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// The [rule](Rule) of the flow of this number, whether it feels forces, and the name of its type.
-    fn flow_rule(&self, _number: usize) -> (Rule, bool, &'static str) {
-        (Rule::Symmetric, false, "")
+    /// What the flow of this number is like, and the name of its type.
+    fn flow_manner(&self, _number: usize) -> (Manner, &'static str) {
+        (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
+    }
+
+    /// Whether constraints change with time, so that they move bodies.
+    fn constraints_move(&self) -> bool {
+        false
     }
 
     /// Masses, in the coordinates of the momenta; unit masses if nothing else is said.
@@ -345,8 +381,20 @@ pub struct Given<'a, T, const D: usize> {
     pub rates: &'a [[T; D]],
     /// Gᵀλ of all bodies, likewise.
     pub holding: &'a [[T; D]],
+    /// What of ṗ h is still to come, likewise.
+    pub coming: &'a [[T; D]],
+    /// The kinetic energy that constraints which move impose.
+    pub imposed: T,
     /// Random numbers.
     pub noise: Noise,
+}
+
+impl<T: Real, const D: usize> Given<'_, T, D> {
+    /// For so long, before a step or after it, with nothing laid beside.
+    pub(crate) fn of(h: f64, before: bool, noise: Noise) -> Self {
+        let imposed = T::from_f64(0.0);
+        Self { h, before, velocities: &[], rates: &[], holding: &[], coming: &[], imposed, noise }
+    }
 }
 
 /// Writes ṗ of each body from the present state alone; returns the bodies with the forces there.

@@ -44,6 +44,12 @@ impl Mask for bool {
     }
 }
 
+/// A function of the number in each lane.
+#[inline(always)]
+pub(crate) fn each_lane<T: Real>(x: T, function: impl Fn(f64) -> f64) -> T {
+    T::from_lanes(|lane| function(x.lanes().nth(lane).unwrap_or(f64::NAN)))
+}
+
 /// A real number, or several side by side.
 ///
 /// Arithmetic and `sqrt` round once (IEEE 754); the other functions are those of the scalar's own

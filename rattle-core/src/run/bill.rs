@@ -1,9 +1,9 @@
 //! What a step costs, and what of it each effect takes: the bill.
 
-use crate::effect::interval::{Half, Rule};
+use crate::effect::interval::Half;
 use crate::error::Error;
 use crate::motion::method::Method;
-use crate::motion::stir::stir;
+use crate::motion::stir::{stir, times};
 use crate::motion::system::System;
 use crate::run::course::check;
 use crate::run::simulation::Simulation;
@@ -16,7 +16,8 @@ const SAMPLES: usize = 5;
 /// A sample lasts so long at least: clocks tell 50 ns.
 const SAMPLE: Duration = Duration::from_micros(400);
 
-/// What a step of a simulation costs, item by item; made by [`Simulation::bill`]. `Display` shows a table.
+/// What a step costs on one thread, item by item; made by [`Simulation::bill`] and, of one of its trajectories, by
+/// [`Ensemble::bill`](crate::run::ensemble::Ensemble::bill). `Display` shows a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bill {
     /// Nanoseconds a step.
@@ -25,6 +26,8 @@ pub struct Bill {
     pub items: Vec<Item>,
     /// Bodies that a step moves.
     pub bodies: usize,
+    /// Trajectories that go side by side, of which the step of one is meant.
+    pub side_by_side: usize,
 }
 
 /// An item of a [`Bill`].
@@ -36,16 +39,34 @@ pub struct Item {
     pub nanoseconds: f64,
 }
 
+impl Bill {
+    /// That of nothing.
+    pub(in crate::run) fn nothing() -> Self {
+        Self { step: 0.0, items: Vec::new(), bodies: 0, side_by_side: 0 }
+    }
+
+    /// The bill of a step that takes so many nanoseconds, with these items and what is left of it.
+    pub(in crate::run) fn new(step: f64, mut items: Vec<Item>, rest: String, bodies: usize) -> Self {
+        let known: f64 = items.iter().map(|item| item.nanoseconds).sum();
+        items.push(Item { what: rest, nanoseconds: (step - known).max(0.0) });
+        Self { step, items, bodies, side_by_side: 1 }
+    }
+}
+
 impl fmt::Display for Bill {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.items.iter().map(|item| item.what.chars().count()).max().unwrap_or(0).max(4);
+        let digits = if self.step < 10.0 { 3 } else { 1 };
         for Item { what, nanoseconds } in &self.items {
             let share = 100.0 * nanoseconds / self.step;
-            writeln!(f, "{what:width$}  {nanoseconds:>10.1} ns  {share:>5.1} %")?;
+            writeln!(f, "{what:width$}  {nanoseconds:>10.digits$} ns  {share:>5.1} %")?;
         }
-        write!(f, "{:width$}  {:>10.1} ns", "step", self.step)?;
+        write!(f, "{:width$}  {:>10.digits$} ns", "step", self.step)?;
         if self.bodies > 1 {
             write!(f, ", {:.1} ns a body", self.step / self.bodies as f64)?;
+        }
+        if self.side_by_side > 1 {
+            write!(f, " of each of {} side by side", self.side_by_side)?;
         }
         Ok(())
     }
@@ -105,11 +126,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         if Y::FLOWS > 0 {
-            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_rule(number).2).collect();
+            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_manner(number).1).collect();
             let h = 1e-6 * self.method.step_size();
             let one = time(|| drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
-            let once = S::STIRS && Y::FLOWS == 1 && self.system.flow_rule(0).0 == Rule::Random;
-            let nanoseconds = if once { one } else { 2.0 * one };
+            let nanoseconds = f64::from(times::<S, _, _, D>(&self.system)) * one;
             items.push(Item { what: format!("momenta by `{}`", names.join("`, `")), nanoseconds });
         }
         let mut copy = self.clone();
@@ -117,15 +137,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             drop(black_box(check(&copy.method, &copy.system, 1, &copy.before, &mut copy.bodies)));
         });
         items.push(Item { what: "looking whether a step is right".into(), nanoseconds: look });
-        let known: f64 = items.iter().map(|item| item.nanoseconds).sum();
-        let what = format!("places and constraints by {}", self.method.name());
-        items.push(Item { what, nanoseconds: (step - known).max(0.0) });
-        Ok(Bill { step, items, bodies: self.bodies() })
+        let rest = format!("places and constraints by {}", self.method.name());
+        Ok(Bill::new(step, items, rest, self.bodies()))
     }
 }
 
 /// Nanoseconds that it takes: the median of some samples.
-fn time(mut work: impl FnMut()) -> f64 {
+pub(in crate::run) fn time(mut work: impl FnMut()) -> f64 {
     let mut repeats = 1_u32;
     let mut sample = |repeats: u32| {
         let start = Instant::now();

@@ -80,13 +80,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.memory.as_ref()
     }
 
+    /// What effects carry from step to step, such as the headings of
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): numbers of each of them in turn, none where nothing is
+    /// remembered.
+    pub fn marks(&self) -> &[f64] {
+        &self.bodies.marks
+    }
+
     /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy
     /// errors are then counted from there. (Linked bodies whose equations have come to depend on each other may choose
     /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
-        let numbers = self.memory.as_ref();
+        let numbers = [self.memory.as_ref(), &self.bodies.marks].concat();
         let remembered = (!numbers.is_empty()).then(|| Remembered {
             method: self.method.identity(),
             system: Identity::of_system(&self.system, &self.bodies),
@@ -109,12 +116,24 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The temperature kT that the present momenta have, an energy: twice the kinetic energy for each of the
     /// [independent momenta](Self::freedom). NaN where there are none, or no masses
-    /// (phase space). Where links move, their motion counts too.
+    /// (phase space). What links that move impose on the bodies is no heat, and not counted.
     pub fn temperature(&self) -> f64 {
         if self.system.rates().is_err() {
             return f64::NAN;
         }
-        2.0 * self.kinetic_energy() / self.freedom() as f64
+        2.0 * (self.kinetic_energy() - self.imposed_energy()) / self.freedom() as f64
+    }
+
+    /// The part of the kinetic energy that constraints which move impose.
+    fn imposed_energy(&self) -> f64 {
+        if !self.system.constraints_move() {
+            return 0.0;
+        }
+        let (mut bodies, zero) = (self.bodies.clone(), [0.0; D]);
+        bodies.p.as_mut().fill(zero);
+        bodies.p_low.as_mut().fill(zero);
+        let settled = self.system.settle(0.0, 1.0, &mut bodies, &mut ());
+        settled.map_or(f64::NAN, |()| self.system.kinetic_energy(&bodies))
     }
 
     /// Potential energy U of all effects.

@@ -84,7 +84,7 @@ struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub(crate) fn new(
         system: Y,
-        bodies: Bodies<Y::Count, f64, Y::Kept, D>,
+        mut bodies: Bodies<Y::Count, f64, Y::Kept, D>,
         start: &State<D>,
         method: S,
         trajectory: u64,
@@ -92,15 +92,22 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let clock = (start.time, start.time_low);
         let number = start.number;
         let first = Noise { trajectory: number.unwrap_or(trajectory), step: start.steps, ..Noise::default() };
-        let before = bodies.saved();
         let mut memory = method.memory(view(&method, &system)?, &bodies);
+        if const { Y::REMEMBERS } {
+            bodies.noise = first;
+            let marks = system.first_marks(&bodies);
+            bodies.marks = marks.map_err(|(effect, mistake)| Error::Effect { effect, mistake })?;
+        }
         if let Some(Remembered { method: whose, system: of, numbers }) = &start.remembered
             && *whose == method.identity()
-            && numbers.len() == memory.as_ref().len()
+            && numbers.len() == memory.as_ref().len() + bodies.marks.len()
             && of.is(&Identity::of_system(&system, &bodies))
         {
-            memory.as_mut().copy_from_slice(numbers);
+            let (of_method, of_effects) = numbers.split_at(memory.as_ref().len());
+            memory.as_mut().copy_from_slice(of_method);
+            bodies.marks.copy_from_slice(of_effects);
         }
+        let before = bodies.saved();
         let memory_before = memory.clone();
         let start_energy = system.kinetic_energy(&bodies) + system.potential_energy(&bodies);
         let (steps, halving, reversal, events) = (0, None, None, None);
@@ -323,7 +330,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[inline(always)]
     fn advance(&mut self, witness: &mut impl Witness<f64>) -> Result<(), Error> {
         let system = view(&self.method, &self.system)?;
-        self.bodies.save(&mut self.before);
+        self.system.put_aside(&self.bodies, &mut self.before);
         self.memory_before.as_mut().copy_from_slice(self.memory.as_ref());
         if const { Y::FLOWS > 0 || S::DRAWS } {
             self.bodies.noise = Noise { step: self.first.step + self.steps, ..self.first };
@@ -367,7 +374,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     fn meet(&mut self, stepped: Result<(), Failure>, witness: &mut dyn Hears<f64>) -> Result<(), Error> {
         let Some(events) = self.events.as_deref_mut() else { return Ok(()) };
         let Events { meet, search, start, aside, .. } = events;
-        self.before.save(start);
+        self.system.put_aside(&self.before, start);
         let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
         let (steps, divided) = (self.steps, false);
@@ -470,7 +477,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Takes the step just made, in so many parts, back, compares, and makes it again.
     fn take_back(&mut self, parts: u32) -> Result<(), Trouble> {
         let Some(reversal) = &mut self.reversal else { return Ok(()) };
-        self.bodies.save(&mut reversal.after);
+        self.system.put_aside(&self.bodies, &mut reversal.after);
         reversal.memory.as_mut().copy_from_slice(reversal.blank.as_ref());
         let memory = reversal.memory.as_mut();
         let backwards = reversal.backwards.with_step(reversal.backwards.step_size() / f64::from(parts));

@@ -5,6 +5,7 @@ use crate::motion::method::Method;
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::number::instructions::InstructionSet;
+use crate::run::bill::Bill;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::Simulation;
@@ -47,6 +48,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
 
     fn state(&self, _: usize) -> State<D> {
         self.simulation.state()
+    }
+
+    fn bill(&self) -> Result<Bill, Error> {
+        self.simulation.bill()
     }
 
     fn failure(&self, _: usize) -> Option<&Error> {

@@ -52,7 +52,7 @@ pub(crate) trait Tour<const D: usize> {
 }
 
 /// Trajectories of one body each in lanes, which know nothing of each other.
-pub(crate) trait Engine<const D: usize>: Send + Sync {
+pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     /// How many lanes there are.
     const WIDTH: usize;
     /// What moves.
@@ -88,6 +88,10 @@ pub(crate) trait Engine<const D: usize>: Send + Sync {
         steps: u64,
         parts: u32,
     ) -> Result<Body<f64, D>, Failure>;
+    /// Evaluates the forces on all lanes, as often as a step does, for so many steps: for the [bill](crate::run::bill).
+    fn kick_alone(&self, steps: u32);
+    /// The names of the types of all forces.
+    fn forces(&self) -> Vec<&'static str>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::motion::state::State;
 use crate::number::instructions::InstructionSet;
+use crate::run::bill::Bill;
 use crate::run::ensemble::look::{Onlooker, Watched};
 
 /// Some trajectories of an ensemble.
@@ -14,6 +15,11 @@ pub trait Group<const D: usize>: Watched<D> + Send + Sync {
     fn retry(&mut self, halvings: u32);
     /// The state of one.
     fn state(&self, trajectory: usize) -> State<D>;
+    /// What a step of one that moves costs.
+    ///
+    /// # Errors
+    /// Those of the steps that are tried.
+    fn bill(&self) -> Result<Bill, Error>;
     /// Why one goes on no more.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
 }

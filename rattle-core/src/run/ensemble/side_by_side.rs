@@ -7,6 +7,7 @@ use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
+use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
@@ -15,6 +16,7 @@ use crate::run::watch::seen::Page;
 use crate::run::watch::sight::{Sight, Source};
 use nalgebra::SVector;
 use std::array::from_fn;
+use std::hint::black_box;
 
 /// Steps after which lanes are put back: what is gone through again when one fails.
 const STRETCH: u64 = 1024;
@@ -25,7 +27,11 @@ const LEG: u64 = 64;
 /// Steps that one goes by itself where other sheets were near, at most.
 const CROWDED: u64 = 16 * STRETCH;
 
+/// Steps of a copy that are timed for the bill.
+const BILLED: u32 = 256;
+
 /// Trajectories in the lanes of an engine.
+#[derive(Clone)]
 pub(crate) struct SideBySide<E, const D: usize> {
     engine: E,
     h: f64,
@@ -46,6 +52,7 @@ pub(crate) struct SideBySide<E, const D: usize> {
 }
 
 /// A trajectory that goes on no more.
+#[derive(Clone)]
 struct Ended<const D: usize> {
     lane: usize,
     steps: u64,
@@ -311,6 +318,22 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {
         self.ended(trajectory).map(|ended| &ended.failure)
+    }
+
+    fn bill(&self) -> Result<Bill, Error> {
+        let trajectories = self.moving.iter().filter(|&&moves| moves).count();
+        let each = 1.0 / (trajectories as f64 * f64::from(BILLED));
+        let copying = time(|| drop(black_box(self.clone())));
+        let running = time(|| self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
+        let step = each * (running - copying).max(0.0);
+        let mut items = Vec::new();
+        let names = self.engine.forces();
+        if !names.is_empty() {
+            let nanoseconds = each * time(|| self.engine.kick_alone(BILLED));
+            items.push(Item { what: format!("force of `{}`", names.join("`, `")), nanoseconds });
+        }
+        let rest = "places and constraints, side by side".to_string();
+        Ok(Bill { side_by_side: trajectories, ..Bill::new(step, items, rest, 1) })
     }
 }
 

@@ -12,7 +12,7 @@ use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
-use crate::number::vectors::at;
+use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
@@ -23,8 +23,10 @@ use crate::systems::surface::kept::{OnSurface, OneByOne};
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
 use std::borrow::Borrow;
+use std::hint::black_box;
 
 /// A block, what its lanes obey, and the parts of a step.
+#[derive(Clone)]
 pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     laws: X,
@@ -115,6 +117,20 @@ where
         by_itself::<S, _, D>(&system, &stages, steps, parts, body)
     }
 
+    fn kick_alone(&self, steps: u32) {
+        let kicks = steps * self.parts.len() as u32;
+        let kicking = Kicking { q: &self.block.q, way: self.block.way, laws: &self.laws, kicks };
+        black_box(if const { L == 1 } { self.set.run_narrow(kicking) } else { self.set.run(kicking) });
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        let (effects, mut force) = (self.laws.effects(0), [[S::from_f64(0.0); D]]);
+        let (effects, q) = (effects.borrow(), [at(&self.block.q, 0)]);
+        let at = Moment { time: 0.0, positions: &q };
+        let name = |number| effects.contribute_alone(number, at, &mut effects.room(1), &mut force);
+        (0..<X::Forces as Forces<S, D>>::EFFECTS).filter_map(name).collect()
+    }
+
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
         let place: [f64; D] = sight.position().into();
         let at = Moment { time: sight.time, positions: &[place.map(S::from_f64)] };
@@ -159,6 +175,32 @@ fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         system.check_kinks(&start, &bodies)?;
     }
     Ok(bodies.body(0).map(Lane::to_f64))
+}
+
+/// Kicks of all lanes where they are.
+struct Kicking<'a, S, X, const L: usize, const D: usize> {
+    q: &'a Vectors<S, L, D>,
+    way: Vectors<S, L, D>,
+    laws: &'a X,
+    kicks: u32,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Kicking<'_, S, X, L, D> {
+    type Done = Vectors<S, L, D>;
+
+    #[inline(always)]
+    fn run(self) -> Vectors<S, L, D> {
+        let Self { q, mut way, laws, kicks } = self;
+        let laws = laws.clone();
+        for _ in 0..kicks {
+            let q = *black_box(q);
+            for lane in 0..L {
+                let kicked = laws.kick(lane, &at(&q, lane), S::from_f64(1e-9), at(&way, lane));
+                put(&mut way, lane, kicked);
+            }
+        }
+        way
+    }
 }
 
 /// A block on a tour.

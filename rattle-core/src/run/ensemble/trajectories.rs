@@ -15,6 +15,7 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::method::{Method, Splitting};
 use crate::motion::state::State;
+use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::Onlooker;
@@ -252,6 +253,35 @@ impl<const D: usize> Ensemble<D> {
         let mut all = observer();
         observers.into_iter().for_each(|next| all.join(next));
         all
+    }
+
+    /// What a step of a trajectory costs on one thread, item by item: of the first group of trajectories that move,
+    /// those that go side by side in lanes, or one that goes as a simulation. A copy is run for some milliseconds, and its
+    /// parts are timed by themselves; the ensemble is not touched, and a run pays nothing.
+    ///
+    /// ```
+    /// # use rattle::potentials::Gravity;
+    /// # use rattle::{surfaces::Torus, Rattle, Scene, State};
+    /// let scene = Scene::on(Torus { major: 1.0, minor: 0.25 }).with(Gravity { g: 1.0 });
+    /// let start = State::at([1.25, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    /// let mut ensemble = scene.ensemble(vec![start; 100], Rattle::new(0.01))?;
+    /// ensemble.run(100);
+    /// let bill = ensemble.bill()?;
+    /// println!("{bill}");
+    /// assert_eq!(bill.items[0].what, "force of `Gravity`");
+    /// assert_eq!(ensemble.steps(), 100);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of the steps that are tried; where all trajectories have failed, the error of the first.
+    pub fn bill(&self) -> Result<Bill, Error> {
+        let moves = |group: &&Box<dyn Group<D>>| group.moving().iter().take(group.len()).any(|&moves| moves);
+        match (self.groups.iter().find(moves), self.failures().next()) {
+            (Some(group), _) => group.bill(),
+            (None, Some((_, error))) => Err(error.clone()),
+            (None, None) => Ok(Bill::nothing()),
+        }
     }
 
     /// How many trajectories there are.

@@ -42,7 +42,7 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
     length: f64,
 ) -> Result<Option<(Edge, f64)>, Trouble> {
     let halvings = std::mem::take(&mut stretch.halvings);
-    stretch.start.save(&mut stretch.aside[0]);
+    stretch.system.put_aside(stretch.start, &mut stretch.aside[0]);
     let (mut low, mut high) = (0.0, length);
     for _ in 0..ROUNDS {
         let width = high - low;
@@ -63,7 +63,7 @@ pub(super) fn edge<Y: System<f64, D>, S: Method, const D: usize>(
             }
             if stretch.go(at).is_ok() {
                 low = at;
-                stretch.bodies.save(&mut stretch.aside[0]);
+                stretch.system.put_aside(stretch.bodies, &mut stretch.aside[0]);
             } else {
                 high = at;
             }
@@ -117,13 +117,13 @@ pub(super) fn cross<Y: System<f64, D>, S: Method, const D: usize>(
     let (system, sign, bodies) = (stretch.system, stretch.sign(), &mut *stretch.bodies);
     let [before, after] = &mut *stretch.aside;
     let [first, second] = normals;
-    bodies.save(before);
+    system.put_aside(bodies, before);
     let energy = system.kinetic_energy(before) + system.potential_energy(before);
     system.kinked_normal(bodies, &edge.failure, first);
 
     // Straight on, off the surface by rounding, normals are those of the other side.
     beyond(system, before, bodies, sign * edge.beyond).ok_or_else(|| edge.failure.clone())?;
-    bodies.save(after);
+    system.put_aside(bodies, after);
     system.put_back(bodies, after);
     system.kinked_normal(bodies, &edge.failure, second);
 

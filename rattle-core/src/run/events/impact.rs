@@ -45,7 +45,7 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     stretch: &mut Stretch<'_, Y, S, D>,
 ) -> Result<(), Trouble> {
     let (system, bodies, [before, _]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);
-    bodies.save(before);
+    system.put_aside(bodies, before);
     // Where constraints move, P is that of a change of momenta.
     let moves = system.moves_with_time();
     if !moves {

@@ -70,7 +70,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
 
     /// Begins anew where bodies are.
     pub(super) fn begin(&mut self) {
-        self.bodies.save(self.start);
+        self.system.put_aside(self.bodies, self.start);
         self.noise = self.bodies.noise;
     }
 }

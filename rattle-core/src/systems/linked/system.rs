@@ -2,10 +2,10 @@
 //! constraints and any masses.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
+use crate::error::{EffectMistake, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
@@ -39,6 +39,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     type Collocation = Self;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const REMEMBERS: bool = F::REMEMBERS;
+    const PUSHES: bool = F::PUSHES;
     const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
@@ -116,8 +118,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn moves_with_time(&self) -> bool {
-        let links_move = self.shape.components.iter().any(|component| component.rows.moving);
-        links_move || self.effects.changes_with_time()
+        self.constraints_move() || self.effects.changes_with_time()
+    }
+
+    fn constraints_move(&self) -> bool {
+        self.shape.components.iter().any(|component| component.rows.moving)
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -139,13 +144,21 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies: &mut BodiesOf<F, N, D>,
         changes: &mut [[f64; D]],
     ) {
-        let Given { h, before, velocities, rates, holding, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &*self.shape);
-        let during =
-            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
-        self.effects.flow(number, &during, room, changes);
+        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
+    }
+
+    fn first_marks(&self, bodies: &BodiesOf<F, N, D>) -> Result<Vec<f64>, (&'static str, EffectMistake)> {
+        let n = bodies.q.as_ref().len();
+        let mut marks = vec![0.0; self.effects.marks(n)];
+        let given = Given::of(0.0, true, bodies.noise);
+        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
+        Ok(marks)
+    }
+
+    fn take_note(&self, number: usize, given: Given<'_, f64, D>, bodies: &mut BodiesOf<F, N, D>) {
+        let mut marks = std::mem::take(&mut bodies.marks);
+        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
+        bodies.marks = marks;
     }
 
     fn add_force_alone(
@@ -158,8 +171,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, D> {
@@ -523,5 +536,39 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> 
     fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
         let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
         work.fold(0.0, |sum, coefficient| coefficient + h * sum)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+    /// Has the effects look at the bodies: at what they remember, and their room.
+    fn shown<R>(
+        &self,
+        given: Given<'_, f64, D>,
+        bodies: &mut BodiesOf<F, N, D>,
+        look: impl FnOnce(&F, &Interval<'_, f64, D>, &mut F::Room) -> R,
+    ) -> R {
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (momenta, inertia, marks) = (bodies.p.as_ref(), &*self.shape, &*bodies.marks);
+        let surface = None;
+        let during = Interval {
+            h,
+            before,
+            at,
+            momenta,
+            velocities,
+            rates,
+            holding,
+            coming,
+            imposed,
+            inertia,
+            surface,
+            marks,
+            tied,
+            freedom,
+            noise,
+        };
+        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

@@ -1,10 +1,10 @@
 //! The verbs of a [`System`] for rigid bodies.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{Passing, StepFailure};
+use crate::error::{EffectMistake, Passing, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
@@ -32,6 +32,8 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Collocation = Never;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const REMEMBERS: bool = F::REMEMBERS;
+    const PUSHES: bool = F::PUSHES;
     const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
@@ -81,13 +83,21 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         changes: &mut [[f64; 9]],
     ) {
-        let Given { h, before, velocities, rates, holding, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), false);
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &self.body);
-        let during =
-            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
-        self.effects.flow(number, &during, room, changes);
+        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
+    }
+
+    fn first_marks(&self, bodies: &BodiesOf<F, N>) -> Result<Vec<f64>, (&'static str, EffectMistake)> {
+        let n = bodies.q.as_ref().len();
+        let mut marks = vec![0.0; self.effects.marks(n)];
+        let given = Given::of(0.0, true, bodies.noise);
+        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
+        Ok(marks)
+    }
+
+    fn take_note(&self, number: usize, given: Given<'_, f64, 9>, bodies: &mut BodiesOf<F, N>) {
+        let mut marks = std::mem::take(&mut bodies.marks);
+        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
+        bodies.marks = marks;
     }
 
     fn add_force_alone(
@@ -100,8 +110,8 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, 9> {
@@ -292,5 +302,39 @@ impl<F, N> Turning<F, N> {
         let mut shorter = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k));
         let passing = shorter.find(|&h| self.body.rotation(h, m).is_some());
         StepFailure::TurnsTooFar { turn, h, passing: Passing(passing) }
+    }
+}
+
+impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
+    /// Has the effects look at the bodies: at what they remember, and their room.
+    fn shown<R>(
+        &self,
+        given: Given<'_, f64, 9>,
+        bodies: &mut BodiesOf<F, N>,
+        look: impl FnOnce(&F, &Interval<'_, f64, 9>, &mut F::Room) -> R,
+    ) -> R {
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), false);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (momenta, inertia, marks) = (bodies.p.as_ref(), &self.body, &*bodies.marks);
+        let surface = None;
+        let during = Interval {
+            h,
+            before,
+            at,
+            momenta,
+            velocities,
+            rates,
+            holding,
+            coming,
+            imposed,
+            inertia,
+            surface,
+            marks,
+            tied,
+            freedom,
+            noise,
+        };
+        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

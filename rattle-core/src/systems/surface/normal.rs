@@ -1,5 +1,6 @@
 //! The normal at a body's position, and what follows from it alone.
 
+use crate::effect::interval::Normals;
 use crate::number::real::Real;
 use crate::number::vector::{dot, scaled};
 
@@ -24,6 +25,13 @@ impl<T: Real, const D: usize> Normal<T, D> {
     pub(crate) fn projection(&self, p: &[T; D]) -> (T, [T; D]) {
         let eta = -dot(&self.gradient, p) * self.inverse_square;
         (eta, scaled(eta, &self.gradient))
+    }
+}
+
+impl<T: Real, const D: usize> Normals<T, D> for &[Normal<T, D>] {
+    fn normal(&self, body: usize) -> [T; D] {
+        let Normal { gradient, inverse_square } = &self[body];
+        scaled(inverse_square.sqrt(), gradient)
     }
 }
 

@@ -3,9 +3,10 @@
 //! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Rule, UnitMasses};
+use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
+use crate::error::EffectMistake;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
@@ -48,6 +49,8 @@ where
     type Collocation = Self;
     type Series = Self;
     const FLOWS: usize = F::FLOWS;
+    const REMEMBERS: bool = F::REMEMBERS;
+    const PUSHES: bool = F::PUSHES;
     const EFFECTS: usize = F::EFFECTS;
 
     fn kind(&self) -> &'static str {
@@ -181,13 +184,21 @@ where
         bodies: &mut BodiesOf<N, T, F, D>,
         changes: &mut [[T; D]],
     ) {
-        let Given { h, before, velocities, rates, holding, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), false);
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (room, momenta, inertia) = (&mut bodies.kept.of_effects, bodies.p.as_ref(), &UnitMasses);
-        let during =
-            Interval { h, before, at, momenta, velocities, rates, holding, inertia, tied, freedom, noise };
-        self.effects.flow(number, &during, room, changes);
+        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
+    }
+
+    fn first_marks(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<Vec<T>, (&'static str, EffectMistake)> {
+        let n = bodies.q.as_ref().len();
+        let mut marks = vec![T::from_f64(0.0); self.effects.marks(n)];
+        let given = Given::of(0.0, true, bodies.noise);
+        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
+        Ok(marks)
+    }
+
+    fn take_note(&self, number: usize, given: Given<'_, T, D>, bodies: &mut BodiesOf<N, T, F, D>) {
+        let mut marks = std::mem::take(&mut bodies.marks);
+        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
+        bodies.marks = marks;
     }
 
     fn add_force_alone(
@@ -200,8 +211,8 @@ where
         self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
     }
 
-    fn flow_rule(&self, number: usize) -> (Rule, bool, &'static str) {
-        self.effects.rule(number)
+    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
+        self.effects.manner(number)
     }
 
     fn force(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
@@ -377,5 +388,44 @@ where
         witness: &mut W,
     ) {
         self.expand_motion(bodies, series, witness);
+    }
+}
+
+impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
+    /// Has the effects look at the bodies: at what they remember, and their room.
+    fn shown<T: Real, R, const D: usize>(
+        &self,
+        given: Given<'_, T, D>,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        look: impl FnOnce(&F, &Interval<'_, T, D>, &mut F::Room) -> R,
+    ) -> R
+    where
+        F: Forces<T, D>,
+        Self: System<T, D, Count = N, Kept = Kept<N, T, F, D>>,
+    {
+        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
+        let (freedom, tied) = (self.freedom(bodies), false);
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        let (momenta, inertia, marks) = (bodies.p.as_ref(), &UnitMasses, &*bodies.marks);
+        let normals = bodies.kept.normal.as_ref();
+        let surface = Some(&normals as &dyn Normals<T, D>);
+        let during = Interval {
+            h,
+            before,
+            at,
+            momenta,
+            velocities,
+            rates,
+            holding,
+            coming,
+            imposed,
+            inertia,
+            surface,
+            marks,
+            tied,
+            freedom,
+            noise,
+        };
+        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }
