@@ -4,6 +4,7 @@ pub(crate) mod algebra;
 pub(crate) mod constraints;
 mod elimination;
 mod factor;
+mod forest;
 pub(crate) mod group;
 mod hubs;
 mod late;

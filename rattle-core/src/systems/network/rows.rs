@@ -33,6 +33,7 @@ pub(crate) struct Rows {
     /// Whether a multiplier acts on chosen coordinates only.
     pub(crate) acting: bool,
     pub(crate) moving: bool,
+    width: usize,
 }
 
 const PINNED: usize = usize::MAX;
@@ -63,6 +64,22 @@ impl Rows {
     pub(crate) fn touched_by(&self, row: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let blocks = self.start[row]..self.start[row + 1];
         blocks.map(|block| (block, self.touched[block]))
+    }
+
+    /// The same of all equations, one after the other.
+    pub(crate) fn touched(&self) -> &[usize] {
+        &self.touched
+    }
+
+    /// How many blocks each equation has, if all have as many; else 0.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The numbers of the blocks of an equation, pinned or not; `A` is [`Self::width`], or 0.
+    #[inline(always)]
+    pub(crate) fn range<const A: usize>(&self, row: usize) -> Range<usize> {
+        if A > 0 { A * row..A * (row + 1) } else { self.start[row]..self.start[row + 1] }
     }
 
     /// The run that a row belongs to, its member, and its number among the member's equations.
@@ -133,11 +150,13 @@ pub(crate) fn components<const D: usize>(
                     equation: Vec::new(),
                     acting: false,
                     moving: false,
+                    width: *arity,
                 });
             }
             let component = &mut components[number[key]];
             component.acting |= groups[group].acting().is_some();
             component.moving |= groups[group].moving();
+            component.width = if component.width == *arity { *arity } else { 0 };
             let (row, block) = (component.equations(), component.blocks());
             match component.runs.last_mut() {
                 Some(run) if run.group == group && run.members.end == member => run.members.end += 1,

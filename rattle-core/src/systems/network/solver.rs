@@ -129,6 +129,21 @@ impl<const D: usize> Solver<D> {
         }
     }
 
+    /// Calls `see` with the displacement M⁻¹GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn displacements(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        x: &[f64],
+        see: impl FnMut(usize, [f64; D]),
+    ) {
+        match self {
+            Self::Orthogonal(basis) => basis.displacements(rows, roots, x, see),
+            Self::Elimination(elimination) => elimination.displacements(rows, x, see),
+        }
+    }
+
     pub(crate) fn displace(&self, rows: &Rows, roots: &[Root<D>], x: &[f64], out: &mut [[f64; D]]) {
         match self {
             Self::Orthogonal(basis) => basis.displace(rows, roots, x, out),
