@@ -8,8 +8,8 @@
 
 use crate::number::vector::{add_scaled, dot};
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::chain::{Chain, Factored};
 use crate::systems::network::factor::{Factor, TOGETHER};
-use crate::systems::network::forest::{Forest, Tree};
 use crate::systems::network::hubs::Hubs;
 use crate::systems::network::late::Late;
 use crate::systems::network::mass::Root;
@@ -27,9 +27,9 @@ const LATE: f64 = 1e-4;
 pub(crate) struct Elimination<const D: usize> {
     pattern: Pattern,
     /// In place of the factors.
-    forest: Option<Forest>,
-    tree_at_start: Tree,
-    tree_at_trial: Tree,
+    chain: Option<Chain>,
+    chain_at_start: Factored,
+    chain_at_trial: Factored,
     equations: usize,
     hubs: Hubs,
     /// Rows that touch a body, with the block.
@@ -72,9 +72,9 @@ impl<const D: usize> Elimination<D> {
             touching_start.push(touching.len());
         }
         let of = |body: usize| &touching[touching_start[body]..touching_start[body + 1]];
-        let forest = if hubs.bodies.is_empty() { Forest::new(&pattern, rows, of) } else { None };
-        let factor = if forest.is_some() { Factor::default() } else { Factor::new(&pattern) };
-        let tree = forest.as_ref().map_or_else(Tree::default, |_| Tree::new(m));
+        let chain = if hubs.bodies.is_empty() { Chain::new(&pattern, rows, of) } else { None };
+        let factor = if chain.is_some() { Factor::default() } else { Factor::new(&pattern) };
+        let factored = chain.as_ref().map_or_else(Factored::default, |_| Factored::new(m));
         let blocks = vec![[0.0; D]; rows.blocks() + 1];
         let pair = |body: usize| match of(body) {
             &[one] => Some([one, (one.0, rows.blocks())]),
@@ -84,9 +84,9 @@ impl<const D: usize> Elimination<D> {
         let pairs = (0..rows.bodies.len()).map(pair).collect();
         Self {
             pattern,
-            forest,
-            tree_at_start: tree.clone(),
-            tree_at_trial: tree,
+            chain,
+            chain_at_start: factored.clone(),
+            chain_at_trial: factored,
             equations: m,
             hubs,
             touching,
@@ -100,7 +100,7 @@ impl<const D: usize> Elimination<D> {
             late_at_trial: late,
             #[cfg(feature = "faer")]
             supernodal: None,
-            permuted: vec![0.0; unknowns + 1],
+            permuted: vec![0.0; unknowns],
         }
     }
 
@@ -154,12 +154,12 @@ impl<const D: usize> Elimination<D> {
             self.supernodal = Some(supernodal);
             return (square.max(0.0).sqrt(), self.pattern.order[k]);
         }
-        if let Some(forest) = &self.forest {
-            let Self { normals, lifted, tree_at_start: tree, .. } = self;
+        if let Some(chain) = &self.chain {
+            let Self { normals, lifted, chain_at_start: factored, .. } = self;
             let (square, row) = if rows.width() == 2 {
-                forest.factor::<false, 2, D>(rows, tree, normals, lifted, true)
+                chain.factor::<false, 2, D>(rows, factored, normals, lifted, true)
             } else {
-                forest.factor::<false, 0, D>(rows, tree, normals, lifted, true)
+                chain.factor::<false, 0, D>(rows, factored, normals, lifted, true)
             };
             return (square.max(0.0).sqrt(), row);
         }
@@ -204,12 +204,12 @@ impl<const D: usize> Elimination<D> {
         blocks: &[[f64; D]],
         roots: &[Root<D>],
     ) -> f64 {
-        if let Some(forest) = &self.forest {
-            let Self { lifted, tree_at_trial: tree, .. } = self;
+        if let Some(chain) = &self.chain {
+            let Self { lifted, chain_at_trial: factored, .. } = self;
             return if rows.width() == 2 {
-                forest.factor::<SYMMETRIC, 2, D>(rows, tree, blocks, lifted, false).0
+                chain.factor::<SYMMETRIC, 2, D>(rows, factored, blocks, lifted, false).0
             } else {
-                forest.factor::<SYMMETRIC, 0, D>(rows, tree, blocks, lifted, false).0
+                chain.factor::<SYMMETRIC, 0, D>(rows, factored, blocks, lifted, false).0
             };
         }
         let (mut factor, mut late) = (take(&mut self.at_trial), take(&mut self.late_at_trial));
@@ -280,8 +280,8 @@ impl<const D: usize> Elimination<D> {
             return supernodal.solve(&self.pattern, rates, x, &mut self.permuted);
         }
         let Self { pattern, at_start, late_at_start, permuted, .. } = self;
-        if let Some(forest) = &self.forest {
-            return forest.solve(&self.tree_at_start, 1.0, rates, x, permuted);
+        if let Some(chain) = &self.chain {
+            return chain.solve(&self.chain_at_start, 1.0, rates, x, permuted);
         }
         if self.hubs.bodies.is_empty() {
             at_start.solve(pattern, 1.0, rates, x, permuted);
@@ -293,8 +293,8 @@ impl<const D: usize> Elimination<D> {
     /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
     pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
         let Self { pattern, at_trial, late_at_trial, permuted, .. } = self;
-        if let Some(forest) = &self.forest {
-            return forest.solve(&self.tree_at_trial, -1.0, g, dx, permuted);
+        if let Some(chain) = &self.chain {
+            return chain.solve(&self.chain_at_trial, -1.0, g, dx, permuted);
         }
         if self.hubs.bodies.is_empty() {
             at_trial.solve(pattern, -1.0, g, dx, permuted);
@@ -306,7 +306,13 @@ impl<const D: usize> Elimination<D> {
 
     /// Calls `add` with each body's number in the scene, and its blocks.
     #[inline(always)]
-    fn combine(&self, rows: &Rows, blocks: &[[f64; D]], x: &[f64], mut add: impl FnMut(usize, Blocks<'_, D>)) {
+    fn combine(
+        &self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        x: &[f64],
+        mut add: impl FnMut(usize, Blocks<'_, D>),
+    ) {
         if let Some(pairs) = &self.pairs {
             for (&body, own) in rows.bodies.iter().zip(pairs) {
                 add(body, Blocks { own, blocks, x });
@@ -346,7 +352,8 @@ impl<const D: usize> Blocks<'_, D> {
     /// A place and what they add up to, times `scale`, in the order of the rows.
     #[inline(always)]
     fn add_to(&self, start: [f64; D], scale: f64) -> [f64; D] {
-        let add = |sum, &(row, block): &(usize, usize)| add_scaled(&sum, scale * self.x[row], &self.blocks[block]);
+        let add =
+            |sum, &(row, block): &(usize, usize)| add_scaled(&sum, scale * self.x[row], &self.blocks[block]);
         self.own.iter().fold(start, add)
     }
 }

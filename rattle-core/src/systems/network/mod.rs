@@ -1,10 +1,10 @@
 //! Constraints between bodies and their linear algebra.
 
 pub(crate) mod algebra;
+mod chain;
 pub(crate) mod constraints;
 mod elimination;
 mod factor;
-mod forest;
 pub(crate) mod group;
 mod hubs;
 mod late;

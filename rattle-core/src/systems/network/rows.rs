@@ -28,6 +28,8 @@ pub(crate) struct Rows {
     body: Vec<usize>,
     /// For each block its body's number in the scene.
     touched: Vec<usize>,
+    /// For each block 1, or 0 if its body is pinned.
+    free: Vec<f64>,
     /// The number of each row among the scene's equations, in the order of naming.
     equation: Vec<usize>,
     /// Whether a multiplier acts on chosen coordinates only.
@@ -69,6 +71,11 @@ impl Rows {
     /// The same of all equations, one after the other.
     pub(crate) fn touched(&self) -> &[usize] {
         &self.touched
+    }
+
+    /// For each block 1, or 0 if its body is pinned.
+    pub(crate) fn free(&self) -> &[f64] {
+        &self.free
     }
 
     /// How many blocks each equation has, if all have as many; else 0.
@@ -147,6 +154,7 @@ pub(crate) fn components<const D: usize>(
                     start: vec![0],
                     body: Vec::new(),
                     touched: Vec::new(),
+                    free: Vec::new(),
                     equation: Vec::new(),
                     acting: false,
                     moving: false,
@@ -172,6 +180,7 @@ pub(crate) fn components<const D: usize>(
                 component.equation.push(equation + i);
                 component.body.extend(bodies.iter().map(|&body| place[body]));
                 component.touched.extend(bodies);
+                component.free.extend(bodies.iter().map(|&body| f64::from(u8::from(free(body)))));
                 component.start.push(component.body.len());
             }
             equation += rows;
