@@ -109,8 +109,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     ) -> Result<(), Failure> {
         let component = &self.shape.components[c];
         let lost = match &bodies.kept.solvers[c] {
-            Solver::Orthogonal(basis) => basis.rank < component.solver.rank(&component.rows),
             Solver::Elimination(_) => sine < LOST || sine.is_nan(),
+            solver => solver.rank(&component.rows) < component.solver.rank(&component.rows),
         };
         if !lost {
             return Ok(());

@@ -25,7 +25,6 @@ use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follo
 use crate::solve::stop::{SPARE, Shrinking};
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Room;
-use crate::systems::linked::kept::along;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
@@ -91,21 +90,38 @@ impl<const D: usize> Flight<'_, D> {
 
     /// Writes the x with g̈ = 0 into `room.guess`. Returns the largest relative change of a normal in the step.
     pub(crate) fn guess(&self, solver: &mut Solver<D>, room: &mut Room<D>) -> f64 {
-        let (rows, blocks) = (self.rows(), self.blocks);
+        let rows = self.rows();
         let m = rows.equations();
         let (bends, turns) = (&mut room.g[..m], &mut room.dx[..m]);
         self.shape.bends(self.component, self.time, self.q, &room.velocity, bends, turns);
-        let mut largest_turn = 0.0_f64;
-        for (i, bend) in bends.iter_mut().enumerate() {
-            let square: f64 = rows.blocks_of(i).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
-            let turn = self.h.abs() * (turns[i] / square).sqrt();
-            if turn > largest_turn || turn.is_nan() {
-                largest_turn = turn;
+        let square = match rows.width() {
+            2 => self.right_side::<2>(&room.push, bends, turns),
+            _ => self.right_side::<0>(&room.push, bends, turns),
+        };
+        solver.respond(rows, self.blocks, &self.shape.roots, bends, &mut room.guess[..m]);
+        self.h.abs() * square.sqrt()
+    }
+
+    /// What x is to move g by, from d²g/dt² along the velocities. Returns the largest (|∇²g v|/|∇g|)²; NaN if one is.
+    #[inline(always)]
+    fn right_side<const A: usize>(&self, push: &[[f64; D]], bends: &mut [f64], turns: &[f64]) -> f64 {
+        let (rows, blocks) = (self.rows(), self.blocks);
+        let mut largest = 0.0_f64;
+        for (i, (bend, turn)) in bends.iter_mut().zip(turns).enumerate() {
+            let range = rows.range::<A>(i);
+            let (mut square, mut along) = (0.0, 0.0);
+            let of_bodies = rows.touched()[range.clone()].iter().zip(&rows.free()[range.clone()]);
+            for (block, (&body, free)) in blocks[range].iter().zip(of_bodies) {
+                square += free * dot(block, block);
+                along += dot(block, &push[body]);
             }
-            *bend = -0.5 * self.h * self.h * *bend - along(rows, i, blocks, &room.push);
+            let ratio = turn / square;
+            if ratio > largest || ratio.is_nan() {
+                largest = ratio;
+            }
+            *bend = -0.5 * self.h * self.h * *bend - along;
         }
-        solver.respond(rows, blocks, &self.shape.roots, bends, &mut room.guess[..m]);
-        largest_turn
+        largest
     }
 
     /// Solves for x into `room.y` by Newton's method from g̈ = 0.
@@ -198,15 +214,30 @@ impl<const D: usize> Flight<'_, D> {
 
     /// Puts the component's bodies to where they are after the part `s` of the step with normal part `y`.
     pub(crate) fn place(&self, solver: &Solver<D>, s: f64, room: &mut Room<D>) {
-        let rows = self.rows();
-        for &body in &rows.bodies {
-            let (drift, push) = (&room.drift[body], &room.push[body]);
-            room.lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i]);
-        }
-        solver.displace(rows, &self.shape.roots, &room.y[..rows.equations()], &mut room.lift);
-        for &body in &rows.bodies {
-            room.trial[body] = sum(&self.q[body], &sum(&self.q_low[body], &room.lift[body]));
-        }
+        let (rows, n) = (self.rows(), self.q.len());
+        let Room { drift, push, lift, trial, y, .. } = room;
+        let (drift, push, lift, trial) = (&drift[..n], &push[..n], &mut lift[..n], &mut trial[..n]);
+        let q_low = &self.q_low[..n];
+        solver.displacements(rows, &self.shape.roots, &y[..rows.equations()], |body, way| {
+            let (drift, push) = (&drift[body], &push[body]);
+            lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i] + way[i]);
+            trial[body] = sum(&self.q[body], &sum(&q_low[body], &lift[body]));
+        });
+        room.arrived = false;
+    }
+
+    /// Moves them on by `room.dx`. Returns the largest displacement.
+    fn advance(&self, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
+        let (rows, n) = (self.rows(), self.q.len());
+        let Room { lift, trial, dx, .. } = room;
+        let (lift, trial, q_low) = (&mut lift[..n], &mut trial[..n], &self.q_low[..n]);
+        let mut longest = 0.0_f64;
+        solver.displacements(rows, &self.shape.roots, &dx[..rows.equations()], |body, way| {
+            longest = longest.max(largest(&way));
+            lift[body] = sum(&lift[body], &way);
+            trial[body] = sum(&self.q[body], &sum(&q_low[body], &lift[body]));
+        });
+        longest
     }
 
     /// Solves the position equation for the part `s` of the step, from and into `room.y`. `note` is told every residual,
@@ -245,15 +276,16 @@ impl<const D: usize> Flight<'_, D> {
             solver.correct(&room.g[..m], &mut room.dx[..m]);
             room.y[..m].iter_mut().zip(&room.dx).for_each(|(y, dx)| *y += dx);
             counts.corrections += 1;
+            let length = self.advance(solver, room);
             if correction == 0 {
-                landing.first = self.length_of_correction(solver, room);
+                landing.first = length;
             }
             let (_, left) = shrinking.note(residual);
             if residual <= 1.0 || left <= SPARE {
                 landing.converged = true;
+                room.arrived = s == 1.0;
                 return landing;
             }
-            self.place(solver, s, room);
             self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
             counts.values += 1;
             let last = residual;
@@ -270,6 +302,7 @@ impl<const D: usize> Flight<'_, D> {
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
                     landing.contradictory = vain && solver.rank(rows) < m && residual > 64.0;
                     landing.converged = !landing.contradictory;
+                    room.arrived = s == 1.0;
                     return landing;
                 }
                 let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
@@ -307,27 +340,41 @@ impl<const D: usize> Flight<'_, D> {
     /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these
     /// gradients, or those at the trial.
     pub(crate) fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
-        let rows = self.rows();
-        let blocks = blocks.unwrap_or(&room.blocks);
-        for row in 0..rows.equations() {
-            let (mut square, mut size) = (0.0, 0.0);
-            for (block, body) in rows.touched_by(row) {
-                square += dot(&blocks[block], &blocks[block]);
-                size = f64::max(size, f64::max(largest(&self.q[body]), largest(&room.trial[body])));
-                size = f64::max(size, largest(&room.drift[body]));
+        match self.rows().width() {
+            2 => self.measure_in::<2>(blocks, room),
+            _ => self.measure_in::<0>(blocks, room),
+        }
+    }
+
+    #[inline(always)]
+    fn measure_in<const A: usize>(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
+        let (rows, m, n) = (self.rows(), self.rows().equations(), self.q.len());
+        let Room { blocks: at_trial, trial, drift, lengths, scale, g, .. } = room;
+        let blocks = blocks.unwrap_or(at_trial);
+        let (trial, drift, g) = (&trial[..n], &drift[..n], &g[..m]);
+        for (row, (length, scale)) in lengths[..m].iter_mut().zip(scale).enumerate() {
+            let range = rows.range::<A>(row);
+            let (mut square, mut sizes) = (0.0, [0.0; D]);
+            for (block, &body) in blocks[range.clone()].iter().zip(&rows.touched()[range]) {
+                square += dot(block, block);
+                let (q, trial, drift) = (&self.q[body], &trial[body], &drift[body]);
+                sizes = std::array::from_fn(|i| {
+                    f64::max(f64::max(sizes[i], q[i].abs()), f64::max(trial[i].abs(), drift[i].abs()))
+                });
             }
-            room.lengths[row] = square.sqrt();
-            size = f64::max(size, room.g[row].abs() / room.lengths[row]);
-            room.scale[row] = 1.0 / (f64::EPSILON * size * room.lengths[row]);
+            *length = square.sqrt();
+            let size = f64::max(largest(&sizes) * *length, g[row].abs());
+            *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
         }
     }
 
     /// The largest displacement that `room.dx` makes.
-    pub(crate) fn length_of_correction(&self, solver: &Solver<D>, room: &mut Room<D>) -> f64 {
-        let rows = self.rows();
-        rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
-        solver.displace(rows, &self.shape.roots, &room.dx[..rows.equations()], &mut room.lift);
-        rows.bodies.iter().map(|&body| largest(&room.lift[body])).fold(0.0, f64::max)
+    pub(crate) fn length_of_correction(&self, solver: &Solver<D>, room: &Room<D>) -> f64 {
+        let (rows, mut longest) = (self.rows(), 0.0_f64);
+        solver.displacements(rows, &self.shape.roots, &room.dx[..rows.equations()], |_, way| {
+            longest = longest.max(largest(&way));
+        });
+        longest
     }
 
     /// The largest relative change of a gradient from `before`.
@@ -378,6 +425,7 @@ impl<const D: usize> Room<D> {
         let [y, off] = &self.tried[attempt];
         self.y[..equations].copy_from_slice(&y[..equations]);
         self.off[..equations].copy_from_slice(&off[..equations]);
+        self.arrived = false;
     }
 
     /// The largest residual in units of its rounding; NaN if one is.

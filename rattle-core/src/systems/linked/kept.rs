@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
-use crate::number::vector::{dot, largest};
+use crate::number::vector::{dot, largest, sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::solve::root::Course;
 use crate::systems::linked::room::SeriesRoom;
@@ -12,6 +12,7 @@ use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::{Report, Solver};
+use std::array::from_fn;
 use std::fmt;
 use std::sync::Arc;
 
@@ -76,11 +77,13 @@ pub(crate) struct Room<const D: usize> {
     /// h v, and h·kick·M⁻¹f.
     pub(super) drift: Vec<[f64; D]>,
     pub(super) push: Vec<[f64; D]>,
-    /// W x, then the whole increment.
+    /// The increment under way.
     pub(super) lift: Vec<[f64; D]>,
     /// Positions that g is tried at.
     pub(super) trial: Vec<[f64; D]>,
     pub(super) blocks: Vec<[f64; D]>,
+    /// Whether `lift` and `trial` are those at the end of the step for `y`.
+    pub(super) arrived: bool,
     /// The gradients before a new derivative.
     pub(super) before: Vec<[f64; D]>,
     pub(super) rates: Vec<f64>,
@@ -223,20 +226,31 @@ pub(crate) fn along<const D: usize>(rows: &Rows, row: usize, blocks: &[[f64; D]]
     sum
 }
 
-/// ∇gᵢ·v, and the same with all products positive.
-#[inline]
-pub(crate) fn along_and_size<const D: usize>(
+/// Writes by how much ∇gᵢ·v falls short of −∂g/∂t. With `SMALL`, whether that is no more than comes from forming it. Bodies that
+/// are pinned have no velocity; `A` is how many blocks each equation has, or 0.
+#[inline(always)]
+pub(crate) fn fall_short<const SMALL: bool, const A: usize, const D: usize>(
     rows: &Rows,
-    row: usize,
     blocks: &[[f64; D]],
+    rates: &[f64],
     v: &[[f64; D]],
-) -> (f64, f64) {
-    let (mut sum, mut size) = (0.0, 0.0);
-    for (block, body) in rows.blocks_of(row) {
-        for (g, v) in blocks[block].iter().zip(&v[rows.bodies[body]]) {
-            sum += g * v;
-            size += (g * v).abs();
+    needed: &mut [f64],
+) -> bool {
+    let mut small = true;
+    for (row, (needed, rate)) in needed.iter_mut().zip(rates).enumerate() {
+        let range = rows.range::<A>(row);
+        let (mut sums, mut sizes) = ([0.0; D], [0.0; D]);
+        for (block, &body) in blocks[range.clone()].iter().zip(&rows.touched()[range]) {
+            let products: [f64; D] = from_fn(|i| block[i] * v[body][i]);
+            sums = sum(&sums, &products);
+            if SMALL {
+                sizes = from_fn(|i| sizes[i] + products[i].abs());
+            }
+        }
+        *needed = -sums.iter().sum::<f64>() - rate;
+        if SMALL {
+            small &= needed.abs() <= 2.0 * f64::EPSILON * (sizes.iter().sum::<f64>() + rate.abs());
         }
     }
-    (sum, size)
+    SMALL && small
 }

@@ -29,7 +29,7 @@ use crate::systems::linked::kept::Kept;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::along;
-use crate::systems::linked::kept::along_and_size;
+use crate::systems::linked::kept::fall_short;
 use crate::systems::linked::room::Stages;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
@@ -70,6 +70,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             lift: vec![[0.0; D]; n],
             trial: vec![[0.0; D]; n],
             blocks: vec![[0.0; D]; blocks],
+            arrived: false,
             before: vec![[0.0; D]; blocks],
             rates: vec![0.0; rows],
             g: vec![0.0; rows],
@@ -211,6 +212,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             room.velocity[body] = v;
             room.drift[body] = std::array::from_fn(|i| h * v[i] + h * v_low[i]);
             room.push[body] = f;
+            room.lift[body] = sum(&room.drift[body], &f);
             room.trial[body] = q[body];
         }
         for (c, component) in shape.components.iter().enumerate() {
@@ -227,6 +229,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             } else {
                 flight.try_to_solve::<X>(guess, solver, room, counts)?
             };
+            if !room.arrived {
+                flight.place(solver, 1.0, room);
+            }
             for (aim, &off) in aims.iter_mut().zip(&room.off) {
                 aim.note(if landing.aimed { off } else { f64::NAN });
             }
@@ -234,13 +239,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
 
         for body in 0..q.len() {
-            room.lift[body] = sum(&room.drift[body], &room.push[body]);
             room.trial[body] = force[body].add_to(p_low[body], kick);
         }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let x = &room.x[component.first.0..component.first.0 + rows.equations()];
-            solver.displace(rows, &shape.roots, x, &mut room.lift);
             solver.push(rows, &shape.roots, 1.0 / h, x, &mut room.trial);
             if W::LISTENS || rows.moving {
                 solver.multipliers(x, &mut room.dx[..x.len()]);
@@ -305,12 +308,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                     room.velocity[body] = shape.roots[body].velocity(&sum(&p[body], &change[body]));
                 }
                 // The second time takes what rounding left, if it left more than comes from forming the rates.
-                let mut settled = round > 0;
-                for (i, needed) in needed.iter_mut().enumerate() {
-                    let (rate, size) = along_and_size(rows, i, blocks, &room.velocity);
-                    *needed = -rate - rates[i];
-                    settled &= needed.abs() <= 2.0 * f64::EPSILON * (size + rates[i].abs());
-                }
+                let settled = match (round, rows.width()) {
+                    (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, &room.velocity, needed),
+                    (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, &room.velocity, needed),
+                    (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, &room.velocity, needed),
+                    _ => fall_short::<true, 0, D>(rows, blocks, rates, &room.velocity, needed),
+                };
                 if settled {
                     break;
                 }

@@ -3,7 +3,8 @@
 /// How the multipliers of a component of linked bodies are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LinearAlgebra {
-    /// An orthonormal basis for a few equations and where equations depend on each other, elimination otherwise.
+    /// An orthonormal basis where equations depend on each other, elimination otherwise. Of up to six equations that is
+    /// asked in every step, of more at the start.
     #[default]
     Automatic,
     /// An orthonormal basis of the normals, by pivoted Gram–Schmidt: costs m² n operations for m equations between n

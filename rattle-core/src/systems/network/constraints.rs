@@ -52,7 +52,7 @@ impl<const D: usize> Default for Network<D> {
     }
 }
 
-/// Up to so many equations an orthonormal basis is as fast as elimination.
+/// Up to so many equations both are kept: elimination, and an orthonormal basis for where they are nearly dependent.
 const FEW: usize = 6;
 
 impl<const D: usize> Network<D> {
@@ -130,7 +130,7 @@ impl<const D: usize> Network<D> {
                 let few = equations <= FEW;
                 let solver = match self.algebra {
                     LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
-                    LinearAlgebra::Automatic if few => Solver::orthogonal(&rows),
+                    LinearAlgebra::Automatic if few => Solver::few(&rows),
                     #[cfg(feature = "faer")]
                     LinearAlgebra::Supernodal => Solver::supernodal(&rows),
                     LinearAlgebra::Automatic | LinearAlgebra::Elimination => Solver::elimination(&rows),

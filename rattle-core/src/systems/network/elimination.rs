@@ -8,6 +8,7 @@
 
 use crate::number::vector::{add_scaled, dot};
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::chain::{Chain, Factored};
 use crate::systems::network::factor::{Factor, TOGETHER};
 use crate::systems::network::hubs::Hubs;
 use crate::systems::network::late::Late;
@@ -25,11 +26,17 @@ const LATE: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(crate) struct Elimination<const D: usize> {
     pattern: Pattern,
+    /// In place of the factors.
+    chain: Option<Chain>,
+    chain_at_start: Factored,
+    chain_at_trial: Factored,
     equations: usize,
     hubs: Hubs,
     /// Rows that touch a body, with the block.
     touching: Vec<(usize, usize)>,
     touching_start: Vec<usize>,
+    /// The same where no body touches more than two, with a block of zeros past all others for a second one that is not.
+    pairs: Option<Vec<[(usize, usize); 2]>>,
     /// Normals where the step starts, and M⁻¹ times them.
     normals: Vec<[f64; D]>,
     lifted: Vec<[f64; D]>,
@@ -64,14 +71,27 @@ impl<const D: usize> Elimination<D> {
             touching.extend(list);
             touching_start.push(touching.len());
         }
-        let factor = Factor::new(&pattern);
-        let blocks = vec![[0.0; D]; rows.blocks()];
+        let of = |body: usize| &touching[touching_start[body]..touching_start[body + 1]];
+        let chain = if hubs.bodies.is_empty() { Chain::new(&pattern, rows, of) } else { None };
+        let factor = if chain.is_some() { Factor::default() } else { Factor::new(&pattern) };
+        let factored = chain.as_ref().map_or_else(Factored::default, |_| Factored::new(m));
+        let blocks = vec![[0.0; D]; rows.blocks() + 1];
+        let pair = |body: usize| match of(body) {
+            &[one] => Some([one, (one.0, rows.blocks())]),
+            &[one, two] => Some([one, two]),
+            _ => None,
+        };
+        let pairs = (0..rows.bodies.len()).map(pair).collect();
         Self {
             pattern,
+            chain,
+            chain_at_start: factored.clone(),
+            chain_at_trial: factored,
             equations: m,
             hubs,
             touching,
             touching_start,
+            pairs,
             normals: blocks.clone(),
             lifted: blocks,
             at_start: factor.clone(),
@@ -124,17 +144,24 @@ impl<const D: usize> Elimination<D> {
 
     /// Takes the normals over. Returns the sine of the angle of the least independent one to those before, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
-        for row in 0..rows.equations() {
-            for (block, body) in rows.blocks_of(row) {
-                self.lifted[block] = roots[rows.bodies[body]].velocity(&blocks[block]);
-            }
+        for ((lifted, block), &body) in self.lifted.iter_mut().zip(blocks).zip(rows.touched()) {
+            *lifted = roots[body].velocity(block); // 0 where pinned
         }
-        self.normals.copy_from_slice(blocks);
+        self.normals[..blocks.len()].copy_from_slice(blocks);
         #[cfg(feature = "faer")]
         if let Some(mut supernodal) = self.supernodal.take() {
             let (square, k) = self.factor_supernodal(rows, &mut supernodal);
             self.supernodal = Some(supernodal);
             return (square.max(0.0).sqrt(), self.pattern.order[k]);
+        }
+        if let Some(chain) = &self.chain {
+            let Self { normals, lifted, chain_at_start: factored, .. } = self;
+            let (square, row) = if rows.width() == 2 {
+                chain.factor::<false, 2, D>(rows, factored, normals, lifted, true)
+            } else {
+                chain.factor::<false, 0, D>(rows, factored, normals, lifted, true)
+            };
+            return (square.max(0.0).sqrt(), row);
         }
         let (mut factor, mut late) = (take(&mut self.at_start), take(&mut self.late_at_start));
         let (square, row) = self.factor::<false>(rows, blocks, roots, (&mut factor, &mut late), true);
@@ -177,6 +204,14 @@ impl<const D: usize> Elimination<D> {
         blocks: &[[f64; D]],
         roots: &[Root<D>],
     ) -> f64 {
+        if let Some(chain) = &self.chain {
+            let Self { lifted, chain_at_trial: factored, .. } = self;
+            return if rows.width() == 2 {
+                chain.factor::<SYMMETRIC, 2, D>(rows, factored, blocks, lifted, false).0
+            } else {
+                chain.factor::<SYMMETRIC, 0, D>(rows, factored, blocks, lifted, false).0
+            };
+        }
         let (mut factor, mut late) = (take(&mut self.at_trial), take(&mut self.late_at_trial));
         let (smallest, _) = self.factor::<SYMMETRIC>(rows, blocks, roots, (&mut factor, &mut late), false);
         (self.at_trial, self.late_at_trial) = (factor, late);
@@ -245,8 +280,11 @@ impl<const D: usize> Elimination<D> {
             return supernodal.solve(&self.pattern, rates, x, &mut self.permuted);
         }
         let Self { pattern, at_start, late_at_start, permuted, .. } = self;
+        if let Some(chain) = &self.chain {
+            return chain.solve(&self.chain_at_start, 1.0, rates, x, permuted);
+        }
         if self.hubs.bodies.is_empty() {
-            at_start.solve(pattern, rates, x, permuted);
+            at_start.solve(pattern, 1.0, rates, x, permuted);
         } else {
             late_at_start.solve(pattern, at_start, rates, x, permuted);
         }
@@ -255,32 +293,68 @@ impl<const D: usize> Elimination<D> {
     /// Newton's correction for residuals g, with the derivative of [`Self::chord`].
     pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
         let Self { pattern, at_trial, late_at_trial, permuted, .. } = self;
+        if let Some(chain) = &self.chain {
+            return chain.solve(&self.chain_at_trial, -1.0, g, dx, permuted);
+        }
         if self.hubs.bodies.is_empty() {
-            at_trial.solve(pattern, g, dx, permuted);
+            at_trial.solve(pattern, -1.0, g, dx, permuted);
         } else {
             late_at_trial.solve(pattern, at_trial, g, dx, permuted);
+            dx.iter_mut().for_each(|x| *x = -*x);
         }
-        dx.iter_mut().for_each(|x| *x = -*x);
+    }
+
+    /// Calls `add` with each body's number in the scene, and its blocks.
+    #[inline(always)]
+    fn combine(
+        &self,
+        rows: &Rows,
+        blocks: &[[f64; D]],
+        x: &[f64],
+        mut add: impl FnMut(usize, Blocks<'_, D>),
+    ) {
+        if let Some(pairs) = &self.pairs {
+            for (&body, own) in rows.bodies.iter().zip(pairs) {
+                add(body, Blocks { own, blocks, x });
+            }
+            return;
+        }
+        for (&body, range) in rows.bodies.iter().zip(self.touching_start.windows(2)) {
+            add(body, Blocks { own: &self.touching[range[0]..range[1]], blocks, x });
+        }
     }
 
     /// Adds M⁻¹GᵀΛ to each body's place.
     pub(crate) fn displace(&self, rows: &Rows, x: &[f64], out: &mut [[f64; D]]) {
-        for (row, &x) in x.iter().enumerate() {
-            for (block, body) in rows.blocks_of(row) {
-                let place = rows.bodies[body];
-                out[place] = add_scaled(&out[place], x, &self.lifted[block]);
-            }
-        }
+        self.combine(rows, &self.lifted, x, |body, blocks| out[body] = blocks.add_to(out[body], 1.0));
+    }
+
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn displacements(&self, rows: &Rows, x: &[f64], mut see: impl FnMut(usize, [f64; D])) {
+        self.combine(rows, &self.lifted, x, |body, blocks| see(body, blocks.add_to([0.0; D], 1.0)));
     }
 
     /// Adds `scale` GᵀΛ to each body's momentum.
     pub(crate) fn push(&self, rows: &Rows, scale: f64, x: &[f64], out: &mut [[f64; D]]) {
-        for (row, &x) in x.iter().enumerate() {
-            for (block, body) in rows.blocks_of(row) {
-                let place = rows.bodies[body];
-                out[place] = add_scaled(&out[place], scale * x, &self.normals[block]);
-            }
-        }
+        self.combine(rows, &self.normals, x, |body, blocks| out[body] = blocks.add_to(out[body], scale));
+    }
+}
+
+/// The rows and blocks of a body, and an x.
+struct Blocks<'a, const D: usize> {
+    own: &'a [(usize, usize)],
+    blocks: &'a [[f64; D]],
+    x: &'a [f64],
+}
+
+impl<const D: usize> Blocks<'_, D> {
+    /// A place and what they add up to, times `scale`, in the order of the rows.
+    #[inline(always)]
+    fn add_to(&self, start: [f64; D], scale: f64) -> [f64; D] {
+        let add =
+            |sum, &(row, block): &(usize, usize)| add_scaled(&sum, scale * self.x[row], &self.blocks[block]);
+        self.own.iter().fold(start, add)
     }
 }
 

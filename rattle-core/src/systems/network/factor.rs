@@ -112,25 +112,32 @@ impl Factor {
         line[j..past].fill(0.0);
     }
 
-    /// x for a right side; `y` is room.
-    pub(super) fn solve(&self, pattern: &Pattern, right: &[f64], x: &mut [f64], y: &mut [f64]) {
+    /// x for a right side times `sign`; `y` is room.
+    pub(super) fn solve(&self, pattern: &Pattern, sign: f64, right: &[f64], x: &mut [f64], y: &mut [f64]) {
         let m = pattern.order.len();
-        for k in 0..m {
-            let lower = pattern.lower_start[k]..pattern.lower_start[k + 1];
-            let mut rest = right[pattern.order[k]];
-            for (&j, l) in pattern.lower[lower.clone()].iter().zip(&self.lower[lower]) {
+        let (order, inverse, y) = (&pattern.order[..m], &self.inverse[..m], &mut y[..m]);
+        let (mut columns, mut entries) = (&pattern.lower[..], &self.lower[..]);
+        let mut begin = 0;
+        for (k, (&row, &end)) in order.iter().zip(&pattern.lower_start[1..]).enumerate() {
+            let mut rest = sign * right[row];
+            let (own, own_columns);
+            (own_columns, columns) = columns.split_at(end - begin);
+            (own, entries) = entries.split_at(end - begin);
+            for (&j, l) in own_columns.iter().zip(own) {
                 rest -= l * y[j];
             }
-            y[k] = rest;
+            (y[k], begin) = (rest, end);
         }
-        for k in (0..m).rev() {
-            let upper = pattern.upper_start[k]..pattern.upper_start[k + 1];
-            let mut rest = y[k] * self.inverse[k];
-            for (&j, u) in pattern.upper[upper.clone()].iter().zip(&self.upper[upper]) {
+        let (mut columns, mut entries) = (&pattern.upper[..], &self.upper[..]);
+        for (k, (&row, &begin)) in order.iter().zip(&pattern.upper_start).enumerate().rev() {
+            let mut rest = y[k] * inverse[k];
+            let (own, own_columns);
+            (columns, own_columns) = columns.split_at(begin);
+            (entries, own) = entries.split_at(begin);
+            for (&j, u) in own_columns.iter().zip(own) {
                 rest -= u * y[j];
             }
-            y[k] = rest;
-            x[pattern.order[k]] = rest;
+            (y[k], x[row]) = (rest, rest);
         }
     }
 }

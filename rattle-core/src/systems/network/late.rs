@@ -104,7 +104,7 @@ impl Late {
             for (b, &other) in self.rows.iter().enumerate() {
                 self.corner[b * self.most + a] = std::mem::take(&mut self.right[other]);
             }
-            factor.solve(pattern, &self.right, &mut self.responses[a * n..(a + 1) * n], &mut self.room);
+            factor.solve(pattern, 1.0, &self.right, &mut self.responses[a * n..(a + 1) * n], &mut self.room);
             let entries = &mut self.lines[a * n..(a + 1) * n];
             entries.fill(0.0);
             line(row, entries);
@@ -148,7 +148,7 @@ impl Late {
         self.right[..right.len()].copy_from_slice(right);
         self.right[right.len()..].fill(0.0);
         self.rows.iter().for_each(|&row| self.right[row] = 0.0);
-        factor.solve(pattern, &self.right, solved, &mut self.room);
+        factor.solve(pattern, 1.0, &self.right, solved, &mut self.room);
         let late = self.rows.len();
         for a in 0..late {
             let mut rest = right[self.rows[a]] - dot(self.line(a), solved);

@@ -1,6 +1,7 @@
 //! Constraints between bodies and their linear algebra.
 
 pub(crate) mod algebra;
+mod chain;
 pub(crate) mod constraints;
 mod elimination;
 mod factor;

@@ -214,6 +214,21 @@ impl<const D: usize> Basis<D> {
         });
     }
 
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn displacements(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        x: &[f64],
+        mut see: impl FnMut(usize, [f64; D]),
+    ) {
+        self.combine(x, |body, part| {
+            let place = rows.bodies[body];
+            see(place, roots[place].halve_transposed(&part));
+        });
+    }
+
     /// Adds `scale` GᵀΛ to each body's momentum.
     pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
         self.combine(x, |body, part| {

@@ -28,11 +28,14 @@ pub(crate) struct Rows {
     body: Vec<usize>,
     /// For each block its body's number in the scene.
     touched: Vec<usize>,
+    /// For each block 1, or 0 if its body is pinned.
+    free: Vec<f64>,
     /// The number of each row among the scene's equations, in the order of naming.
     equation: Vec<usize>,
     /// Whether a multiplier acts on chosen coordinates only.
     pub(crate) acting: bool,
     pub(crate) moving: bool,
+    width: usize,
 }
 
 const PINNED: usize = usize::MAX;
@@ -63,6 +66,27 @@ impl Rows {
     pub(crate) fn touched_by(&self, row: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
         let blocks = self.start[row]..self.start[row + 1];
         blocks.map(|block| (block, self.touched[block]))
+    }
+
+    /// The same of all equations, one after the other.
+    pub(crate) fn touched(&self) -> &[usize] {
+        &self.touched
+    }
+
+    /// For each block 1, or 0 if its body is pinned.
+    pub(crate) fn free(&self) -> &[f64] {
+        &self.free
+    }
+
+    /// How many blocks each equation has, if all have as many; else 0.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The numbers of the blocks of an equation, pinned or not; `A` is [`Self::width`], or 0.
+    #[inline(always)]
+    pub(crate) fn range<const A: usize>(&self, row: usize) -> Range<usize> {
+        if A > 0 { A * row..A * (row + 1) } else { self.start[row]..self.start[row + 1] }
     }
 
     /// The run that a row belongs to, its member, and its number among the member's equations.
@@ -130,14 +154,17 @@ pub(crate) fn components<const D: usize>(
                     start: vec![0],
                     body: Vec::new(),
                     touched: Vec::new(),
+                    free: Vec::new(),
                     equation: Vec::new(),
                     acting: false,
                     moving: false,
+                    width: *arity,
                 });
             }
             let component = &mut components[number[key]];
             component.acting |= groups[group].acting().is_some();
             component.moving |= groups[group].moving();
+            component.width = if component.width == *arity { *arity } else { 0 };
             let (row, block) = (component.equations(), component.blocks());
             match component.runs.last_mut() {
                 Some(run) if run.group == group && run.members.end == member => run.members.end += 1,
@@ -153,6 +180,7 @@ pub(crate) fn components<const D: usize>(
                 component.equation.push(equation + i);
                 component.body.extend(bodies.iter().map(|&body| place[body]));
                 component.touched.extend(bodies);
+                component.free.extend(bodies.iter().map(|&body| f64::from(u8::from(free(body)))));
                 component.start.push(component.body.len());
             }
             equation += rows;

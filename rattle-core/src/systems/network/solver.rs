@@ -11,6 +11,25 @@ use std::fmt;
 pub(crate) enum Solver<const D: usize> {
     Orthogonal(Box<Basis<D>>),
     Elimination(Box<Elimination<D>>),
+    /// Of a few equations: elimination where these normals are [clearly](CLEARLY) independent, else the basis.
+    Few(Box<Few<D>>),
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct Few<const D: usize> {
+    basis: Basis<D>,
+    elimination: Elimination<D>,
+    /// Whether the last normals are clearly independent.
+    clear: bool,
+}
+
+/// Normals with a larger sine to those before lose four bits by elimination at most, as that takes the sine squared.
+const CLEARLY: f64 = 0.25;
+
+/// What does the work.
+enum By<B, E> {
+    Basis(B),
+    Elimination(E),
 }
 
 impl<const D: usize> Solver<D> {
@@ -22,23 +41,56 @@ impl<const D: usize> Solver<D> {
         Self::Elimination(Box::new(Elimination::new(rows)))
     }
 
+    pub(crate) fn few(rows: &Rows) -> Self {
+        let basis = Basis::new(rows.equations(), rows.bodies.len());
+        Self::Few(Box::new(Few { basis, elimination: Elimination::new(rows), clear: false }))
+    }
+
     #[cfg(feature = "faer")]
     pub(crate) fn supernodal(rows: &Rows) -> Self {
         Self::Elimination(Box::new(Elimination::supernodal(rows)))
     }
 
-    /// Independent equations, as far as the last normals show.
-    pub(crate) fn rank(&self, rows: &Rows) -> usize {
+    #[inline(always)]
+    fn by(&self) -> By<&Basis<D>, &Elimination<D>> {
         match self {
-            Self::Orthogonal(basis) => basis.rank,
-            Self::Elimination(_) => rows.equations(),
+            Self::Orthogonal(basis) => By::Basis(basis),
+            Self::Elimination(elimination) => By::Elimination(elimination),
+            Self::Few(few) if few.clear => By::Elimination(&few.elimination),
+            Self::Few(few) => By::Basis(&few.basis),
         }
     }
 
+    #[inline(always)]
+    fn by_mut(&mut self) -> By<&mut Basis<D>, &mut Elimination<D>> {
+        match self {
+            Self::Orthogonal(basis) => By::Basis(basis),
+            Self::Elimination(elimination) => By::Elimination(elimination),
+            Self::Few(few) => {
+                let Few { basis, elimination, clear } = &mut **few;
+                if *clear { By::Elimination(elimination) } else { By::Basis(basis) }
+            }
+        }
+    }
+
+    /// Independent equations, as far as the last normals show.
+    pub(crate) fn rank(&self, rows: &Rows) -> usize {
+        match self.by() {
+            By::Basis(basis) => basis.rank,
+            By::Elimination(_) => rows.equations(),
+        }
+    }
+
+    /// Takes the normals over. Returns the sine of the angle of the least independent one to others, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         match self {
             Self::Orthogonal(basis) => basis.normals(rows, blocks, roots),
             Self::Elimination(elimination) => elimination.normals(rows, blocks, roots),
+            Self::Few(few) => {
+                let found = few.elimination.normals(rows, blocks, roots);
+                few.clear = found.0 > CLEARLY && found.0.is_finite();
+                if few.clear { found } else { few.basis.normals(rows, blocks, roots) }
+            }
         }
     }
 
@@ -64,24 +116,24 @@ impl<const D: usize> Solver<D> {
         blocks: &[[f64; D]],
         roots: &[Root<D>],
     ) -> f64 {
-        match self {
-            Self::Orthogonal(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
-            Self::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks, roots),
+        match self.by_mut() {
+            By::Basis(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
+            By::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks, roots),
         }
     }
 
     pub(crate) fn correct(&mut self, g: &[f64], dx: &mut [f64]) {
-        match self {
-            Self::Orthogonal(basis) => basis.correct(g, dx),
-            Self::Elimination(elimination) => elimination.correct(g, dx),
+        match self.by_mut() {
+            By::Basis(basis) => basis.correct(g, dx),
+            By::Elimination(elimination) => elimination.correct(g, dx),
         }
     }
 
     /// x such that the equations change at these rates, by the last normals.
     pub(crate) fn solve(&mut self, rates: &[f64], x: &mut [f64]) {
-        match self {
-            Self::Orthogonal(basis) => basis.solve(rates, x),
-            Self::Elimination(elimination) => elimination.solve(rates, x),
+        match self.by_mut() {
+            By::Basis(basis) => basis.solve(rates, x),
+            By::Elimination(elimination) => elimination.solve(rates, x),
         }
     }
 
@@ -105,41 +157,56 @@ impl<const D: usize> Solver<D> {
     }
 
     pub(crate) fn multipliers(&mut self, x: &[f64], multipliers: &mut [f64]) {
-        match self {
-            Self::Orthogonal(basis) => basis.multipliers(x, multipliers),
-            Self::Elimination(_) => multipliers.copy_from_slice(x),
+        match self.by_mut() {
+            By::Basis(basis) => basis.multipliers(x, multipliers),
+            By::Elimination(_) => multipliers.copy_from_slice(x),
         }
     }
 
     /// The x that has these multipliers.
     pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
-        match self {
-            Self::Orthogonal(basis) => basis.coefficients(multipliers, x),
-            Self::Elimination(_) => x.copy_from_slice(multipliers),
+        match self.by() {
+            By::Basis(basis) => basis.coefficients(multipliers, x),
+            By::Elimination(_) => x.copy_from_slice(multipliers),
         }
     }
 
     /// A scalar product of two x, the same however equations are scaled, given the lengths of their gradients.
     pub(crate) fn product(&self, lengths: &[f64], a: &[f64], b: &[f64]) -> f64 {
-        match self {
-            Self::Orthogonal(basis) => a[..basis.rank].iter().zip(b).map(|(a, b)| a * b).sum(),
-            Self::Elimination(_) => {
+        match self.by() {
+            By::Basis(basis) => a[..basis.rank].iter().zip(b).map(|(a, b)| a * b).sum(),
+            By::Elimination(_) => {
                 a.iter().zip(b).zip(lengths).map(|((a, b), length)| (a * length) * (b * length)).sum()
             }
         }
     }
 
+    /// Calls `see` with the displacement M⁻¹GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn displacements(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        x: &[f64],
+        see: impl FnMut(usize, [f64; D]),
+    ) {
+        match self.by() {
+            By::Basis(basis) => basis.displacements(rows, roots, x, see),
+            By::Elimination(elimination) => elimination.displacements(rows, x, see),
+        }
+    }
+
     pub(crate) fn displace(&self, rows: &Rows, roots: &[Root<D>], x: &[f64], out: &mut [[f64; D]]) {
-        match self {
-            Self::Orthogonal(basis) => basis.displace(rows, roots, x, out),
-            Self::Elimination(elimination) => elimination.displace(rows, x, out),
+        match self.by() {
+            By::Basis(basis) => basis.displace(rows, roots, x, out),
+            By::Elimination(elimination) => elimination.displace(rows, x, out),
         }
     }
 
     pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
-        match self {
-            Self::Orthogonal(basis) => basis.push(rows, roots, scale, x, out),
-            Self::Elimination(elimination) => elimination.push(rows, scale, x, out),
+        match self.by() {
+            By::Basis(basis) => basis.push(rows, roots, scale, x, out),
+            By::Elimination(elimination) => elimination.push(rows, scale, x, out),
         }
     }
 }
@@ -162,7 +229,7 @@ pub struct Report {
 impl Report {
     pub(crate) fn of<const D: usize>(rows: &Rows, solver: &Solver<D>) -> Self {
         let (by, fill) = match solver {
-            Solver::Orthogonal(_) => (LinearAlgebra::Orthogonal, 0),
+            Solver::Orthogonal(_) | Solver::Few(_) => (LinearAlgebra::Orthogonal, 0),
             Solver::Elimination(elimination) => (elimination.by(), elimination.fill()),
         };
         Self { bodies: rows.bodies.len(), equations: rows.equations(), rank: solver.rank(rows), by, fill }

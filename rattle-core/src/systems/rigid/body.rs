@@ -20,8 +20,6 @@ use crate::motion::state::State;
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Newton steps after which the rotation of a step is given up; five suffice where there is one.
-const MAX_ROTATION_STEPS: usize = 30;
 /// What messages call such a system.
 pub(crate) const REDUCED: &str = "a rigid body reduced to three unknowns";
 /// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
@@ -95,33 +93,6 @@ impl Rigid {
     #[must_use]
     pub fn angular_momentum(attitude: &Matrix3<f64>, momenta: &[f64; 9]) -> Vector3<f64> {
         turning_part(attitude, &Self::attitude(momenta))
-    }
-
-    /// The rotation of a step, as the vector e of its quaternion, with e₀. None if the body turns too far in it.
-    pub(crate) fn rotation(&self, h: f64, m: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
-        let inertia = Matrix3::from_diagonal(&self.inertia);
-        let target = m * (0.5 * h);
-        let mut e = target.component_div(&self.inertia);
-        let mut last = f64::INFINITY;
-        for _ in 0..MAX_ROTATION_STEPS {
-            let e0 = (1.0 - e.norm_squared()).sqrt(); // NaN where there is no such rotation
-            let je = inertia * e;
-            let residual = je * e0 + e.cross(&je) - target;
-            let derivative =
-                inertia * e0 - je * e.transpose() / e0 + e.cross_matrix() * inertia - je.cross_matrix();
-            let correction = derivative.lu().solve(&residual)?;
-            e -= correction;
-            let size = correction.amax();
-            if !size.is_finite() {
-                return None;
-            }
-            if size <= f64::EPSILON * e.amax() || (size >= 0.5 * last && size <= 1e-12 * e.amax()) {
-                let e0 = 1.0 - e.norm_squared();
-                return (e0 > 0.0).then(|| (e0.sqrt(), e));
-            }
-            last = size;
-        }
-        None
     }
 }
 

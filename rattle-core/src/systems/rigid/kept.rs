@@ -1,48 +1,73 @@
 //! Rigid bodies in a field of force, and what is kept from one step to the next.
 
-use crate::effect::force::Force;
 use crate::effect::list::Forces;
-use crate::motion::bodies::{Bodies, Body, Count};
-use crate::number::vector::{sum, two_sum};
+use crate::motion::bodies::{Bodies, Count};
+use crate::number::vector::{scaled, sum, two_sum};
 use crate::systems::rigid::body::Rigid;
-use crate::systems::rigid::body::spread;
-use crate::systems::rigid::body::turning_part;
 use crate::systems::rigid::room::SeriesRoom;
-use nalgebra::{Matrix3, Vector3};
+use std::array::from_fn;
 use std::fmt;
 
-/// One body: attitude and angular momentum as compensated sums.
-pub(super) struct Place {
-    pub(super) attitude: Matrix3<f64>,
-    pub(super) m: Vector3<f64>,
-    pub(super) torque: Vector3<f64>,
-    pub(super) body: Body<f64, 9>,
+/// One body: attitude and angular momentum as compensated sums, and the torque on it.
+pub(super) struct Place<'a> {
+    pub(super) q: &'a mut [f64; 9],
+    q_low: &'a mut [f64; 9],
+    p: &'a mut [f64; 9],
+    p_low: &'a mut [f64; 9],
+    pub(super) torque: [f64; 3],
 }
 
-impl Place {
-    pub(super) fn of<N: Count, F: Forces<f64, 9>>(bodies: &BodiesOf<F, N>, number: usize) -> Self {
-        let body = bodies.body(number);
-        let attitude = Rigid::attitude(&body.q);
-        let torque = turning_part(&attitude, &Rigid::attitude(&bodies.kept.force[number].components()));
-        Self { attitude, m: Vector3::from_row_slice(&body.p[..3]), torque, body }
+impl<'a> Place<'a> {
+    #[inline(always)]
+    pub(super) fn of<N: Count, F: Forces<f64, 9>>(bodies: &'a mut BodiesOf<F, N>, number: usize) -> Self {
+        let torque = bodies.kept.torque[number];
+        let (q, q_low) = (&mut bodies.q.as_mut()[number], &mut bodies.q_low.as_mut()[number]);
+        let (p, p_low) = (&mut bodies.p.as_mut()[number], &mut bodies.p_low.as_mut()[number]);
+        Self { q, q_low, p, p_low, torque }
     }
 
-    pub(super) fn move_by(&mut self, turn: &Matrix3<f64>, change: &Vector3<f64>) {
-        let Body { q, q_low, p, p_low } = &mut self.body;
-        (*q, *q_low) = two_sum(q, &sum(q_low, &Rigid::coordinates(turn)));
-        (*p, *p_low) = two_sum(p, &sum(p_low, &spread(change)));
-        self.attitude = Rigid::attitude(q);
+    /// The angular momentum, rounded.
+    #[inline(always)]
+    pub(super) fn m(&self) -> [f64; 3] {
+        from_fn(|i| self.p[i])
+    }
+
+    #[inline(always)]
+    pub(super) fn turn_by(&mut self, turn: &[f64; 9]) {
+        (*self.q, *self.q_low) = two_sum(self.q, &sum(self.q_low, turn));
+    }
+
+    #[inline(always)]
+    pub(super) fn push_by(&mut self, change: &[f64; 3]) {
+        let low: [f64; 3] = from_fn(|i| self.p_low[i] + change[i]);
+        let (high, low) = two_sum(&self.m(), &low);
+        self.p[..3].copy_from_slice(&high);
+        self.p_low[..3].copy_from_slice(&low);
+    }
+
+    /// 1 − QᵀQ, by rows.
+    #[inline(always)]
+    pub(super) fn deviation(&self) -> [f64; 9] {
+        let q = &*self.q;
+        let entry = |i: usize, j: usize| q[i] * q[j] + q[3 + i] * q[3 + j] + q[6 + i] * q[6 + j];
+        let (xy, xz, yz) = (-entry(0, 1), -entry(0, 2), -entry(1, 2));
+        [1.0 - entry(0, 0), xy, xz, xy, 1.0 - entry(1, 1), yz, xz, yz, 1.0 - entry(2, 2)]
     }
 
     /// Q(3 − QᵀQ)/2 (Å. Björck, C. Bowie 1971), from 1 − QᵀQ.
-    pub(super) fn straighten(&mut self, deviation: &Matrix3<f64>) {
-        self.move_by(&(self.attitude * deviation * 0.5), &Vector3::zeros());
+    #[cold]
+    pub(super) fn straighten(&mut self, deviation: &[f64; 9]) {
+        self.turn_by(&scaled(0.5, &product(self.q, deviation)));
     }
+}
 
-    pub(super) fn put<N: Count, X>(self, bodies: &mut Bodies<N, f64, X, 9>, number: usize) {
-        (bodies.q.as_mut()[number], bodies.q_low.as_mut()[number]) = (self.body.q, self.body.q_low);
-        (bodies.p.as_mut()[number], bodies.p_low.as_mut()[number]) = (self.body.p, self.body.p_low);
-    }
+/// A product of matrices by rows.
+#[inline(always)]
+pub(super) fn product(a: &[f64; 9], b: &[f64; 9]) -> [f64; 9] {
+    from_fn(|k| {
+        let (i, j) = (k - k % 3, k % 3);
+        a[i] * b[j] + a[i + 1] * b[3 + j] + a[i + 2] * b[6 + j]
+    })
 }
 
 /// Rigid bodies in a field of force.
@@ -58,6 +83,8 @@ pub struct Turning<F, N> {
 pub struct Kept<F: Forces<f64, 9>> {
     /// Forces last evaluated.
     pub(super) force: Vec<F::Force>,
+    /// Their torques about the centres of mass, in the frames of the bodies.
+    pub(super) torque: Vec<[f64; 3]>,
     /// ∂U/∂t with them, where forces change with time.
     pub(super) power: f64,
     /// Room of the effects.

@@ -4,6 +4,7 @@ mod body;
 mod hold;
 mod kept;
 mod room;
+mod rotation;
 mod series;
 mod system;
 

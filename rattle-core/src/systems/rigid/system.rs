@@ -12,6 +12,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
 use crate::motion::system::{Given, System};
 use crate::motion::witness::Witness;
+use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::rigid::body::CROOKED;
 use crate::systems::rigid::body::HALVINGS;
@@ -23,7 +24,10 @@ use crate::systems::rigid::kept::BodiesOf;
 use crate::systems::rigid::kept::Kept;
 use crate::systems::rigid::kept::Place;
 use crate::systems::rigid::kept::Turning;
-use nalgebra::{Matrix3, Vector3};
+use crate::systems::rigid::kept::product;
+use crate::systems::rigid::rotation::{cross, rotation, turning};
+use nalgebra::Vector3;
+use std::array::from_fn;
 
 impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     type Count = N;
@@ -55,7 +59,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn bodies(&self, places: &[Body<f64, 9>], time: f64) -> BodiesOf<F, N> {
         let n = self.count.number();
         let (force, of_effects) = (vec![F::Force::zero(); n], self.effects.room(n));
-        let kept = Kept { force, power: 0.0, of_effects, series: None };
+        let kept = Kept { force, torque: vec![[0.0; 3]; n], power: 0.0, of_effects, series: None };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies
@@ -119,7 +123,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     }
 
     fn force(&self, bodies: &BodiesOf<F, N>, body: usize) -> [f64; 9] {
-        spread(&Place::of(bodies, body).torque)
+        spread(&bodies.kept.torque[body].into())
     }
 
     fn freedom(&self, _: &BodiesOf<F, N>) -> usize {
@@ -135,22 +139,28 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         _: &mut W,
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
+        let inertia: [f64; 3] = self.body.inertia.into();
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
-            let kicked = place.torque * kick;
-            let m = place.m + kicked;
-            let Some((e0, e)) = self.body.rotation(h, &m) else {
+            let kicked = scaled(kick, &place.torque);
+            let target = scaled(0.5 * h, &sum(&place.m(), &kicked));
+            let Some((e0, e)) = rotation(&inertia, &target) else {
+                let m = sum(&place.m(), &kicked);
                 return Err(Failure { body: number, cause: self.too_fast(h, &m) });
             };
-            let cross = e.cross_matrix();
-            let turn = place.attitude * (cross * e0 + cross * cross) * 2.0; // Q(R − 1)
-            let change = kicked - e.cross(&e.component_mul(&self.body.inertia)) * (4.0 / h);
-            place.move_by(&turn, &change);
-            let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
-            if deviation.amax() > CROOKED {
+            // R − 1 = 2 (e₀ ê + ê²), and ê² = e eᵀ − |e|².
+            let [x, y, z] = scaled(2.0, &e);
+            let [s, t, u] = scaled(e0, &[x, y, z]);
+            let (xx, yy, zz) = (x * e[0], y * e[1], z * e[2]);
+            let (xy, xz, yz) = (x * e[1], x * e[2], y * e[2]);
+            let turn = [-yy - zz, xy - u, xz + t, xy + u, -xx - zz, yz - s, xz - t, yz + s, -xx - yy];
+            let bend = cross(&e, &from_fn(|i| inertia[i] * e[i]));
+            place.turn_by(&product(place.q, &turn));
+            place.push_by(&add_scaled(&kicked, -4.0 / h, &bend));
+            let deviation = place.deviation();
+            if largest(&deviation) > CROOKED {
                 place.straighten(&deviation);
             }
-            place.put(bodies, number);
         }
         bodies.time += h;
         Ok(())
@@ -158,7 +168,13 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N>) {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.evaluate(at, &mut bodies.kept.of_effects, &mut bodies.kept.force);
+        let Kept { of_effects, force, torque, .. } = &mut bodies.kept;
+        self.effects.evaluate(at, of_effects, force);
+        if const { <F::Force as Force<f64, 9>>::ACTS } {
+            for ((torque, force), q) in torque.iter_mut().zip(force).zip(at.positions) {
+                *torque = turning(q, &force.components());
+            }
+        }
         if self.effects.changes_with_time() {
             bodies.kept.power = self.effects.power(at);
         }
@@ -179,11 +195,9 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.book(kick, bodies);
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
-            let kicked = place.torque * kick;
-            place.move_by(&Matrix3::zeros(), &kicked);
-            place.put(bodies, number);
+            place.push_by(&scaled(kick, &place.torque));
             let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
-            if !p.iter().all(|p| p.is_finite()) {
+            if !(p[0] + p[1] + p[2]).is_finite() && !p.iter().all(|p| p.is_finite()) {
                 let cause = StepFailure::MomentumNotFinite { position: q[number].to_vec() };
                 let momentum = Failure { body: number, cause };
                 let at = Moment { time: bodies.time, positions: q };
@@ -213,12 +227,13 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
         self.effects.evaluate(at, &mut bodies.kept.of_effects.clone(), &mut forces);
         for (number, (a, force)) in accelerations.iter_mut().zip(&forces).enumerate() {
-            let place = Place::of(bodies, number);
-            let torque = turning_part(&place.attitude, &Rigid::attitude(&force.components()));
-            let rate = place.m.component_div(&self.body.inertia);
-            let change = (place.m.cross(&rate) + torque).component_div(&self.body.inertia);
+            let attitude = Rigid::attitude(&at.positions[number]);
+            let torque = turning_part(&attitude, &Rigid::attitude(&force.components()));
+            let m = Vector3::from_row_slice(&bodies.p.as_ref()[number][..3]);
+            let rate = m.component_div(&self.body.inertia);
+            let change = (m.cross(&rate) + torque).component_div(&self.body.inertia);
             let cross = rate.cross_matrix();
-            *a = Rigid::coordinates(&(place.attitude * (cross * cross + change.cross_matrix())));
+            *a = Rigid::coordinates(&(attitude * (cross * cross + change.cross_matrix())));
         }
         Ok(())
     }
@@ -244,7 +259,8 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
         _: &mut W,
     ) -> f64 {
         for (number, rate) in rates.iter_mut().enumerate() {
-            let Place { m, torque, .. } = Place::of(bodies, number);
+            let m = Vector3::from_row_slice(&bodies.p.as_ref()[number][..3]);
+            let torque = Vector3::from(bodies.kept.torque[number]);
             *rate = spread(&(m.cross(&m.component_div(&self.body.inertia)) + torque));
         }
         if self.effects.changes_with_time() { bodies.kept.power } else { 0.0 }
@@ -253,11 +269,11 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn project(&self, h: f64, bodies: &mut BodiesOf<F, N>) -> Result<(), Failure> {
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
-            let path = h.abs() * place.m.component_div(&self.body.inertia).norm();
+            let path = h.abs() * Vector3::from(place.m()).component_div(&self.body.inertia).norm();
             let mut nearing = Nearing::leaving(1.0);
             loop {
-                let deviation = Matrix3::identity() - place.attitude.transpose() * place.attitude;
-                let distance = deviation.amax();
+                let deviation = place.deviation();
+                let distance = largest(&deviation);
                 let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
                 if arrived {
                     break;
@@ -268,7 +284,6 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
                 }
                 place.straighten(&deviation);
             }
-            place.put(bodies, number);
         }
         self.evaluate_forces(bodies);
         Ok(())
@@ -297,10 +312,10 @@ impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
 
 impl<F, N> Turning<F, N> {
     #[cold]
-    fn too_fast(&self, h: f64, m: &Vector3<f64>) -> StepFailure {
-        let turn = h.abs() * m.component_div(&self.body.inertia).norm();
-        let mut shorter = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k));
-        let passing = shorter.find(|&h| self.body.rotation(h, m).is_some());
+    fn too_fast(&self, h: f64, m: &[f64; 3]) -> StepFailure {
+        let turn = h.abs() * Vector3::from(*m).component_div(&self.body.inertia).norm();
+        let turns = |h: f64| rotation(&self.body.inertia.into(), &scaled(0.5 * h, m)).is_some();
+        let passing = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k)).find(|&h| turns(h));
         StepFailure::TurnsTooFar { turn, h, passing: Passing(passing) }
     }
 }
