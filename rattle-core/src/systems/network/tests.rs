@@ -209,7 +209,7 @@ fn factors_solve_and_rows_together_change_no_bit() {
         let right: Vec<f64> = (0..m).map(|row| (row % 7) as f64 - 3.0).collect();
         let solved = |(factor, pivots): (Factor, Vec<f64>)| {
             let (mut x, mut room) = (vec![0.0; m], vec![0.0; m]);
-            factor.solve(&pattern, &right, &mut x, &mut room);
+            factor.solve(&pattern, 1.0, &right, &mut x, &mut room);
             (x, pivots)
         };
         let (x, pivots) = solved(factored::<true>(&pattern, &matrix));
