@@ -3,14 +3,15 @@
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
-//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`], [`Propelled`] |
-//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`], [`ActsBySelf`] |
+//! | as users name them | [`Effects`]: `()`, [`With`] | [`Effect`], of a kind: [`OnEach`], [`BetweenPairs`], [`BetweenNear`], [`BetweenNearKinds`], [`BetweenKinds`], [`AlongSurface`], [`ByGeodesics`], [`Among`], [`Driven`], [`Flowing`], [`ByForce`], [`Propelled`] |
+//! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsByGeodesics`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`], [`ActsBySelf`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
 //! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are
 //! [`Contacts`], which a simulation takes and a scene does not know.
 
 pub mod along;
+pub mod along_geodesics;
 pub mod among;
 pub mod andersen;
 pub mod between_kinds;
@@ -44,8 +45,9 @@ mod tiles;
 
 pub use crate::kernel::kinds::Kinds;
 pub use crate::kernel::over::Over;
-pub use crate::kernel::within::{Along, Within};
+pub use crate::kernel::within::{Along, AlongGeodesics, Within};
 pub use along::{ActsAlong, AlongSurface};
+pub use along_geodesics::{ActsByGeodesics, ByGeodesics};
 pub use among::{ActsAmong, Among};
 pub use andersen::Andersen;
 pub use between_kinds::{ActsBetweenKinds, BetweenKinds};

@@ -6,6 +6,7 @@ pub mod cut_off;
 pub mod driven;
 pub mod force_law;
 pub mod functions;
+pub mod geodesic;
 pub mod kinds;
 pub(crate) mod kinks;
 pub mod over;
@@ -23,4 +24,4 @@ pub use functions::{
 pub use kinds::Kinds;
 pub use over::Over;
 pub use space::{Open, Periodic, Space};
-pub use within::{Along, Within};
+pub use within::{Along, AlongGeodesics, Within};

@@ -1,0 +1,226 @@
+//! Distances along surfaces: against great circles, helices and Bessel's integrals of the spheroid; as distances of a
+//! pair potential, whose forces are the gradient of its energy.
+
+mod common;
+
+use rattle::curvature::{GeodesicError, geodesic_distance, points};
+use rattle::nalgebra::{Vector3, vector};
+use rattle::prelude::*;
+use rattle::surfaces::{Cylinder, Ellipsoid, Lemniscate, Sphere, Torus};
+
+/// What the rounding of some hundred evaluations comes to, as part of the way.
+const ROUNDING: f64 = 1e-13;
+
+/// Great circles of any length short of half of them, down to one of 1e-9, of which places say less; near half of one
+/// the rounding of places turns directions by more.
+#[test]
+fn great_circles() {
+    let r = 1.7;
+    let places = points::uniform(&Sphere { r }, [-2.0; 3], [2.0; 3], 40, 1).unwrap();
+    let mut longest = 0.0_f64;
+    for pair in places.chunks(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let angle = a.cross(&b).norm().atan2(a.dot(&b));
+        if angle > 3.0 {
+            continue;
+        }
+        longest = longest.max(angle);
+        let way = geodesic_distance(&Sphere { r }, &a, &b).unwrap();
+        let (u, w) = (a / r, b / r);
+        let from = (w - u * angle.cos()) / angle.sin();
+        let to = (w * angle.cos() - u) / angle.sin();
+        assert!(
+            (way.distance - r * angle).abs() < ROUNDING * r * angle,
+            "{angle}: {:e}",
+            way.distance - r * angle
+        );
+        let bound = ROUNDING * (1.0 + 1.0 / angle.sin());
+        assert!((way.from - from).norm() < bound && (way.to - to).norm() < bound, "{angle}");
+        let back = geodesic_distance(&Sphere { r }, &b, &a).unwrap();
+        assert!((back.distance - way.distance).abs() < ROUNDING * r * angle);
+        assert!((back.from + way.to).norm() < bound && (back.to + way.from).norm() < bound);
+    }
+    assert!(longest > 2.5);
+    for exponent in 1..10 {
+        let angle = 10_f64.powi(-exponent);
+        let (a, b) = (vector![0.0, 0.0, r], vector![r * angle.sin(), 0.0, r * angle.cos()]);
+        let off = geodesic_distance(&Sphere { r }, &a, &b).unwrap().distance - r * angle;
+        assert!(off.abs() < ROUNDING * angle + f64::EPSILON * r, "{angle}: {off:e}");
+    }
+}
+
+/// A helix of radius r that turns by φ and climbs by z has the length √(r²φ² + z²); a meridian of a torus is r φ long,
+/// its outer equator (R + r) φ.
+#[test]
+fn helices_and_circles_of_a_torus() {
+    let r = 0.8;
+    for (phi, z) in [(1.0_f64, 0.5), (2.0, 3.0), (0.01, -0.2), (0.0, 1.0)] {
+        let a = vector![r, 0.0, 0.3];
+        let b = vector![r * phi.cos(), r * phi.sin(), 0.3 + z];
+        let way = geodesic_distance(&Cylinder { r }, &a, &b).unwrap();
+        let exact = (r * phi).hypot(z);
+        assert!((way.distance - exact).abs() < ROUNDING * exact, "{phi}: {:e}", way.distance - exact);
+        let from = vector![0.0, r * phi, z] / exact;
+        assert!((way.from - from).norm() < ROUNDING / exact.min(1.0), "{phi}: {}", way.from);
+    }
+    let (major, minor) = (1.2, 0.5);
+    let torus = Torus { major, minor };
+    for phi in [0.1_f64, 0.7, 1.5, 2.5] {
+        let at = |angle: f64| vector![major + minor * angle.cos(), 0.0, minor * angle.sin()];
+        let off = geodesic_distance(&torus, &at(0.4), &at(0.4 + phi)).unwrap().distance - minor * phi;
+        assert!(off.abs() < ROUNDING * phi, "{phi}: {off:e}");
+    }
+    for phi in [0.1_f64, 0.5, 1.2] {
+        let b = vector![(major + minor) * phi.cos(), (major + minor) * phi.sin(), 0.0];
+        let way = geodesic_distance(&torus, &vector![major + minor, 0.0, 0.0], &b).unwrap();
+        assert!((way.distance - (major + minor) * phi).abs() < ROUNDING * phi, "{phi}");
+    }
+}
+
+/// Bessel's integrals (C. Karney, J. Geod. 87 (2013) 43, equations 7 and 8) for a geodesic of a spheroid with semi-axes
+/// a, a, b that crosses the equator with the azimuth α₀: its length and longitude from there to the arc σ of the
+/// auxiliary sphere. Simpson's rule with 20 000 intervals: to rounding.
+fn bessel(a: f64, b: f64, alpha: f64, sigma: f64) -> (f64, Vector3<f64>) {
+    let flat = (a - b) / a;
+    let k = (a * a - b * b).sqrt() / b * alpha.cos();
+    let root = |s: f64| (1.0 + (k * s.sin()).powi(2)).sqrt();
+    let simpson = |f: &dyn Fn(f64) -> f64| {
+        let (n, mut sum) = (20_000, 0.0);
+        for i in 0..=n {
+            let weight = if i == 0 || i == n { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+            sum += weight * f(sigma * f64::from(i) / f64::from(n));
+        }
+        sum * sigma / f64::from(3 * n)
+    };
+    let length = b * simpson(&root);
+    let lag = simpson(&|s| (2.0 - flat) / (1.0 + (1.0 - flat) * root(s)));
+    let longitude = (alpha.sin() * sigma.sin()).atan2(sigma.cos()) - flat * alpha.sin() * lag;
+    let height = alpha.cos() * sigma.sin(); // sin β
+    let width = (1.0 - height * height).sqrt();
+    (length, vector![a * width * longitude.cos(), a * width * longitude.sin(), b * height])
+}
+
+#[test]
+fn a_spheroid_by_other_means() {
+    let (a, b) = (1.5, 1.0);
+    let egg = Ellipsoid { a, b: a, c: b };
+    for alpha in [0.1_f64, 0.6, 1.2, 1.5] {
+        for (from, to) in [(-0.4, 0.3), (0.2, 1.4), (-0.9, 0.9), (0.5, 0.51)] {
+            let ((start, first), (end, last)) = (bessel(a, b, alpha, from), bessel(a, b, alpha, to));
+            let way = geodesic_distance(&egg, &first, &last).unwrap();
+            let off = way.distance - (end - start);
+            assert!(off.abs() < ROUNDING * (end - start).max(1.0), "α₀ = {alpha}, {from} to {to}: {off:e}");
+            // Clairaut: the distance from the axis times the part of the direction around it.
+            let around = |q: &Vector3<f64>, u: &Vector3<f64>| q.x * u.y - q.y * u.x;
+            let kept = around(&first, &way.from) - around(&last, &way.to);
+            assert!(kept.abs() < 1e-12, "{kept:e}");
+        }
+    }
+}
+
+/// On a surface without formulas directions are the gradient of the distance, and the expansion agrees to its order.
+#[test]
+fn directions_are_the_gradient() {
+    let surface = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
+    let free = Scene::on(surface);
+    let place = |q: [f64; 3]| free.project(&State::at(q)).unwrap().positions().next().unwrap();
+    let (a, b) = (place([0.3, 0.1, 0.15]), place([0.45, 0.2, 0.12]));
+    let way = geodesic_distance(&surface, &a, &b).unwrap();
+    let h = 1e-5;
+    for u in [vector![1.0, 0.0, 0.0], vector![0.0, 1.0, 0.0], vector![0.3, -0.2, 0.9]] {
+        let at = |q: &Vector3<f64>, s: f64| place((q + u * s).into());
+        // Places move along the surface: by their way, which is h times a tangent.
+        let difference = |q: &Vector3<f64>, d: &dyn Fn(&Vector3<f64>) -> f64, gradient: &Vector3<f64>| {
+            let (ahead, behind) = (at(q, h), at(q, -h));
+            let found = d(&ahead) - d(&behind);
+            assert!((found - gradient.dot(&(ahead - behind))).abs() < 1e-9 * h.sqrt(), "{u}");
+        };
+        let distance =
+            |a: &Vector3<f64>, b: &Vector3<f64>| geodesic_distance(&surface, a, b).unwrap().distance;
+        difference(&b, &|b| distance(&a, b), &way.to);
+        difference(&a, &|a| distance(a, &b), &-way.from);
+    }
+}
+
+pair_potential! {
+    /// A soft repulsion.
+    struct Soft { strength }
+    |r| strength * (1 - r^2 / 0.64)^2
+}
+
+/// Twelve bodies on a torus that repel each other up to ways of 0.8, where chords are shorter by a tenth: forces are
+/// differences of the energy, and of second order it keeps its error, forth and back; also across a periodic box.
+#[test]
+fn forces_are_the_gradient_of_the_energy() {
+    let torus = Torus { major: 1.2, minor: 0.5 };
+    let soft = || Soft { strength: 3.0 }.within(0.8).shifted();
+    let scene = Scene::on(torus).bodies(12).with(soft().along_geodesics(torus));
+    let places = points::apart(&torus, [-1.8; 3], [1.8; 3], 12, 0.35, 5).unwrap();
+    let energy_at = |places: &[Vector3<f64>]| {
+        let start = scene.project(&State::of(places.iter().copied())).unwrap();
+        (scene.simulate(start.clone(), Rattle::new(0.01)).unwrap().potential_energy(), start)
+    };
+    let chords = Scene::on(torus).bodies(12).with(soft());
+    let start = energy_at(&places).1;
+    let by_chords = chords.simulate(start.clone(), Rattle::new(0.01)).unwrap().potential_energy();
+    assert!((by_chords - energy_at(&places).0).abs() > 0.01, "ways are longer than chords");
+
+    // One step from rest: p = h f along the surface, to first order in h; so −ΔU/Δs.
+    let h = 1e-6;
+    let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+    simulation.step().unwrap();
+    let forces: Vec<_> = simulation.momenta().map(|p| p / h).collect();
+    assert!(forces.iter().all(|f| f.norm() < 50.0) && forces.iter().any(|f| f.norm() > 0.5));
+    let s = 1e-5;
+    for body in 0..12 {
+        for u in [vector![1.0, 0.0, 0.0], vector![0.0, 0.6, 0.8]] {
+            let moved = |s: f64| {
+                let mut places = places.clone();
+                places[body] += s * u;
+                let (energy, start) = energy_at(&places);
+                (energy, start.positions().nth(body).unwrap())
+            };
+            let ((ahead, to), (behind, from)) = (moved(s), moved(-s));
+            let slope = (ahead - behind) / (2.0 * s);
+            let exact = -forces[body].dot(&(to - from)) / (2.0 * s);
+            assert!((slope - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{body}: {slope} {exact}");
+        }
+    }
+
+    let start = scene.maxwell(&energy_at(&places).1, 0.5, 3).unwrap();
+    let swing = |h: f64| {
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+        let mut most = 0.0_f64;
+        simulation.run_with((0.6 / h) as u64, |now| most = most.max(now.energy_error().abs())).unwrap();
+        most
+    };
+    let errors = [0.02, 0.01, 0.005].map(swing);
+    assert!((1.7..2.3).contains(&common::order(&errors)), "{errors:?}");
+
+    // Bodies that are a period away act as near ones do, on a cylinder that repeats itself.
+    let pipe = Cylinder { r: 0.5 };
+    let energy = |shift: f64| {
+        let two = Scene::on(pipe)
+            .bodies(2)
+            .with(soft().periodic([f64::INFINITY, f64::INFINITY, 2.0]).along_geodesics(pipe));
+        let at = 0.9_f64;
+        let start = State::of([[0.5, 0.0, 0.1], [0.5 * at.cos(), 0.5 * at.sin(), 0.4 + shift]]);
+        two.simulate(start, Rattle::new(0.01)).unwrap().potential_energy()
+    };
+    let exact = Soft { strength: 3.0 }.value(0.45_f64.hypot(0.3)) - Soft { strength: 3.0 }.value(0.8);
+    assert!((energy(0.0) - exact).abs() < 1e-13 && (energy(4.0) - exact).abs() < 1e-13);
+}
+
+#[test]
+fn what_is_not_found_is_told() {
+    let sphere = Sphere { r: 1.0 };
+    let pole = vector![0.0, 0.0, 1.0];
+    let same = geodesic_distance(&sphere, &pole, &pole).unwrap();
+    assert_eq!((same.distance, same.from.norm(), same.to.norm()), (0.0, 0.0, 0.0));
+    let off = geodesic_distance(&sphere, &pole, &vector![0.0, 1.1, 0.0]).unwrap_err();
+    assert!(matches!(off, GeodesicError::NotOnSurface { place: "b", .. }), "{off}");
+    // To the other pole all directions lead: the chord has none.
+    let other = geodesic_distance(&sphere, &pole, &-pole).unwrap_err();
+    assert!(matches!(other, GeodesicError::NotFound { .. }), "{other}");
+    assert!(other.to_string().contains("misses the end of a chord of 2.000e0"), "{other}");
+}
