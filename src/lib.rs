@@ -45,6 +45,8 @@
 
 extern crate self as rattle; // the macros write `::rattle`, also in here
 
+#[cfg(feature = "checkpoint")]
+pub mod checkpoint;
 pub mod conventions;
 #[cfg(feature = "data")]
 pub mod data;

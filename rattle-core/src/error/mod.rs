@@ -5,6 +5,7 @@ mod network;
 mod numbers;
 mod pairs;
 mod phase;
+mod record;
 mod sizes;
 mod start;
 mod step;
@@ -14,6 +15,7 @@ pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
 pub use pairs::PairMistake;
 pub use phase::PhaseMistake;
+pub use record::RecordMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
 pub use step::StepFailure;
@@ -201,6 +203,14 @@ pub enum Error {
         #[source]
         error: Box<Error>,
     },
+
+    /// A checkpoint that is not gone on from.
+    #[error(transparent)]
+    Record(RecordMistake),
+
+    /// What stopped a trajectory before a checkpoint, in the words of then.
+    #[error("{0}")]
+    Before(String),
 
     /// A step that cannot be taken.
     #[error("step {step} (t = {time}), body {body}: {cause}")]

@@ -10,6 +10,7 @@ pub mod iteration;
 pub mod method;
 pub mod need;
 pub(crate) mod rest;
+pub mod record;
 pub mod start;
 pub mod state;
 pub(crate) mod stir;
