@@ -89,7 +89,7 @@ pub trait Save: Checkpoint {
     /// let start = State::at([0.0, 1.0]);
     /// scene(9.81).simulate(start.clone(), Rattle::new(0.1))?.save(&path)?;
     /// let refused = scene(1.62).simulate(start, Rattle::new(0.1))?.restore(&path).unwrap_err();
-    /// assert!(refused.to_string().contains("its effect 0 is Gravity with -9.81, and here it is Gravity with -1.62"));
+    /// assert!(refused.to_string().contains("(effect 0): it was written by Gravity with -9.81, and here is Gravity with -1.62"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     fn restore(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {

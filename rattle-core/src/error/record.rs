@@ -6,7 +6,7 @@
 pub enum RecordMistake {
     /// It was written by another scene, method or ensemble: the first part that differs.
     #[error(
-        "the checkpoint is of another run: its {part} is {file}, and here it is {here}; \
+        "the checkpoint is of another run ({part}): it was written by {file}, and here is {here}; \
          go on with what it was written by, or start anew"
     )]
     Another {

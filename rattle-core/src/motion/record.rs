@@ -248,13 +248,13 @@ impl<'a> Reading<'a> {
             };
             let Ok(its_name) = self.text(&format!("{part} is")) else {
                 let next = self.rest.first().map_or("none", |field| &field.name);
-                return another(format!("absent (`{next}` comes next)"), name.clone());
+                return another(format!("one that has none (`{next}` comes next)"), name.clone());
             };
             if its_name != name {
                 return another(its_name.into(), name.clone());
             }
             let Some((Field { data: Data::Numbers(its), .. }, rest)) = self.rest.split_first() else {
-                return another("without numbers".into(), name.clone());
+                return another(format!("{name} without numbers"), name.clone());
             };
             self.rest = rest;
             if let Some(i) = first_other(its, numbers) {
@@ -345,9 +345,14 @@ mod tests {
         record.within("scene", |record| part(2.0).write(record));
         let same = |part: Mark| record.read().within("scene", |reading| reading.same(&[part]));
         assert!(same(part(2.0 + 1e-12)).is_ok());
-        assert!(same(part(2.1)).unwrap_err().to_string().contains("effect 0 is Gravity with 2.0"));
+        assert!(
+            same(part(2.1))
+                .unwrap_err()
+                .to_string()
+                .contains("(effect 0): it was written by Gravity with 2.0")
+        );
         let other = Mark::new("effect 0", "Weight", vec![1.0, 2.0]);
-        assert!(same(other).unwrap_err().to_string().contains("is Gravity, and here it is Weight"));
+        assert!(same(other).unwrap_err().to_string().contains("by Gravity, and here is Weight"));
         assert!(same(Mark::new("effect 0", "Gravity", vec![1.0])).is_err());
         assert!(record.read().numbers("q", &[1]).is_err());
     }

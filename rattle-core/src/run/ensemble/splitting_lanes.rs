@@ -148,7 +148,8 @@ where
 
     fn marks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Mark> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        let (effects, q) = (effects.borrow(), beside(&[*body])[0].q.map(S::from_f64));
+        let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
+        let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
         let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
         let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
         let constraints = [numbers(&[g]), numbers(&gradient)].concat();
