@@ -55,6 +55,8 @@ pub mod links;
 pub mod plot;
 pub mod potentials;
 mod ready_made;
+#[cfg(feature = "data")]
+pub mod record;
 pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;

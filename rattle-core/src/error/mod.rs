@@ -208,6 +208,17 @@ pub enum Error {
     #[error(transparent)]
     Record(RecordMistake),
 
+    /// Rows of a recorder that could not be kept.
+    #[error(
+        "rows could not be kept, after {rows} that were handed on: {why}; the run is as it was at its last step"
+    )]
+    Recorder {
+        /// How many were handed on before.
+        rows: u64,
+        /// Why not these.
+        why: String,
+    },
+
     /// What stopped a trajectory before a checkpoint, in the words of then.
     #[error("{0}")]
     Before(String),

@@ -307,7 +307,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the observer has seen all that was to be seen before.
+    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that can
+    /// watch no more.
     ///
     /// # Panics
     /// If `every` is 0.
@@ -326,6 +327,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             now.steps = self.steps;
             self.look(now.page());
             observer.see(&before.sight(self), &now.sight(self));
+            observer.failure().map_or(Ok(()), Err)?;
             std::mem::swap(&mut before, &mut now);
         }
         self.take(steps % every, &mut Listening(observer))
