@@ -54,6 +54,8 @@ pub mod links;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod potentials;
+#[cfg(feature = "progress")]
+pub mod progress;
 mod ready_made;
 #[cfg(feature = "data")]
 pub mod record;

@@ -24,10 +24,15 @@
 //! |---|---|---|
 //! | [`NpzParts`] | `.npz`, each column in parts `q.000000`, `q.000001`, … | NumPy: `np.concatenate([f[k] for k in sorted(f) if k.startswith("q.")])` |
 //! | [`Xyz`] | extended XYZ, a frame for each row | OVITO, ASE |
+//! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times | ParaView |
 //!
 //! Where a writer fails, for a full disk or a closed pipe, the run ends at the next block of rows with
 //! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step (an ensemble runs on; its recorder says so at
 //! the end), and [`Stream::finish`] says how many rows were written.
+
+mod vtu;
+
+pub use vtu::Vtu;
 
 use crate::data::{DataError, Npz};
 use crate::watch::{Rows, Sink};

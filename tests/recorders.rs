@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use rattle::Error;
 use rattle::prelude::*;
-use rattle::record::{NpzParts, Stream, Writer, Xyz};
+use rattle::record::{NpzParts, Stream, Vtu, Writer, Xyz};
 use rattle::watch::{Columns, Recorder, Rows};
 use std::fs::{self, File};
 use std::io;
@@ -201,6 +201,37 @@ fn ase_reads_extended_xyz() {
         }
     }
     assert_eq!(read, expected);
+}
+
+#[test]
+fn meshio_reads_points_with_vectors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.pvd");
+    let rows = both(Vtu::create(&path).unwrap(), 4);
+    let index = fs::read_to_string(&path).unwrap();
+    for (row, time) in rows.times.iter().enumerate() {
+        assert!(
+            index.contains(&format!("<DataSet timestep=\"{time:?}\" file=\"run_{row:06}.vtu\"/>")),
+            "{index}"
+        );
+    }
+    let Some(python) = python("meshio") else { return };
+    let code = "import meshio, sys\nm = meshio.read(sys.argv[1])\nassert len(m.cells_dict['vertex']) == 3\n\
+        for a in [m.points, m.point_data['momentum'], m.point_data['constraint force']]:\n  \
+        print(*(repr(float(x)) for x in a.ravel()))";
+    for row in 0..4 {
+        let of = |name| rows.numbers(name).nth(row).unwrap().to_vec();
+        let read = read_by(&python, code, &folder.path().join(format!("run_{row:06}.vtu")));
+        assert_eq!(read, [of("q"), of("p"), of("constraint_forces")].concat());
+    }
+}
+
+/// The bar is drawn by an observer that is one like all others; here is no terminal.
+#[test]
+fn a_bar_beside_a_recorder() {
+    let mut seen = (Recorder::of(&Columns::new(), Rows::default()), rattle::progress::bar(10));
+    ring(1).observe(100, 10, &mut seen).unwrap();
+    assert_eq!(seen.0.finish().unwrap().len(), 10);
 }
 
 /// The most memory that this program has had, in KiB.
