@@ -53,107 +53,14 @@
 //!
 //! Numbers are little-endian. Files of version 1 stay readable.
 
+mod error;
 mod file;
+mod save;
 mod saving;
 
+pub use error::CheckpointError;
 pub use file::{decode, encode, read, write};
 pub use rattle_core::motion::record::{Data, Field, Record};
 pub use rattle_core::run::checkpoint::Checkpoint;
+pub use save::Save;
 pub use saving::{Ended, Saving};
-
-use crate::Error;
-use std::io;
-use std::path::{Path, PathBuf};
-
-/// Simulations and ensembles to files and back.
-pub trait Save: Checkpoint {
-    /// Writes all that is needed to go on; an old file is replaced once the new one is whole.
-    ///
-    /// # Errors
-    /// [`CheckpointError::Io`]; an old file, and what is saved, are as they were.
-    fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
-        write(&self.checkpoint(), path)
-    }
-
-    /// Goes on from a file that was saved by the same scene and method, whatever the state was here.
-    ///
-    /// # Errors
-    /// [`CheckpointError`] says what the file is instead; what was to go on is as it was.
-    ///
-    /// ```
-    /// # use rattle::prelude::*;
-    /// # use rattle::checkpoint::Save;
-    /// # let folder = tempfile::tempdir()?;
-    /// # let path = folder.path().join("run.rattle");
-    /// let scene = |g: f64| Scene::point().with(rattle::potentials::planar::Gravity { g });
-    /// let start = State::at([0.0, 1.0]);
-    /// scene(9.81).simulate(start.clone(), Rattle::new(0.1))?.save(&path)?;
-    /// let refused = scene(1.62).simulate(start, Rattle::new(0.1))?.restore(&path).unwrap_err();
-    /// assert!(refused.to_string().contains("(effect 0): it was written by Gravity with -9.81, and here is Gravity with -1.62"));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    fn restore(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
-        let path = path.as_ref();
-        let refused = |error| CheckpointError::Refused { path: path.into(), error };
-        self.resume(&read(path)?).map_err(refused)
-    }
-}
-
-impl<X: Checkpoint + ?Sized> Save for X {}
-
-/// Why there is no going on.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CheckpointError {
-    /// The file can't be written or read.
-    #[error("{}: {source}; the last checkpoint and the run are as they were", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The file is something else.
-    #[error("{}: no checkpoint of rattle; one begins with \"\\x89RATTLE\\n\"", path.display())]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file was written by a later version.
-    #[error("{}: a checkpoint of version {version}, and versions up to 1 are known here; use a later rattle", path.display())]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// Its version.
-        version: u32,
-    },
-    /// The end of the file is missing.
-    #[error("{}: cut off: {has} bytes are there of {of}; take an earlier checkpoint", path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// How many bytes there are.
-        has: u64,
-        /// How many there should be.
-        of: u64,
-    },
-    /// Bytes of the file have changed.
-    #[error("{}: damaged: {what}; take an earlier checkpoint", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What shows it.
-        what: &'static str,
-    },
-    /// The checkpoint is of another scene, method or ensemble.
-    #[error("{}: {error}", path.display())]
-    Refused {
-        /// The file.
-        path: PathBuf,
-        /// Which part differs.
-        error: Error,
-    },
-    /// A step could not be taken.
-    #[error(transparent)]
-    Step(Error),
-}

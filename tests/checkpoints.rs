@@ -9,7 +9,7 @@ use rattle::checkpoint::{
     Checkpoint, CheckpointError, Data, Field, Record, Save, decode, encode, read, write,
 };
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::effect::{HardSpheres, Langevin, LinearDrag};
+use rattle::effect::{HardSpheres, Langevin, LinearDrag, SelfPropulsion};
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use std::fs;
@@ -55,6 +55,9 @@ fn effects_go_on() {
     let bath = Langevin { friction: 0.4, temperature: 0.5, seed: 3 };
     let one = Scene::on(SURFACE).with(Gravity { g: 1.0 }).with(LinearDrag::new(0.01)).with(bath);
     goes_on(|| one.simulate(billiard_45().numbered(5).after_steps(9), Baoab::new(0.01)).unwrap(), 33, 150);
+    let swimming = SelfPropulsion::new(0.7, 0.3, 5);
+    let swimmer = Scene::on(SURFACE).with(swimming).with(LinearDrag::new(1.0));
+    goes_on(|| swimmer.simulate(billiard_45(), Rattle::new(0.01)).unwrap(), 33, 150);
     let driven = Scene::on(Sphere { r: 1.0 }).with(Tide { g: 1.0, w: 2.0 });
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]).at_time(0.3);
     let [whole, parts] =

@@ -1,7 +1,7 @@
 //! Records as bytes, and files that appear whole or not at all.
 
-use super::CheckpointError;
-use super::{Data, Field, Record};
+use super::error::CheckpointError;
+use rattle_core::motion::record::{Data, Field, Record};
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,8 @@
 //! Runs that save themselves.
 
-use super::{Checkpoint, CheckpointError, Save};
+use super::error::CheckpointError;
+use super::save::Save;
+use rattle_core::run::checkpoint::Checkpoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

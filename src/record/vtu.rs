@@ -1,6 +1,6 @@
 //! Particles for ParaView: a `.vtu` for each row, and a `.pvd` that says when.
 
-use super::Writer;
+use super::stream::Writer;
 use crate::watch::Rows;
 use std::fmt::Write as _;
 use std::fs;

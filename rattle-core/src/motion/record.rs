@@ -241,8 +241,8 @@ impl<'a> Reading<'a> {
     ///
     /// # Errors
     /// [`RecordMistake::Another`] names the first that differs.
-    pub fn same(&mut self, here: &[Mark]) -> Result<(), Error> {
-        for Mark { part, name, numbers } in here {
+    pub fn same(&mut self, here: &[Hallmark]) -> Result<(), Error> {
+        for Hallmark { part, name, numbers } in here {
             let another = |file: String, here: String| {
                 Err(Error::Record(RecordMistake::Another { part: part.clone(), file, here }))
             };
@@ -287,7 +287,7 @@ impl<'a> Reading<'a> {
 
 /// What tells a part of a scene or a method from another: a name, and numbers that it gives.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
+pub struct Hallmark {
     /// Which part: "method", "constraints", "effect 0".
     pub part: String,
     /// What it is called.
@@ -296,7 +296,7 @@ pub struct Mark {
     pub numbers: Vec<f64>,
 }
 
-impl Mark {
+impl Hallmark {
     /// This part, so called, with these numbers.
     pub fn new(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
         Self { part: part.into(), name: name.into(), numbers }
@@ -340,10 +340,10 @@ mod tests {
 
     #[test]
     fn what_differs_is_named() {
-        let part = |g: f64| Mark::new("effect 0", "Gravity", vec![1.0, g]);
+        let part = |g: f64| Hallmark::new("effect 0", "Gravity", vec![1.0, g]);
         let mut record = Record::default();
         record.within("scene", |record| part(2.0).write(record));
-        let same = |part: Mark| record.read().within("scene", |reading| reading.same(&[part]));
+        let same = |part: Hallmark| record.read().within("scene", |reading| reading.same(&[part]));
         assert!(same(part(2.0 + 1e-12)).is_ok());
         assert!(
             same(part(2.1))
@@ -351,9 +351,9 @@ mod tests {
                 .to_string()
                 .contains("(effect 0): it was written by Gravity with 2.0")
         );
-        let other = Mark::new("effect 0", "Weight", vec![1.0, 2.0]);
+        let other = Hallmark::new("effect 0", "Weight", vec![1.0, 2.0]);
         assert!(same(other).unwrap_err().to_string().contains("by Gravity, and here is Weight"));
-        assert!(same(Mark::new("effect 0", "Gravity", vec![1.0])).is_err());
+        assert!(same(Hallmark::new("effect 0", "Gravity", vec![1.0])).is_err());
         assert!(record.read().numbers("q", &[1]).is_err());
     }
 

@@ -19,13 +19,13 @@
 //! What goes on is made as it was made at first: the scene, any start, the method, and what was asked for with
 //! `retry`, `collide` and the like. These are code, and not in the checkpoint; what they give is, and where it is
 //! something else the checkpoint is refused, with the part that differs. All that changes in a run is taken from the checkpoint:
-//! positions and momenta with what rounding took from them, what the method remembers, time, steps, random
+//! positions and momenta with what rounding took from them, what method and effects remember, time, steps, random
 //! numbers, work, energy at the start, events, and how far guesses were off.
 
 use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::method::Method;
-use crate::motion::record::{Mark, Reading, Record};
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::ensemble::{Ensemble, STRETCH};
@@ -134,7 +134,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         to.numbers("time of the bodies", &[1], [bodies.time]);
         let places: Vec<_> = (0..self.bodies()).map(|body| bodies.body(body)).collect();
         to.within("run", |to| {
-            self.marks(&places, bodies.time).iter().for_each(|mark| mark.write(to));
+            self.hallmarks(&places, bodies.time).iter().for_each(|mark| mark.write(to));
         });
         to.counts("steps", [self.steps]);
         to.numbers("clock", &[2], [self.clock.0, self.clock.1]);
@@ -145,6 +145,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         to.counts("number of the trajectory", self.number);
         let memory = self.memory.as_ref();
         to.numbers("memory of the method", &[memory.len()], memory.iter().copied());
+        to.numbers("memory of the effects", &[bodies.marks.len()], bodies.marks.iter().copied());
         to.within("kept", |to| self.system.record(bodies, to));
     }
 
@@ -159,7 +160,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         before.p_low.as_mut().copy_from_slice(from.vectors("p rounding", n)?);
         [before.time] = from.array("time of the bodies")?;
         let places: Vec<_> = (0..n).map(|body| before.body(body)).collect();
-        from.within("run", |from| from.same(&self.marks(&places, before.time)))?;
+        from.within("run", |from| from.same(&self.hallmarks(&places, before.time)))?;
         [again.steps] = from.counted("steps")?;
         again.clock = from.array("clock")?.into();
         [before.work] = from.array("work")?;
@@ -172,6 +173,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         again.number = from.counts("number of the trajectory")?.first().copied();
         let memory = again.memory.as_mut();
         memory.copy_from_slice(from.numbers("memory of the method", &[memory.len()])?);
+        let marks = &mut again.before.marks;
+        let found = from.numbers("memory of the effects", &[marks.len()])?;
+        marks.copy_from_slice(found);
         again.memory_before.as_mut().copy_from_slice(again.memory.as_ref());
         again.system.put_back(&mut again.bodies, &again.before);
         from.within("kept", |from| again.system.recall(&mut again.bodies, from))?;
@@ -179,10 +183,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// What tells this run from another.
-    fn marks(&self, places: &[Body<f64, D>], time: f64) -> Vec<Mark> {
+    fn hallmarks(&self, places: &[Body<f64, D>], time: f64) -> Vec<Hallmark> {
         let (names, numbers): (Vec<_>, _) = self.options().into_iter().unzip();
         let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-        let mut marks = vec![of_method(&self.method), Mark::new("options", names, numbers)];
+        let mut marks = vec![of_method(&self.method), Hallmark::new("options", names, numbers)];
         marks.extend(of_system(&self.system, places, time));
         marks
     }

@@ -4,7 +4,7 @@
 use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::record::{Mark, Reading, Record};
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Sight;
@@ -104,7 +104,7 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     where
         Self: Sized;
     /// What tells what a lane obeys from other laws, asked beside this body.
-    fn marks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Mark>;
+    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.

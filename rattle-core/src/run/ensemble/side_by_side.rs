@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::record::{Mark, Reading, Record};
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
@@ -244,10 +244,10 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     }
 
     /// What tells this group from another, of the lanes that no other stands in for.
-    fn marks(&self) -> Vec<Mark> {
-        let mut marks: Vec<Mark> = Vec::new();
+    fn hallmarks(&self) -> Vec<Hallmark> {
+        let mut marks: Vec<Hallmark> = Vec::new();
         for lane in (0..E::WIDTH).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let own = self.engine.marks(lane, &self.body(lane));
+            let own = self.engine.hallmarks(lane, &self.body(lane));
             if marks.is_empty() {
                 marks = own;
             } else {
@@ -366,7 +366,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
             to.text("failure", &ended.failure.to_string());
         }
         to.within(&format!("{lanes} lanes"), |to| self.engine.record(to));
-        to.within("run", |to| self.marks().iter().for_each(|mark| mark.write(to)));
+        to.within("run", |to| self.hallmarks().iter().for_each(|mark| mark.write(to)));
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
@@ -404,7 +404,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
             crowded_until,
             halvings: (halvings as u32).min(MOST_HALVINGS),
         };
-        from.within("run", |from| from.same(&again.marks()))?;
+        from.within("run", |from| from.same(&again.hallmarks()))?;
         Ok(Box::new(again))
     }
 

@@ -9,7 +9,7 @@ use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
-use crate::motion::record::{Mark, Reading, Record, short_name};
+use crate::motion::record::{Hallmark, Reading, Record, short_name};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -146,24 +146,24 @@ where
         Ok(Self { block, laws, stages: self.stages.clone(), parts: self.parts.clone(), set: self.set })
     }
 
-    fn marks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Mark> {
+    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
         let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
         let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
         let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
         let constraints = [numbers(&[g]), numbers(&gradient)].concat();
-        let mut marks = vec![Mark::new("constraints", "a surface", constraints)];
+        let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
         let (at, mut room) = (Moment { time: 0.0, positions: &[q] }, effects.room(1));
         for number in 0..X::Forces::EFFECTS {
             let mut force = [[S::default(); D]];
             let name = effects.contribute_alone(number, at, &mut room, &mut force);
             let name = short_name(name.unwrap_or("no potential"));
-            marks.push(Mark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
+            marks.push(Hallmark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
         }
-        marks.push(Mark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+        marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
         let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-        marks.push(Mark::new("method", "a splitting", stages.collect()));
+        marks.push(Hallmark::new("method", "a splitting", stages.collect()));
         marks
     }
 

@@ -120,11 +120,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn record(&self, bodies: &BodiesOf<F, N, D>, to: &mut Record) {
-        let Kept { aims, pace, counts, .. } = &bodies.kept;
+        let Kept { aims, pace, counts, crowd, .. } = &bodies.kept;
         let Counts { solves, corrections, values, gradients, followed } = *counts;
         to.counts("counts", [solves, corrections, values, gradients, followed]);
         to.numbers("lengths of the last steps", &[2], pace.numbers());
         to.numbers("guesses were off by", &[aims.len(), 2], aims.iter().flat_map(Aim::offs));
+        to.numbers("crowd looked at", &[1], [crowd.asked]);
+        to.counts("crowd", [u64::from(crowd.near)]);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
@@ -134,6 +136,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let aims = &mut bodies.kept.aims;
         let offs = from.vectors("guesses were off by", aims.len())?;
         aims.iter_mut().zip(offs).for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(*off));
+        let ([asked], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
+        bodies.kept.crowd = Crowd { asked, near: near != 0 };
         Ok(())
     }
 
