@@ -45,6 +45,8 @@
 
 extern crate self as rattle; // the macros write `::rattle`, also in here
 
+#[cfg(feature = "checkpoint")]
+pub mod checkpoint;
 pub mod conventions;
 #[cfg(feature = "data")]
 pub mod data;
@@ -52,7 +54,11 @@ pub mod links;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod potentials;
+#[cfg(feature = "progress")]
+pub mod progress;
 mod ready_made;
+#[cfg(feature = "data")]
+pub mod record;
 pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;

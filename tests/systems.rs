@@ -3,6 +3,7 @@
 mod common;
 use common::*;
 use rattle::Error;
+use rattle::checkpoint::{decode, encode};
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::links::planar::{Rod, TurningLine};
 use rattle::nalgebra::Matrix3;
@@ -33,6 +34,7 @@ fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S:
         Ok(mut simulation) => {
             simulation.run(3).unwrap();
             assert_ne!(&simulation.state(), start, "{}", method.name());
+            goes_on_from_checkpoints(scene, start, method, simulation);
             ("yes", None)
         }
         Err(error) => {
@@ -42,6 +44,30 @@ fn moves<C: Hold<D>, E: rattle::effect::Effects<D>, N: rattle::bodies::Count, S:
             ("–", Some(others))
         }
     }
+}
+
+/// Where a run is stopped, written to a file's bytes and gone on from, nothing differs, in any bit of anything kept.
+fn goes_on_from_checkpoints<C, E, N, S: Method, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: &S,
+    mut simulation: Simulation<C::System<E, N>, S, D>,
+) where
+    C: Hold<D>,
+    E: rattle::effect::Effects<D>,
+    N: rattle::bodies::Count,
+{
+    let bytes = encode(&simulation.checkpoint());
+    let start = scene.staggered(start, method).unwrap();
+    let mut again = scene.simulate(start, method.clone()).unwrap();
+    again.resume(&decode(&bytes, "the checkpoint").unwrap()).unwrap();
+    assert_eq!(encode(&again.checkpoint()), bytes, "{}: read and written again", method.name());
+    for simulation in [&mut simulation, &mut again] {
+        simulation.run(9).unwrap();
+    }
+    assert_eq!(again.steps(), 12);
+    let [whole, parts] = [simulation, again].map(|simulation| encode(&simulation.checkpoint()));
+    assert_eq!(whole, parts, "{}: gone on", method.name());
 }
 
 fn row<S: Method>(method: &S) -> [(&'static str, Option<Vec<&'static str>>); 7] {

@@ -5,6 +5,7 @@ mod network;
 mod numbers;
 mod pairs;
 mod phase;
+mod record;
 mod sizes;
 mod start;
 mod step;
@@ -14,6 +15,7 @@ pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
 pub use pairs::PairMistake;
 pub use phase::PhaseMistake;
+pub use record::RecordMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
 pub use step::StepFailure;
@@ -201,6 +203,25 @@ pub enum Error {
         #[source]
         error: Box<Error>,
     },
+
+    /// A checkpoint that is not gone on from.
+    #[error(transparent)]
+    Record(RecordMistake),
+
+    /// Rows of a recorder that could not be kept.
+    #[error(
+        "rows could not be kept, after {rows} that were handed on: {why}; the run is as it was at its last step"
+    )]
+    Recorder {
+        /// How many were handed on before.
+        rows: u64,
+        /// Why not these.
+        why: String,
+    },
+
+    /// What stopped a trajectory before a checkpoint, in the words of then.
+    #[error("{0}")]
+    Before(String),
 
     /// A step that cannot be taken.
     #[error("step {step} (t = {time}), body {body}: {cause}")]

@@ -9,6 +9,7 @@ pub mod identity;
 pub mod iteration;
 pub mod method;
 pub mod need;
+pub mod record;
 pub(crate) mod rest;
 pub mod start;
 pub mod state;

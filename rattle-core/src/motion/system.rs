@@ -14,11 +14,12 @@
 
 use crate::effect::interval::{Inertia, Manner, Rule, UnitMasses};
 use crate::effect::noise::Noise;
-use crate::error::EffectMistake;
+use crate::error::{EffectMistake, Error};
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Newton};
+use crate::motion::record::{Reading, Record};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
@@ -63,6 +64,17 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<Self, T, D>;
     /// Evaluates anew what is kept, after positions were put back.
     fn refresh(&self, bodies: &mut BodiesOf<Self, T, D>);
+
+    /// Writes what is kept that no evaluation at the places brings back and a step looks at, or that was counted.
+    fn record(&self, _bodies: &BodiesOf<Self, T, D>, _to: &mut Record) {}
+
+    /// Takes back what [`record`](Self::record) wrote.
+    ///
+    /// # Errors
+    /// [`Error::Record`] for what another system wrote.
+    fn recall(&self, _bodies: &mut BodiesOf<Self, T, D>, _from: &mut Reading<'_>) -> Result<(), Error> {
+        Ok(())
+    }
 
     /// Everything as it was when it was saved.
     #[inline(always)]

@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::method::Method;
+use crate::motion::record::Record;
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::run::simulation::Simulation;
@@ -49,6 +50,8 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
     fn run(&mut self, steps: u64) -> Result<(), Error>;
     fn run_until(&mut self, time: f64) -> Result<(), Error>;
     fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error>;
+    fn checkpoint(&self) -> Record;
+    fn resume(&mut self, checkpoint: &Record) -> Result<(), Error>;
     fn steps(&self) -> u64;
     /// Time, time of momenta, step size.
     fn times(&self) -> [f64; 3];
@@ -87,6 +90,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     }
     fn observe(&mut self, steps: u64, every: u64, observer: &mut dyn Observer<D>) -> Result<(), Error> {
         self.observe(steps, every, observer)
+    }
+    fn checkpoint(&self) -> Record {
+        self.checkpoint()
+    }
+    fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
+        self.resume(checkpoint)
     }
     fn steps(&self) -> u64 {
         self.steps()
@@ -195,6 +204,20 @@ impl<const D: usize> BoxedSimulation<D> {
     /// If `every` is 0.
     pub fn observe<O: Observer<D>>(&mut self, steps: u64, every: u64, observer: &mut O) -> Result<(), Error> {
         self.0.observe(steps, every, observer)
+    }
+
+    /// All that is needed to go on from here, see [`Simulation::checkpoint`].
+    #[must_use]
+    pub fn checkpoint(&self) -> Record {
+        self.0.checkpoint()
+    }
+
+    /// Goes on from a checkpoint, see [`Simulation::resume`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
+        self.0.resume(checkpoint)
     }
 
     /// Steps taken so far.

@@ -3,10 +3,12 @@
 mod begin;
 pub mod bill;
 pub mod boxed;
+pub mod checkpoint;
 mod collide;
 mod course;
 pub mod ensemble;
 pub(crate) mod events;
+mod fingerprint;
 mod readings;
 mod seldom;
 pub mod simulation;

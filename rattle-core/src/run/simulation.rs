@@ -36,7 +36,7 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) before: Saved<Y::Count, f64, D>,
     /// What the method remembers, and remembered before the step under way.
     pub(super) memory: S::Memory<f64>,
-    memory_before: S::Memory<f64>,
+    pub(super) memory_before: S::Memory<f64>,
     pub(super) steps: u64,
     /// Random numbers at the start, and the number of the trajectory if its start was given one.
     pub(super) first: Noise,
@@ -188,6 +188,19 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(self)
     }
 
+    /// What was asked for beside scene and method, each with a number.
+    pub(super) fn options(&self) -> Vec<(&'static str, f64)> {
+        let mut options = Vec::new();
+        options.extend(self.halving.map(|halving| ("retry", f64::from(halving.most))));
+        options.extend(self.reversal.as_ref().map(|reversal| ("check_reversal", reversal.tolerance)));
+        if let Some(events) = &self.events {
+            let kinds = events.search.meetings.kinds.iter();
+            options.extend(kinds.map(|contact| (contact.name(), contact.restitution())));
+            options.extend(events.search.over_kinks.then_some(("over_kinks", 1.0)));
+        }
+        options
+    }
+
     /// Takes one step.
     ///
     /// # Errors
@@ -294,7 +307,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the observer has seen all that was to be seen before.
+    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that can
+    /// watch no more.
     ///
     /// # Panics
     /// If `every` is 0.
@@ -313,6 +327,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             now.steps = self.steps;
             self.look(now.page());
             observer.see(&before.sight(self), &now.sight(self));
+            observer.failure().map_or(Ok(()), Err)?;
             std::mem::swap(&mut before, &mut now);
         }
         self.take(steps % every, &mut Listening(observer))

@@ -13,7 +13,8 @@
 //!
 //! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever
 //! is remembered
-//! here; and nothing has to be remembered in a state.
+//! here; and nothing has to be remembered in a state. A root that looked wrong and was not is followed to the same place, in
+//! other roundings: so a checkpoint, which goes on to the last bit, has what is remembered here.
 
 use crate::number::real::{Mask, Real};
 
@@ -65,6 +66,16 @@ impl Pace {
         Self { steps: [f64::NAN; 2] }
     }
 
+    /// The lengths of the last two steps.
+    pub(crate) fn numbers(&self) -> [f64; 2] {
+        self.steps
+    }
+
+    /// After steps of these lengths.
+    pub(crate) fn after(steps: [f64; 2]) -> Self {
+        Self { steps }
+    }
+
     /// Of a step of length h: by how much the last off, and the one before, count.
     #[inline(always)]
     pub(crate) fn weights(&self, h: f64) -> [f64; 2] {
@@ -91,6 +102,16 @@ impl<T: Real> Aim<T> {
     pub(crate) fn unknown() -> Self {
         let nan = T::from_f64(f64::NAN);
         Self { last: nan, before: nan }
+    }
+
+    /// What the last guess was off by, and the one before.
+    pub(crate) fn offs(&self) -> [T; 2] {
+        [self.last, self.before]
+    }
+
+    /// After guesses that were off by so much.
+    pub(crate) fn after([last, before]: [T; 2]) -> Self {
+        Self { last, before }
     }
 
     /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).

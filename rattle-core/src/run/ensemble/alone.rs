@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::method::Method;
+use crate::motion::record::{Reading, Record};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::number::instructions::InstructionSet;
@@ -52,6 +53,20 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
 
     fn bill(&self) -> Result<Bill, Error> {
         self.simulation.bill()
+    }
+
+    fn record(&self, to: &mut Record) {
+        to.text("what", "a trajectory by itself");
+        to.text("failure", &self.failure.as_ref().map_or(String::new(), Error::to_string));
+        self.simulation.record(to);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
+        from.expect("a trajectory by itself")?;
+        let failure = from.text("failure")?;
+        let failure = (!failure.is_empty()).then(|| Error::Before(failure.into()));
+        let simulation = self.simulation.recalled(from)?;
+        Ok(Box::new(Self { moving: [failure.is_none()], simulation, failure }))
     }
 
     fn failure(&self, _: usize) -> Option<&Error> {

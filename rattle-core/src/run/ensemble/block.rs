@@ -19,9 +19,11 @@
 //! Every lane is a function of its own past alone.
 
 use crate::effect::moment::Moment;
+use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
+use crate::motion::record::{Reading, Record};
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
@@ -268,6 +270,44 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             put(&mut momenta, lane, p);
         }
         (self.q, momenta)
+    }
+
+    /// Writes all lanes.
+    pub(crate) fn record(&self, to: &mut Record) {
+        let mut block = self.clone();
+        block.numbers(|name, numbers| to.numbers(name, &[L], numbers.iter().map(|x| x.to_f64())));
+        to.counts("part", [self.part as u64]);
+    }
+
+    /// The block that was written, of a method of so many parts.
+    pub(crate) fn recalled(from: &mut Reading<'_>, parts: usize) -> Result<Self, Error> {
+        let (mut block, mut went) = (Self::new(), Ok(()));
+        block.numbers(|name, numbers| {
+            let found = from.numbers(name, &[L]);
+            went = went.clone().and(found.map(|found| {
+                numbers.iter_mut().zip(found).for_each(|(x, &number)| *x = S::from_f64(number));
+            }));
+        });
+        went?;
+        let [part] = from.counted("part")?;
+        block.part = part as usize % parts;
+        Ok(block)
+    }
+
+    /// Shows each row of numbers, one of each lane.
+    fn numbers(&mut self, mut show: impl FnMut(&str, &mut [S; L])) {
+        let Self { q, way, normal, square, bias, rest, guess, past: [last, earlier], q_low, way_low, .. } =
+            self;
+        for (name, vectors) in [("q", q), ("way", way), ("normal", normal)] {
+            vectors.iter_mut().for_each(|numbers| show(name, numbers));
+        }
+        for (name, vectors) in [("q rounding", q_low), ("way rounding", way_low)] {
+            vectors.as_flattened_mut().iter_mut().for_each(|numbers| show(name, numbers));
+        }
+        let rows = [("square", square), ("bias", bias), ("rest", rest), ("guess", guess)];
+        for (name, numbers) in rows.into_iter().chain([("last", last), ("earlier", earlier)]) {
+            show(name, numbers);
+        }
     }
 
     /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`].

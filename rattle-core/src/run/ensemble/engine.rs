@@ -1,8 +1,10 @@
 //! What moves trajectories on, side by side. Which of them fail, what stands in for them and what is shown is not its
 //! concern.
 
+use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Sight;
@@ -92,6 +94,17 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     fn kick_alone(&self, steps: u32);
     /// The names of the types of all forces.
     fn forces(&self) -> Vec<&'static str>;
+    /// Writes the lanes, number by number.
+    fn record(&self, to: &mut Record);
+    /// An engine that goes on from there, with each lane obeying what the lane that it is a copy of does here.
+    ///
+    /// # Errors
+    /// [`Error::Record`] where other lanes were written.
+    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error>
+    where
+        Self: Sized;
+    /// What tells what a lane obeys from other laws, asked beside this body.
+    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.

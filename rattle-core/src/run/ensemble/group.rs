@@ -1,6 +1,7 @@
 //! Trajectories that are moved on together.
 
 use crate::error::Error;
+use crate::motion::record::{Reading, Record};
 use crate::motion::state::State;
 use crate::number::instructions::InstructionSet;
 use crate::run::bill::Bill;
@@ -20,6 +21,13 @@ pub trait Group<const D: usize>: Watched<D> + Send + Sync {
     /// # Errors
     /// Those of the steps that are tried.
     fn bill(&self) -> Result<Bill, Error>;
+    /// Writes all that is needed to go on.
+    fn record(&self, to: &mut Record);
+    /// The same group where another was.
+    ///
+    /// # Errors
+    /// [`Error::Record`] where that was another group.
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error>;
     /// Why one goes on no more.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
 }

@@ -42,5 +42,6 @@ pub mod trajectories;
 
 pub use crate::number::instructions::InstructionSet;
 pub use precision::{Compensated, Double, Precision, Single};
+pub(in crate::run) use side_by_side::STRETCH;
 pub use stream::Snapshot;
 pub use trajectories::Ensemble;

@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
@@ -19,7 +20,7 @@ use std::array::from_fn;
 use std::hint::black_box;
 
 /// Steps after which lanes are put back: what is gone through again when one fails.
-const STRETCH: u64 = 1024;
+pub(in crate::run) const STRETCH: u64 = 1024;
 
 /// Steps that some lanes go side by side while others go by themselves.
 const LEG: u64 = 64;
@@ -242,9 +243,37 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         after_steps(self.start_time[lane], steps, self.h)
     }
 
+    /// What tells this group from another, of the lanes that no other stands in for.
+    fn hallmarks(&self) -> Vec<Hallmark> {
+        let mut marks: Vec<Hallmark> = Vec::new();
+        for lane in (0..E::WIDTH).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
+            let own = self.engine.hallmarks(lane, &self.body(lane));
+            if marks.is_empty() {
+                marks = own;
+            } else {
+                let all = marks.iter_mut().zip(own).filter(|(all, _)| all.part != "method");
+                all.for_each(|(all, own)| all.numbers.extend(own.numbers));
+            }
+        }
+        marks
+    }
+
     fn ended(&self, lane: usize) -> Option<&Ended<D>> {
         self.ended.iter().find(|ended| ended.lane == lane)
     }
+}
+
+/// What a checkpoint calls such a group.
+const IN_LANES: &str = "trajectories in lanes";
+
+/// A body as vectors.
+fn numbers<const D: usize>(body: &Body<f64, D>) -> [[f64; D]; 4] {
+    [body.q, body.q_low, body.p, body.p_low]
+}
+
+/// And back.
+fn body<const D: usize>(&[q, q_low, p, p_low]: &[[f64; D]; 4]) -> Body<f64, D> {
+    Body { q, q_low, p, p_low }
 }
 
 /// Some steps, with stops where an onlooker wants to see.
@@ -288,7 +317,7 @@ impl<const D: usize> Tour<D> for Look<'_, D> {
     }
 }
 
-impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
+impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
     fn run(&mut self, steps: u64, _: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
@@ -314,6 +343,69 @@ impl<E: Engine<D>, const D: usize> Group<D> for SideBySide<E, D> {
         (state.time, state.time_low) = self.time(trajectory);
         state.bodies[0] = body;
         state
+    }
+
+    fn record(&self, to: &mut Record) {
+        let (times, lanes): (Vec<_>, _) =
+            (self.start_time.iter().map(|&(t, low)| [t, low]).collect(), E::WIDTH);
+        to.text("what", IN_LANES);
+        to.vectors("times of the starts", &times);
+        to.counts("steps", [self.steps]);
+        to.counts("moving", self.moving.map(u64::from));
+        to.counts("copy of", self.copy_of.map(|lane| lane as u64));
+        to.counts("crowded", self.crowded.map(u64::from));
+        to.counts("crowded until", [self.crowded_until]);
+        to.counts("halvings", [u64::from(self.halvings)]);
+        to.counts("by themselves", self.own.iter().map(|own| own.0 as u64));
+        let own = self.own.iter().flat_map(|(_, body)| numbers(body)).collect::<Vec<_>>();
+        to.vectors("where these are", &own);
+        to.counts("ended", self.ended.iter().flat_map(|ended| [ended.lane as u64, ended.steps]));
+        let ended = self.ended.iter().flat_map(|ended| numbers(&ended.body)).collect::<Vec<_>>();
+        to.vectors("where these rest", &ended);
+        for ended in &self.ended {
+            to.text("failure", &ended.failure.to_string());
+        }
+        to.within(&format!("{lanes} lanes"), |to| self.engine.record(to));
+        to.within("run", |to| self.hallmarks().iter().for_each(|mark| mark.write(to)));
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
+        from.expect(IN_LANES)?;
+        let times = from.vectors::<2>("times of the starts", self.start_time.len())?;
+        let [steps] = from.counted("steps")?;
+        let moving = from.counted("moving")?.map(|moves| moves != 0);
+        let lane = |lane: u64| (lane as usize).min(E::WIDTH - 1);
+        let copy_of = from.counted("copy of")?.map(lane);
+        let crowded = from.counted("crowded")?.map(|crowded| crowded != 0);
+        let [crowded_until] = from.counted("crowded until")?;
+        let [halvings] = from.counted("halvings")?;
+        let apart = from.counts("by themselves")?;
+        let bodies = from.vectors::<D>("where these are", 4 * apart.len())?.as_chunks().0;
+        let own = apart.iter().zip(bodies).map(|(&own, of)| (lane(own), body(of))).collect();
+        let places = from.counts("ended")?.as_chunks().0;
+        let bodies = from.vectors::<D>("where these rest", 4 * places.len())?.as_chunks().0;
+        let mut ended = Vec::new();
+        for (&[own, steps], of) in places.iter().zip(bodies) {
+            let failure = Error::Before(from.text("failure")?.into());
+            ended.push(Ended { lane: lane(own), steps, body: body(of), failure });
+        }
+        let lanes = format!("{} lanes", E::WIDTH);
+        let engine = from.within(&lanes, |from| self.engine.recalled(from, &copy_of))?;
+        let again = Self {
+            engine,
+            h: self.h,
+            steps,
+            start_time: times.iter().map(|&[time, low]| (time, low)).collect(),
+            moving,
+            copy_of,
+            ended,
+            crowded,
+            own,
+            crowded_until,
+            halvings: (halvings as u32).min(MOST_HALVINGS),
+        };
+        from.within("run", |from| from.same(&again.hallmarks()))?;
+        Ok(Box::new(again))
     }
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {

@@ -3,11 +3,13 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
+use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
+use crate::motion::record::{Hallmark, Reading, Record, short_name};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -17,6 +19,7 @@ use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
+use crate::run::fingerprint::beside;
 use crate::run::watch::sight::Sight;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
@@ -129,6 +132,39 @@ where
         let at = Moment { time: 0.0, positions: &q };
         let name = |number| effects.contribute_alone(number, at, &mut effects.room(1), &mut force);
         (0..<X::Forces as Forces<S, D>>::EFFECTS).filter_map(name).collect()
+    }
+
+    fn record(&self, to: &mut Record) {
+        self.block.record(to);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error> {
+        let (block, mut laws) = (Block::recalled(from, self.parts.len())?, self.laws.clone());
+        for (to, &from) in copy_of.iter().enumerate().take(L).filter(|&(to, &from)| to != from) {
+            laws.copy(from, to);
+        }
+        Ok(Self { block, laws, stages: self.stages.clone(), parts: self.parts.clone(), set: self.set })
+    }
+
+    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark> {
+        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
+        let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
+        let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
+        let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
+        let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
+        let constraints = [numbers(&[g]), numbers(&gradient)].concat();
+        let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
+        let (at, mut room) = (Moment { time: 0.0, positions: &[q] }, effects.room(1));
+        for number in 0..X::Forces::EFFECTS {
+            let mut force = [[S::default(); D]];
+            let name = effects.contribute_alone(number, at, &mut room, &mut force);
+            let name = short_name(name.unwrap_or("no potential"));
+            marks.push(Hallmark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
+        }
+        marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+        let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
+        marks.push(Hallmark::new("method", "a splitting", stages.collect()));
+        marks
     }
 
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {

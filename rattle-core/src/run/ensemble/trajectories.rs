@@ -10,10 +10,11 @@ use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
 
 use crate::effect::list::{Effects, Forces};
-use crate::error::{Error, StartFailure};
+use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::method::{Method, Splitting};
+use crate::motion::record::Record;
 use crate::motion::state::State;
 use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
@@ -284,6 +285,43 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
+    /// All that is needed to go on from here bit for bit, see [`crate::run::checkpoint`]. Of trajectories that failed
+    /// their words are kept, not their [`Error`].
+    #[must_use]
+    pub fn checkpoint(&self) -> Record {
+        let mut record = Record::default();
+        record.text("what", AN_ENSEMBLE);
+        record.counts("steps", [self.steps]);
+        record.counts("trajectories and groups", [self.len as u64, self.groups.len() as u64]);
+        for (number, group) in self.groups.iter().enumerate() {
+            record.within(&format!("group {number}"), |record| group.record(record));
+        }
+        record
+    }
+
+    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method; left as it is where that is
+    /// refused.
+    ///
+    /// # Errors
+    /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.
+    pub fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
+        let mut reading = checkpoint.read();
+        reading.expect(AN_ENSEMBLE)?;
+        let [steps] = reading.counted("steps")?;
+        let there = reading.counted("trajectories and groups")?;
+        let here = [self.len as u64, self.groups.len() as u64];
+        if there != here {
+            let told = |[len, groups]: [u64; 2]| format!("one of {len} trajectories in {groups} groups");
+            let part = "ensemble".into();
+            return Err(Error::Record(RecordMistake::Another { part, file: told(there), here: told(here) }));
+        }
+        let groups = self.groups.iter().enumerate().map(|(number, group)| {
+            reading.within(&format!("group {number}"), |reading| group.recalled(reading))
+        });
+        (self.groups, self.steps) = (groups.collect::<Result<_, _>>()?, steps);
+        Ok(())
+    }
+
     /// How many trajectories there are.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -371,6 +409,9 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 }
+
+/// What a checkpoint calls an ensemble.
+const AN_ENSEMBLE: &str = "an ensemble";
 
 /// Puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
 struct Alike<'a, W, E, const D: usize>(PhantomData<W>, &'a E, &'a [State<D>], &'a InLanes);

@@ -10,6 +10,7 @@
 //! | [`Mean`], [`Histogram`] | mean, variance and distribution of a quantity |
 //! | [`Section`] | crossings of a Poincaré section |
 //! | [`ShadowEnergy`] | what RATTLE keeps to a higher order than the energy |
+//! | [`Recorder`] | a table of what is asked for, in memory or handed on to a file |
 //! | [`Each`] | one observer for each trajectory of an ensemble |
 //! | [`Progress`] | nothing: tells how far the run is |
 //! | `(A, B)`, `[A; N]` | what its members keep |
@@ -36,6 +37,7 @@ pub mod histogram;
 pub mod mean;
 pub mod observer;
 pub mod progress;
+pub mod recorder;
 pub mod section;
 pub(crate) mod seen;
 pub mod shadow;
@@ -47,6 +49,7 @@ pub use histogram::Histogram;
 pub use mean::Mean;
 pub use observer::Observer;
 pub use progress::Progress;
+pub use recorder::{Column, Columns, Recorder, Rows, Sink};
 pub use section::{Crossing, Section};
 pub use shadow::{ShadowEnergy, quadratic_form};
 pub use sight::Sight;

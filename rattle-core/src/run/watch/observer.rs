@@ -1,5 +1,6 @@
 //! What an observer is.
 
+use crate::error::Error;
 use crate::run::watch::sight::Sight;
 
 /// Is shown trajectories as they go: that of a [simulation](crate::run::simulation::Simulation::observe), or those of an
@@ -44,6 +45,11 @@ pub trait Observer<const D: usize> {
     fn join(&mut self, next: Self)
     where
         Self: Sized;
+    /// Why it can watch no more: a simulation then ends its run with that, as it was at the last sight.
+    #[inline(always)]
+    fn failure(&self) -> Option<Error> {
+        None
+    }
     /// Is told λ of a position equation, in every step of a simulation. Ensembles do not tell it; see
     /// [`Sight::multipliers`].
     #[inline(always)]
@@ -62,6 +68,9 @@ impl<A: Observer<D>, B: Observer<D>, const D: usize> Observer<D> for (A, B) {
     fn join(&mut self, next: Self) {
         self.0.join(next.0);
         self.1.join(next.1);
+    }
+    fn failure(&self) -> Option<Error> {
+        self.0.failure().or_else(|| self.1.failure())
     }
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {
@@ -82,6 +91,9 @@ impl<A: Observer<D>, const N: usize, const D: usize> Observer<D> for [A; N] {
     }
     fn join(&mut self, next: Self) {
         self.iter_mut().zip(next).for_each(|(member, next)| member.join(next));
+    }
+    fn failure(&self) -> Option<Error> {
+        self.iter().find_map(Observer::failure)
     }
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: f64) {

@@ -5,12 +5,13 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, StepFailure};
+use crate::error::{EffectMistake, Error, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
+use crate::motion::record::{Reading, Record};
 use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -116,6 +117,28 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             bodies.kept.normals(&self.shape, c, time, q);
         }
         self.evaluate_forces(bodies);
+    }
+
+    fn record(&self, bodies: &BodiesOf<F, N, D>, to: &mut Record) {
+        let Kept { aims, pace, counts, crowd, .. } = &bodies.kept;
+        let Counts { solves, corrections, values, gradients, followed } = *counts;
+        to.counts("counts", [solves, corrections, values, gradients, followed]);
+        to.numbers("lengths of the last steps", &[2], pace.numbers());
+        to.numbers("guesses were off by", &[aims.len(), 2], aims.iter().flat_map(Aim::offs));
+        to.numbers("crowd looked at", &[1], [crowd.asked]);
+        to.counts("crowd", [u64::from(crowd.near)]);
+    }
+
+    fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
+        let [solves, corrections, values, gradients, followed] = from.counted("counts")?;
+        bodies.kept.counts = Counts { solves, corrections, values, gradients, followed };
+        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
+        let aims = &mut bodies.kept.aims;
+        let offs = from.vectors("guesses were off by", aims.len())?;
+        aims.iter_mut().zip(offs).for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(*off));
+        let ([asked], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
+        bodies.kept.crowd = Crowd { asked, near: near != 0 };
+        Ok(())
     }
 
     fn moves_with_time(&self) -> bool {

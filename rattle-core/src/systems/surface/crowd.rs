@@ -1,5 +1,7 @@
 //! Which bodies other sheets are near to, and when that is asked again: see [`crate::solve::crowd`].
 
+use crate::error::Error;
+use crate::motion::record::{Reading, Record};
 use crate::solve::crowd::EVERY as SHARES_EVERY;
 
 /// After so many drifts it is asked again: for one step of a tile that has to be gone on from, it is asked more often than
@@ -36,6 +38,21 @@ impl Crowd {
         }
         let turn = if longer { 0 } else { now / EVERY * SHARES_EVERY };
         (longer || now % EVERY == 0).then_some((turn, self.longest))
+    }
+
+    pub(super) fn record(&self, to: &mut Record) {
+        to.counts("crowded tiles", self.tiles.iter().copied());
+        to.counts("crowd", [self.drifts, u64::from(self.near)]);
+        to.numbers("crowd looked at", &[2], [self.longest, self.asked]);
+    }
+
+    pub(super) fn recalled(from: &mut Reading<'_>, tiles: usize) -> Result<Self, Error> {
+        let found = from.counts("crowded tiles")?;
+        let [drifts, near] = from.counted("crowd")?;
+        let [longest, asked] = from.array("crowd looked at")?;
+        let mut crowd = Self { drifts, longest, asked, near: near != 0, ..Self::of(tiles) };
+        crowd.tiles.iter_mut().zip(found).for_each(|(tile, &bits)| *tile = bits);
+        Ok(crowd)
     }
 
     /// Notes which bodies of a tile are in a crowd.

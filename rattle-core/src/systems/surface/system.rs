@@ -6,7 +6,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::EffectMistake;
+use crate::error::{EffectMistake, Error};
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
@@ -14,6 +14,7 @@ use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
+use crate::motion::record::{Reading, Record};
 use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
@@ -94,6 +95,24 @@ where
             }
         }
         self.evaluate_forces(bodies);
+    }
+
+    fn record(&self, bodies: &BodiesOf<N, T, F, D>, to: &mut Record) {
+        let Kept { aim, pace, crowd, .. } = &bodies.kept;
+        to.numbers("lengths of the last steps", &[2], pace.numbers());
+        let offs = aim.as_ref().iter().flat_map(Aim::offs);
+        to.numbers("guesses were off by", &[aim.as_ref().len(), 2], offs.flat_map(|off| off.lanes().next()));
+        crowd.record(to);
+    }
+
+    fn recall(&self, bodies: &mut BodiesOf<N, T, F, D>, from: &mut Reading<'_>) -> Result<(), Error> {
+        let n = self.count.number();
+        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
+        let offs = from.vectors("guesses were off by", n)?;
+        let aims = bodies.kept.aim.as_mut().iter_mut().zip(offs);
+        aims.for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(off.map(T::from_f64)));
+        bodies.kept.crowd = Crowd::recalled(from, tiles_of(n))?;
+        Ok(())
     }
 
     #[inline(always)]

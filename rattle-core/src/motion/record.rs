@@ -1,0 +1,366 @@
+//! All that a run needs to go on: plain numbers with names, in the order in which they are read again.
+//!
+//! A simulation and an ensemble write a [`Record`] of themselves, and go on from one bit for bit. What it is kept in, a
+//! file say, is not its concern: it is a list of [fields](Field), each with a name, a shape and numbers of one kind.
+
+use crate::error::{Error, RecordMistake};
+
+/// Numbers that differ by more than this part of the largest beside them come from another scene. On one machine they
+/// are the same; the libraries of two differ by some roundings, which a difference near a constraint makes 10³ times as
+/// large.
+const SAME: f64 = 1e-10;
+
+/// Numbers of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Data {
+    /// Lengths, momenta, times.
+    Numbers(Vec<f64>),
+    /// Steps, places in a list, bits.
+    Counts(Vec<u64>),
+    /// A name.
+    Text(String),
+}
+
+impl Data {
+    /// How many numbers, or letters.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Numbers(numbers) => numbers.len(),
+            Self::Counts(counts) => counts.len(),
+            Self::Text(text) => text.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Numbers(_) => "numbers",
+            Self::Counts(_) => "counts",
+            Self::Text(_) => "text",
+        }
+    }
+}
+
+/// Numbers with a name and a shape, the last index fastest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Its name; what it belongs to stands before it, as in `group 2/q`.
+    pub name: String,
+    /// How many there are along each index.
+    pub shape: Vec<usize>,
+    /// The numbers.
+    pub data: Data,
+}
+
+impl Field {
+    fn described(&self) -> String {
+        format!("`{}`, {} of shape {:?}", self.name, self.data.kind(), self.shape)
+    }
+}
+
+/// Fields in turn.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Record {
+    fields: Vec<Field>,
+    within: String,
+}
+
+impl Record {
+    /// These fields.
+    #[must_use]
+    pub fn of(fields: Vec<Field>) -> Self {
+        Self { fields, within: String::new() }
+    }
+
+    /// Its fields in turn.
+    #[must_use]
+    pub fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    /// The field of this name.
+    #[must_use]
+    pub fn field(&self, name: &str) -> Option<&Field> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+
+    /// Adds numbers, as many as the shape says.
+    pub fn numbers(&mut self, name: &str, shape: &[usize], numbers: impl IntoIterator<Item = f64>) {
+        self.add(name, shape, Data::Numbers(numbers.into_iter().collect()));
+    }
+
+    /// Adds vectors of D numbers each.
+    pub fn vectors<const D: usize>(&mut self, name: &str, vectors: &[[f64; D]]) {
+        self.numbers(name, &[vectors.len(), D], vectors.as_flattened().iter().copied());
+    }
+
+    /// Adds counts in a row.
+    pub fn counts(&mut self, name: &str, counts: impl IntoIterator<Item = u64>) {
+        let counts = counts.into_iter().collect::<Vec<_>>();
+        self.add(name, &[counts.len()], Data::Counts(counts));
+    }
+
+    /// Adds a text.
+    pub fn text(&mut self, name: &str, text: &str) {
+        self.add(name, &[text.len()], Data::Text(text.into()));
+    }
+
+    /// Adds what `write` writes as what belongs to this.
+    pub fn within(&mut self, part: &str, write: impl FnOnce(&mut Self)) {
+        let length = self.within.len();
+        self.within.push_str(part);
+        self.within.push('/');
+        write(self);
+        self.within.truncate(length);
+    }
+
+    /// The same fields, to be read in turn.
+    #[must_use]
+    pub fn read(&self) -> Reading<'_> {
+        Reading { rest: &self.fields, within: String::new() }
+    }
+
+    fn add(&mut self, name: &str, shape: &[usize], data: Data) {
+        debug_assert_eq!(shape.iter().product::<usize>(), data.len(), "{name}");
+        self.fields.push(Field { name: format!("{}{name}", self.within), shape: shape.into(), data });
+    }
+}
+
+/// Fields that are read in turn.
+#[derive(Debug, Clone)]
+pub struct Reading<'a> {
+    rest: &'a [Field],
+    within: String,
+}
+
+impl<'a> Reading<'a> {
+    /// The numbers that come next, if this is their name and shape.
+    ///
+    /// # Errors
+    /// [`Error::Record`] if it is not.
+    pub fn numbers(&mut self, name: &str, shape: &[usize]) -> Result<&'a [f64], Error> {
+        let wanted = || format!("numbers of shape {shape:?}");
+        match self.next(name, wanted)? {
+            Field { shape: is, data: Data::Numbers(numbers), .. } if is == shape => Ok(numbers),
+            field => Err(self.other(name, wanted, Some(field))),
+        }
+    }
+
+    /// As many numbers in a row as `N` says.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn array<const N: usize>(&mut self, name: &str) -> Result<[f64; N], Error> {
+        let numbers = self.numbers(name, &[N])?;
+        Ok(std::array::from_fn(|i| numbers[i]))
+    }
+
+    /// So many vectors of D numbers.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn vectors<const D: usize>(&mut self, name: &str, number: usize) -> Result<&'a [[f64; D]], Error> {
+        Ok(self.numbers(name, &[number, D])?.as_chunks().0)
+    }
+
+    /// The counts that come next, if this is their name.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn counts(&mut self, name: &str) -> Result<&'a [u64], Error> {
+        let wanted = || "counts".into();
+        match self.next(name, wanted)? {
+            Field { data: Data::Counts(counts), .. } => Ok(counts),
+            field => Err(self.other(name, wanted, Some(field))),
+        }
+    }
+
+    /// So many counts.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn counted<const N: usize>(&mut self, name: &str) -> Result<[u64; N], Error> {
+        let wanted = || format!("counts of shape [{N}]");
+        match self.next(name, wanted)? {
+            Field { data: Data::Counts(counts), .. } if counts.len() == N => {
+                Ok(std::array::from_fn(|i| counts[i]))
+            }
+            field => Err(self.other(name, wanted, Some(field))),
+        }
+    }
+
+    /// The text that comes next, if this is its name.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn text(&mut self, name: &str) -> Result<&'a str, Error> {
+        let wanted = || "text".into();
+        match self.next(name, wanted)? {
+            Field { data: Data::Text(text), .. } => Ok(text),
+            field => Err(self.other(name, wanted, Some(field))),
+        }
+    }
+
+    /// Whether the record is of this, as its first field tells.
+    ///
+    /// # Errors
+    /// [`RecordMistake::Another`] if it is not.
+    pub fn expect(&mut self, here: &str) -> Result<(), Error> {
+        let file = self.text("what")?;
+        if file == here {
+            return Ok(());
+        }
+        let (part, file, here) = ("kind".into(), file.into(), here.into());
+        Err(Error::Record(RecordMistake::Another { part, file, here }))
+    }
+
+    /// What `read` reads as what belongs to this.
+    ///
+    /// # Errors
+    /// As [`numbers`](Self::numbers).
+    pub fn within<X>(
+        &mut self,
+        part: &str,
+        read: impl FnOnce(&mut Self) -> Result<X, Error>,
+    ) -> Result<X, Error> {
+        let length = self.within.len();
+        self.within.push_str(part);
+        self.within.push('/');
+        let found = read(self);
+        self.within.truncate(length);
+        found
+    }
+
+    /// Whether what comes next was written by the same parts.
+    ///
+    /// # Errors
+    /// [`RecordMistake::Another`] names the first that differs.
+    pub fn same(&mut self, here: &[Hallmark]) -> Result<(), Error> {
+        for Hallmark { part, name, numbers } in here {
+            let another = |file: String, here: String| {
+                Err(Error::Record(RecordMistake::Another { part: part.clone(), file, here }))
+            };
+            let Ok(its_name) = self.text(&format!("{part} is")) else {
+                let next = self.rest.first().map_or("none", |field| &field.name);
+                return another(format!("one that has none (`{next}` comes next)"), name.clone());
+            };
+            if its_name != name {
+                return another(its_name.into(), name.clone());
+            }
+            let Some((Field { data: Data::Numbers(its), .. }, rest)) = self.rest.split_first() else {
+                return another(format!("{name} without numbers"), name.clone());
+            };
+            self.rest = rest;
+            if let Some(i) = first_other(its, numbers) {
+                let one = |all: &[f64]| match all.get(i) {
+                    Some(x) => format!("{name} with {x:?}"),
+                    None => format!("{name} of {} numbers", all.len()),
+                };
+                return another(one(its), one(numbers));
+            }
+        }
+        Ok(())
+    }
+
+    fn next(&mut self, name: &str, wanted: impl Fn() -> String) -> Result<&'a Field, Error> {
+        match self.rest.split_first() {
+            Some((field, rest)) if field.name.strip_prefix(&self.within) == Some(name) => {
+                self.rest = rest;
+                Ok(field)
+            }
+            other => Err(self.other(name, wanted, other.map(|(field, _)| field))),
+        }
+    }
+
+    fn other(&self, name: &str, wanted: impl Fn() -> String, found: Option<&Field>) -> Error {
+        let wanted = format!("`{}{name}`, {},", self.within, wanted());
+        let found = found.map_or("nothing more".into(), Field::described);
+        Error::Record(RecordMistake::Field { wanted, found })
+    }
+}
+
+/// What tells a part of a scene or a method from another: a name, and numbers that it gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hallmark {
+    /// Which part: "method", "constraints", "effect 0".
+    pub part: String,
+    /// What it is called.
+    pub name: String,
+    /// Parameters, or what it gives at the places of the record and near them.
+    pub numbers: Vec<f64>,
+}
+
+impl Hallmark {
+    /// This part, so called, with these numbers.
+    pub fn new(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
+        Self { part: part.into(), name: name.into(), numbers }
+    }
+
+    /// Writes what [`Reading::same`] compares.
+    pub fn write(&self, to: &mut Record) {
+        to.text(&format!("{} is", self.part), &self.name);
+        to.numbers(&self.part, &[self.numbers.len()], self.numbers.iter().copied());
+    }
+}
+
+/// The first number that is not the same but for rounding; of lists of different lengths the first that is missing.
+fn first_other(a: &[f64], b: &[f64]) -> Option<usize> {
+    let finite = a.iter().chain(b).filter(|x| x.is_finite());
+    let largest = finite.fold(0.0_f64, |most, x| most.max(x.abs()));
+    let same = |(a, b): (&f64, &f64)| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() <= SAME * largest;
+    let other = a.iter().zip(b).position(|pair| !same(pair));
+    other.or((a.len() != b.len()).then(|| a.len().min(b.len())))
+}
+
+/// The name of a type without the modules that it stands in: "Each<Sphere>".
+#[must_use]
+pub fn short_name(path: &str) -> String {
+    let mut short = String::new();
+    for piece in path.split_inclusive(|c: char| !(c.is_alphanumeric() || "_:".contains(c))) {
+        short.push_str(piece.rsplit("::").next().unwrap_or(piece));
+    }
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_lose_their_modules_alone() {
+        assert_eq!(short_name("a::b::Each<c::Sphere, [f64; 3]>"), "Each<Sphere, [f64; 3]>");
+        assert_eq!(short_name("Rattle"), "Rattle");
+    }
+
+    #[test]
+    fn what_differs_is_named() {
+        let part = |g: f64| Hallmark::new("effect 0", "Gravity", vec![1.0, g]);
+        let mut record = Record::default();
+        record.within("scene", |record| part(2.0).write(record));
+        let same = |part: Hallmark| record.read().within("scene", |reading| reading.same(&[part]));
+        assert!(same(part(2.0 + 1e-12)).is_ok());
+        assert!(
+            same(part(2.1))
+                .unwrap_err()
+                .to_string()
+                .contains("(effect 0): it was written by Gravity with 2.0")
+        );
+        let other = Hallmark::new("effect 0", "Weight", vec![1.0, 2.0]);
+        assert!(same(other).unwrap_err().to_string().contains("by Gravity, and here is Weight"));
+        assert!(same(Hallmark::new("effect 0", "Gravity", vec![1.0])).is_err());
+        assert!(record.read().numbers("q", &[1]).is_err());
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_the_same() {
+        assert_eq!(first_other(&[f64::NAN, 1.0], &[f64::NAN, 1.0]), None);
+        assert_eq!(first_other(&[f64::INFINITY, 1.0], &[f64::INFINITY, 2.0]), Some(1));
+        assert_eq!(first_other(&[1.0], &[f64::NAN]), Some(0));
+    }
+}

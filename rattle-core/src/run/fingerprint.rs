@@ -1,0 +1,86 @@
+//! What tells one scene and method from another: what they give at a state and near it.
+//!
+//! The code of an expression cannot be compared when a program runs, but what it gives can: masses, constraints, energies
+//! and each effect alone are asked at places beside those of the record, by pseudo-random steps of a thousandth, where
+//! g is not zero. So parameters, expressions, masses, pins and the order of effects count, whoever wrote them.
+
+use crate::effect::noise::Noise;
+use crate::motion::bodies::Body;
+use crate::motion::method::Method;
+use crate::motion::record::{Hallmark, short_name};
+use crate::motion::system::{Given, System};
+use std::any::type_name;
+
+/// It is looked beside a place by so much of the largest coordinate, or of 1.
+const BESIDE: f64 = 1e-3;
+
+/// Places and momenta beside these.
+pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
+    let all = bodies.iter().flat_map(|body| body.q.iter().chain(&body.p));
+    let step = BESIDE * all.fold(1.0_f64, |most, x| most.max(x.abs()));
+    let mut number = 0_u32;
+    let mut aside = |x: f64| {
+        number += 1;
+        x + step * ((f64::from(number) * 0.618_033_988_749_894_9).fract() - 0.3)
+    };
+    let zero = [0.0; D];
+    bodies
+        .iter()
+        .map(|body| Body { q: body.q.map(&mut aside), q_low: zero, p: body.p.map(&mut aside), p_low: zero })
+        .collect()
+}
+
+/// The parts of a system, asked beside these bodies at this time.
+pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    places: &[Body<f64, D>],
+    time: f64,
+) -> Vec<Hallmark> {
+    let n = places.len();
+    let mut bodies = system.bodies(&beside(places), time);
+    let equations = system.equations();
+    let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
+    let mut marks = vec![Hallmark::new("system", system.kind(), sizes)];
+    let velocities: Vec<_> = (0..n).map(|body| system.velocity(&bodies, body)).collect();
+    let pinned = |body| f64::from(u8::from(system.inertia().is_pinned(body)));
+    let masses = velocities.as_flattened().iter().copied().chain((0..n).map(pinned)).collect();
+    marks.push(Hallmark::new("masses", "a list", masses));
+    let energy = vec![system.kinetic_energy(&bodies)];
+    marks.push(Hallmark::new("kinetic energy", "a function", energy));
+    let mut of_equations = vec![0.0; 2 * equations];
+    let (g, rates) = of_equations.split_at_mut(equations);
+    system.residuals(&bodies, g);
+    system.drift_rates(&bodies, rates);
+    marks.push(Hallmark::new("constraints", "a list", of_equations));
+    for number in 0..Y::EFFECTS {
+        let mut forces = vec![[0.0; D]; n];
+        let name = system.add_force_alone(number, &mut bodies, &mut forces);
+        let name = short_name(name.unwrap_or("no potential"));
+        marks.push(Hallmark::new(format!("effect {number}"), name, forces.as_flattened().to_vec()));
+    }
+    marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
+    let momenta: Vec<_> = places.iter().map(|body| body.p).collect();
+    if Y::REMEMBERS {
+        bodies.marks = system.first_marks(&bodies).unwrap_or_default();
+    }
+    let silent = Y::REMEMBERS && bodies.marks.is_empty(); // of effects that cannot act beside the places
+    for number in 0..if silent { 0 } else { Y::FLOWS } {
+        let (manner, name) = system.flow_manner(number);
+        let noise = Noise { effect: number as u64, ..Noise::default() };
+        let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
+        let given = Given { velocities, rates, holding, coming: rates, ..Given::of(BESIDE, true, noise) };
+        let mut changes = vec![[0.0; D]; n];
+        system.flow(number, given, &mut bodies, &mut changes);
+        let name = format!("{} ({manner:?})", short_name(name));
+        marks.push(Hallmark::new(format!("flow {number}"), name, changes.as_flattened().to_vec()));
+    }
+    marks
+}
+
+/// A method, with its step size and parameters.
+pub(in crate::run) fn of_method<S: Method>(method: &S) -> Hallmark {
+    let name = format!("{} ({})", method.name(), short_name(type_name::<S>()));
+    let stages = method.stages().into_iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
+    let numbers = [method.step_size()].into_iter().chain(method.parameters()).chain(stages).collect();
+    Hallmark::new("method", name, numbers)
+}

@@ -1,0 +1,293 @@
+//! Records of a run: a table of what was asked for, kept in memory or handed on, block by block, to what writes it.
+//!
+//! A recorder keeps no more than a block of rows; how much a [`Sink`] keeps is its own affair. So the memory of a run
+//! whose rows go to a file does not grow.
+
+use crate::error::Error;
+use crate::run::watch::observer::Observer;
+use crate::run::watch::sight::Sight;
+use std::fmt;
+use std::sync::Arc;
+
+/// A block is handed on when it has so many numbers, …
+const NUMBERS: usize = 8192;
+/// … or rows.
+const ROWS: usize = 1024;
+
+/// What a number or some are called, and what they are at a sight.
+type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync>;
+
+/// What is to be recorded, beside step, trajectory and time, which every row has.
+///
+/// ```
+/// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows}};
+/// # let start = State::of([[0.0, 1.0], [0.0, 2.0]]).moving([1.0, 0.0]);
+/// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
+/// let columns = Columns::new().positions().energies().quantity("height", |now| now.position().y);
+/// let mut recorder = Recorder::of(&columns, Rows::default());
+/// simulation.observe(100, 10, &mut recorder)?;
+/// let rows = recorder.finish()?;
+/// assert_eq!((rows.len(), rows.column("q").unwrap().shape.clone()), (10, vec![2, 2]));
+/// assert_eq!(rows.numbers("height").next(), Some(&[1.0][..]));
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Clone)]
+pub struct Columns<const D: usize> {
+    columns: Vec<(String, usize, Quantity<D>)>,
+    times: Option<Arc<[f64]>>,
+}
+
+impl<const D: usize> Columns<D> {
+    /// Step, trajectory and time alone.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { columns: Vec::new(), times: None }
+    }
+
+    /// And positions `q` of all bodies, shape [bodies, D].
+    #[must_use]
+    pub fn positions(self) -> Self {
+        self.with("q", D, |now, to| now.positions.iter().for_each(|q| to.extend(q.iter())))
+    }
+
+    /// And momenta `p`, shape [bodies, D].
+    #[must_use]
+    pub fn momenta(self) -> Self {
+        self.with("p", D, |now, to| now.momenta.iter().for_each(|p| to.extend(p.iter())))
+    }
+
+    /// And `energies`, kinetic and potential.
+    #[must_use]
+    pub fn energies(self) -> Self {
+        self.with("energies", 1, |now, to| to.extend([now.kinetic_energy(), now.potential_energy()]))
+    }
+
+    /// And multipliers `lambda` of the equations such that g̈ = 0.
+    #[must_use]
+    pub fn multipliers(self) -> Self {
+        self.with("lambda", 1, |now, to| to.extend(now.multipliers()))
+    }
+
+    /// And `constraint_forces` Gᵀλ on all bodies, shape [bodies, D].
+    #[must_use]
+    pub fn constraint_forces(self) -> Self {
+        self.with("constraint_forces", D, |now, to| {
+            now.constraint_forces().iter().for_each(|force| to.extend(force.iter()));
+        })
+    }
+
+    /// And a number of your own.
+    #[must_use]
+    pub fn quantity(self, name: &str, of: impl Fn(&Sight<'_, D>) -> f64 + Send + Sync + 'static) -> Self {
+        self.with(name, 1, move |now, to| to.push(of(now)))
+    }
+
+    /// Only at the sights that are the first at or after one of these times, in any order. Looks as
+    /// often as the run is observed.
+    #[must_use]
+    pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
+        let mut times = times.into_iter().collect::<Vec<_>>();
+        times.sort_by(f64::total_cmp);
+        self.times = Some(times.into());
+        self
+    }
+
+    fn with(
+        mut self,
+        name: &str,
+        width: usize,
+        write: impl Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync + 'static,
+    ) -> Self {
+        self.columns.push((name.into(), width, Arc::new(write)));
+        self
+    }
+
+    /// Whether one of the times, if there are some, lies between two sights, or is that of the second.
+    fn wants(&self, before: &Sight<'_, D>, now: &Sight<'_, D>) -> bool {
+        let Some(times) = &self.times else { return true };
+        let (from, to) = (before.time.min(now.time), before.time.max(now.time));
+        let up_to = |time: f64| times.partition_point(|&x| x <= time);
+        up_to(to) > up_to(from)
+    }
+}
+
+impl<const D: usize> Default for Columns<D> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const D: usize> fmt::Debug for Columns<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.columns.iter().map(|column| &column.0)).finish()
+    }
+}
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// The shape of what a row has of it; empty for a number.
+    pub shape: Vec<usize>,
+    /// Where in a row it begins, and ends.
+    pub place: std::ops::Range<usize>,
+}
+
+/// Rows of a table: all of it, or a block.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Rows {
+    /// What stands in a row; empty before the first.
+    pub columns: Arc<[Column]>,
+    /// Steps since the run was made.
+    pub steps: Vec<u64>,
+    /// Which trajectory of an ensemble; 0 of a simulation.
+    pub trajectories: Vec<u64>,
+    /// Times.
+    pub times: Vec<f64>,
+    /// The columns, row by row.
+    pub numbers: Vec<f64>,
+}
+
+impl Rows {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.times.is_empty()
+    }
+
+    /// The column of this name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.name == name)
+    }
+
+    /// The numbers of a column, row by row; nothing where there is no such column.
+    pub fn numbers(&self, name: &str) -> impl Iterator<Item = &[f64]> {
+        let width = self.columns.last().map_or(1, |last| last.place.end).max(1);
+        let place = self.column(name).map(|column| column.place.clone());
+        let rows = self.numbers.chunks_exact(width);
+        place.into_iter().flat_map(move |place| rows.clone().map(move |row| &row[place.clone()]))
+    }
+}
+
+/// Where rows go.
+pub trait Sink: Send {
+    /// Takes a block of rows, which is then empty, its memory to be used again.
+    ///
+    /// # Errors
+    /// Why rows cannot be taken; none is handed over after that.
+    fn take(&mut self, rows: &mut Rows) -> Result<(), String>;
+    /// Takes over what went to that of the trajectories that come next.
+    fn join(&mut self, next: Self)
+    where
+        Self: Sized;
+}
+
+impl Sink for Rows {
+    fn take(&mut self, rows: &mut Rows) -> Result<(), String> {
+        if !rows.columns.is_empty() {
+            self.columns = rows.columns.clone();
+        }
+        self.steps.append(&mut rows.steps);
+        self.trajectories.append(&mut rows.trajectories);
+        self.times.append(&mut rows.times);
+        self.numbers.append(&mut rows.numbers);
+        Ok(())
+    }
+    fn join(&mut self, mut next: Self) {
+        let _ = self.take(&mut next); // which does not fail
+    }
+}
+
+/// Records columns of each sight. In an ensemble the rows of each group of trajectories stand together in memory; what
+/// is handed on comes as it comes, and says its trajectory.
+#[derive(Debug)]
+pub struct Recorder<S, const D: usize> {
+    columns: Columns<D>,
+    rows: Rows,
+    sink: S,
+    handed_on: u64,
+    failure: Option<Error>,
+}
+
+impl<S: Sink, const D: usize> Recorder<S, D> {
+    /// Of these columns, into this.
+    pub fn of(columns: &Columns<D>, sink: S) -> Self {
+        Self { columns: columns.clone(), rows: Rows::default(), sink, handed_on: 0, failure: None }
+    }
+
+    /// What rows went to, with the last of them.
+    ///
+    /// # Errors
+    /// [`Error::Recorder`] where they could not be taken.
+    pub fn finish(mut self) -> Result<S, Error> {
+        self.hand_on();
+        self.failure.map_or(Ok(self.sink), Err)
+    }
+
+    fn hand_on(&mut self) {
+        if self.failure.is_some() || self.rows.is_empty() {
+            return;
+        }
+        let rows = self.rows.len() as u64;
+        match self.sink.take(&mut self.rows) {
+            Ok(()) => self.handed_on += rows,
+            Err(why) => self.failure = Some(Error::Recorder { rows: self.handed_on, why }),
+        }
+    }
+
+    /// Finds out how much stands in a row, by the first.
+    #[cold]
+    fn lay_out(&mut self, now: &Sight<'_, D>) {
+        let (mut all, mut row) = (Vec::new(), Vec::new());
+        for (name, width, write) in &self.columns.columns {
+            let from = row.len();
+            write(now, &mut row);
+            let number = row.len() - from;
+            let shape = match (*width, number) {
+                (1, 1) => Vec::new(),
+                (1, number) => vec![number],
+                (width, number) => vec![number / width, width],
+            };
+            all.push(Column { name: name.clone(), shape, place: from..row.len() });
+        }
+        self.rows.columns = all.into();
+    }
+}
+
+impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
+    fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
+        if self.failure.is_some() || !self.columns.wants(before, now) {
+            return;
+        }
+        if self.rows.columns.is_empty() {
+            self.lay_out(now);
+        }
+        self.rows.steps.push(now.step);
+        self.rows.trajectories.push(now.trajectory as u64);
+        self.rows.times.push(now.time);
+        self.columns.columns.iter().for_each(|(_, _, write)| write(now, &mut self.rows.numbers));
+        if self.rows.numbers.len() >= NUMBERS || self.rows.len() >= ROWS {
+            self.hand_on();
+        }
+    }
+
+    fn join(&mut self, mut next: Self) {
+        self.hand_on();
+        next.hand_on();
+        self.handed_on += next.handed_on;
+        self.failure = self.failure.take().or(next.failure);
+        self.sink.join(next.sink);
+    }
+
+    fn failure(&self) -> Option<Error> {
+        self.failure.clone()
+    }
+}

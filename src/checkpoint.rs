@@ -1,0 +1,66 @@
+//! Checkpoints in files: a run that is stopped, or killed, goes on bit for bit as if it had not been.
+//!
+//! ```
+//! use rattle::prelude::*;
+//! use rattle::checkpoint::Save;
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("run.rattle");
+//! # let scene = Scene::point();
+//! let begin = || scene.simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1));
+//!
+//! let mut simulation = begin()?;
+//! simulation.run(1000)?;
+//! simulation.save(&path)?;
+//!
+//! let mut again = begin()?; // by another program: the same scene, method and options; any start
+//! again.restore(&path)?;
+//! assert_eq!((again.steps(), again.state()), (1000, simulation.state()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! In long runs [`Saving`] does that every so many steps or seconds, and at the end:
+//!
+//! ```
+//! # use rattle::prelude::*;
+//! # use rattle::checkpoint::{Ended, Saving};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("run.rattle");
+//! # let scene = Scene::point();
+//! let mut simulation = scene.simulate(State::at([0.0]).moving([1.0]), Rattle::new(0.1))?;
+//! let saving = Saving::to(&path).every(10_000);
+//! saving.restore(&mut simulation)?; // where the last run ended, if there was one
+//! assert_eq!(saving.run_to(&mut simulation, 50_000)?, Ended::Done);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Killed and started again as often as may be, this ends with the same bits. See `examples/checkpoint.rs` for Ctrl-C.
+//!
+//! A file appears whole or not at all: it is written beside its place as `run.rattle.part`, synced and renamed, and
+//! the folder synced. So a crash or a full disk leaves the last checkpoint as it was. One program writes a checkpoint at a
+//! time.
+//!
+//! # The file
+//!
+//! ```text
+//! 89 52 41 54 54 4c 45 0a    "\x89RATTLE\n"
+//! version: u32               1
+//! length of the fields: u64  in bytes
+//! number of fields: u64
+//! each field                 length of the name: u32, name (UTF-8), kind: u8, indices: u8, extent along each: u64, values
+//!                            kind 0: f64, 1: u64, 2: bytes of UTF-8
+//! CRC-32: u32                of all that stands before
+//! ```
+//!
+//! Numbers are little-endian. Files of version 1 stay readable.
+
+mod error;
+mod file;
+mod save;
+mod saving;
+
+pub use error::CheckpointError;
+pub use file::{decode, encode, read, write};
+pub use rattle_core::motion::record::{Data, Field, Record};
+pub use rattle_core::run::checkpoint::Checkpoint;
+pub use save::Save;
+pub use saving::{Ended, Saving};

@@ -1,0 +1,62 @@
+//! Why there is no going on.
+
+use crate::Error;
+use std::io;
+use std::path::PathBuf;
+
+/// Why there is no going on.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The file can't be written or read.
+    #[error("{}: {source}; the last checkpoint and the run are as they were", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The file is something else.
+    #[error("{}: no checkpoint of rattle; one begins with \"\\x89RATTLE\\n\"", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file was written by a later version.
+    #[error("{}: a checkpoint of version {version}, and versions up to 1 are known here; use a later rattle", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Its version.
+        version: u32,
+    },
+    /// The end of the file is missing.
+    #[error("{}: cut off: {has} bytes are there of {of}; take an earlier checkpoint", path.display())]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// How many bytes there are.
+        has: u64,
+        /// How many there should be.
+        of: u64,
+    },
+    /// Bytes of the file have changed.
+    #[error("{}: damaged: {what}; take an earlier checkpoint", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What shows it.
+        what: &'static str,
+    },
+    /// The checkpoint is of another scene, method or ensemble.
+    #[error("{}: {error}", path.display())]
+    Refused {
+        /// The file.
+        path: PathBuf,
+        /// Which part differs.
+        error: Error,
+    },
+    /// A step could not be taken.
+    #[error(transparent)]
+    Step(Error),
+}

@@ -1,0 +1,121 @@
+//! Runs that save themselves.
+
+use super::error::CheckpointError;
+use super::save::Save;
+use rattle_core::run::checkpoint::Checkpoint;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Steps between two looks at the clock and at whether to stop are as many as take about so long, …
+const LOOK: Duration = Duration::from_millis(5);
+/// … and at most so many.
+const MOST: u64 = 1 << 20;
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// All steps were taken.
+    Done,
+    /// It was told to stop, and saved.
+    Stopped,
+}
+
+/// Where a run is saved, and when: at its end, and every so many steps or seconds if that is asked for.
+#[derive(Debug, Clone)]
+#[must_use = "it says how to save, and saves when it runs something"]
+pub struct Saving {
+    path: PathBuf,
+    every: Option<u64>,
+    seconds: Option<Duration>,
+    stop: Option<Arc<AtomicBool>>,
+}
+
+impl Saving {
+    /// Saves to this file at the end of a run.
+    pub fn to(path: impl AsRef<Path>) -> Self {
+        Self { path: path.as_ref().into(), every: None, seconds: None, stop: None }
+    }
+
+    /// And after every so many steps, counted from the start of all.
+    ///
+    /// # Panics
+    /// If that is 0.
+    #[track_caller]
+    pub fn every(mut self, steps: u64) -> Self {
+        assert!(steps > 0, "a run is saved after every 1 or more steps");
+        self.every = Some(steps);
+        self
+    }
+
+    /// And where so long has passed since it was saved last.
+    pub fn every_time(mut self, passed: Duration) -> Self {
+        self.seconds = Some(passed);
+        self
+    }
+
+    /// And ends, saved, soon after the end of the step in which this becomes true: within some milliseconds, or
+    /// one step if that takes longer (one stretch of 1024 steps of an ensemble).
+    pub fn until(mut self, stop: Arc<AtomicBool>) -> Self {
+        self.stop = Some(stop);
+        self
+    }
+
+    /// Where it saves to.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Goes on from the file, if there is one; says whether there was.
+    ///
+    /// # Errors
+    /// As [`Save::restore`].
+    pub fn restore(&self, run: &mut (impl Checkpoint + ?Sized)) -> Result<bool, CheckpointError> {
+        match run.restore(&self.path) {
+            Ok(()) => Ok(true),
+            Err(CheckpointError::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+                Ok(false)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Takes steps until so many have been taken since the start of all, none if they have, and saves.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Step`] for a step that cannot be taken; what was taken before is saved.
+    /// [`CheckpointError::Io`] where it cannot be saved: the run is then where it was to be saved, and the last checkpoint
+    /// as it was.
+    pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
+        let (mut saved, least) = (Instant::now(), run.at_a_time());
+        let mut stretch = least;
+        while run.steps_taken() < steps {
+            let now = run.steps_taken();
+            let next = self.every.map_or(steps, |every| steps.min((now / every + 1).saturating_mul(every)));
+            let looks = self.stop.is_some() || self.seconds.is_some();
+            let end = if looks { next.min((now / stretch + 1).saturating_mul(stretch)) } else { next };
+            let begun = Instant::now();
+            if let Err(error) = run.take_steps(end - now) {
+                run.save(&self.path)?;
+                return Err(CheckpointError::Step(error));
+            }
+            if begun.elapsed() < LOOK && stretch < MOST {
+                stretch *= 2;
+            } else if begun.elapsed() > 2 * LOOK && stretch > least {
+                stretch /= 2;
+            }
+            let late = self.seconds.is_some_and(|seconds| saved.elapsed() >= seconds);
+            if self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) && end < steps {
+                run.save(&self.path)?;
+                return Ok(Ended::Stopped);
+            }
+            if end == steps || late || self.every.is_some_and(|every| end % every == 0) {
+                run.save(&self.path)?;
+                saved = Instant::now();
+            }
+        }
+        Ok(Ended::Done)
+    }
+}

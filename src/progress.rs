@@ -1,0 +1,28 @@
+//! How far a run is, as a bar with the time that is left.
+
+use crate::watch::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// An observer that draws a bar on the terminal for a run of so many sights: steps over `every`, times the trajectories
+/// of an ensemble. Where standard error is no terminal nothing is drawn.
+///
+/// ```
+/// # use rattle::prelude::*;
+/// # let mut simulation = Scene::point().simulate(State::at([0.0]), Rattle::new(0.1))?;
+/// simulation.observe(100_000, 1000, &mut rattle::progress::bar(100))?;
+/// # Ok::<(), rattle::Error>(())
+/// ```
+///
+/// An observer of its own may go beside it: `&mut (recorder, bar(100))`.
+pub fn bar(sights: u64) -> Progress<impl FnMut(u64)> {
+    let bar = ProgressBar::new(sights); // hidden where there is no terminal
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} % {eta} left") {
+        bar.set_style(style);
+    }
+    Progress::of(1, move |sights| {
+        bar.inc(sights);
+        if Some(bar.position()) >= bar.length() {
+            bar.finish_and_clear();
+        }
+    })
+}

@@ -1,0 +1,37 @@
+//! Recorders into files: rows are written by a thread of its own, as they come, so memory stays flat however long the run.
+//!
+//! ```
+//! use rattle::prelude::*;
+//! use rattle::record::{NpzParts, Stream};
+//! use rattle::watch::{Columns, Recorder};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("run.npz");
+//! # let start = State::of([[0.0, 1.0], [0.0, 2.0]]).moving([1.0, 0.0]);
+//! let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
+//! let stream = Stream::to(NpzParts::create(&path)?);
+//! let columns = Columns::new().positions().energies();
+//! let mut recorder = Recorder::of(&columns, stream.sink());
+//! simulation.observe(10_000, 10, &mut recorder)?;
+//! recorder.finish()?;
+//! assert_eq!(stream.finish()?, 1000);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Of an ensemble the same: `ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink())).finish()?`. Blocks of rows then
+//! come in any order, and say their steps and trajectories.
+//!
+//! | writer | file | read by |
+//! |---|---|---|
+//! | [`NpzParts`] | `.npz`, each column in parts `q.000000`, `q.000001`, … | NumPy: `np.concatenate([f[k] for k in sorted(f) if k.startswith("q.")])` |
+//! | [`Xyz`] | extended XYZ, a frame for each row | OVITO, ASE |
+//! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times | ParaView |
+//!
+//! Where a writer fails, for a full disk or a closed pipe, the run ends at the next block of rows with
+//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step (an ensemble runs on; its recorder says so at
+//! the end), and [`Stream::finish`] says how many rows were written.
+
+mod stream;
+mod vtu;
+
+pub use stream::{Handed, NpzParts, Stream, StreamError, Writer, Xyz};
+pub use vtu::Vtu;

@@ -1,0 +1,227 @@
+//! A thread that writes rows, and what it writes.
+
+use crate::data::{DataError, Npz};
+use crate::watch::{Rows, Sink};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{JoinHandle, spawn};
+
+/// So many blocks may wait for the thread that writes; then the run waits.
+const WAITING: usize = 16;
+
+/// Writes blocks of rows.
+pub trait Writer: Send + 'static {
+    /// Writes a block.
+    ///
+    /// # Errors
+    /// What the system says; nothing is written after that.
+    fn write(&mut self, rows: &Rows) -> io::Result<()>;
+    /// Completes the file.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn finish(self) -> io::Result<()>;
+}
+
+/// A file could not be written to its end.
+#[derive(Debug, thiserror::Error)]
+#[error("{rows} rows were written, then: {source}")]
+pub struct StreamError {
+    /// Rows that were written.
+    pub rows: u64,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// What a thread is told.
+enum Told {
+    Rows(Rows),
+    End,
+}
+
+/// A thread that writes.
+#[derive(Debug)]
+#[must_use = "the file is complete only after `finish`"]
+pub struct Stream {
+    sender: SyncSender<Told>,
+    why: Arc<Mutex<String>>,
+    thread: JoinHandle<Result<u64, StreamError>>,
+}
+
+impl Stream {
+    /// Starts a thread for this writer.
+    pub fn to(writer: impl Writer) -> Self {
+        let (sender, receiver) = sync_channel(WAITING);
+        let why = Arc::new(Mutex::new(String::new()));
+        let told = why.clone();
+        let thread = spawn(move || {
+            let ended = write_all(writer, &receiver);
+            if let Err(error) = &ended {
+                *told.lock().unwrap_or_else(PoisonError::into_inner) = error.to_string();
+            }
+            ended // the receiver goes after that: who cannot send finds the reason
+        });
+        Self { sender, why, thread }
+    }
+
+    /// Where a recorder hands its rows.
+    #[must_use]
+    pub fn sink(&self) -> Handed {
+        Handed { sender: self.sender.clone(), why: self.why.clone() }
+    }
+
+    /// Waits until all rows that were handed on are written, completes the file, and says how many there are. Recorders are
+    /// to be finished before.
+    ///
+    /// # Errors
+    /// [`StreamError`], with the rows that were written before.
+    pub fn finish(self) -> Result<u64, StreamError> {
+        let _ = self.sender.send(Told::End); // a thread that has ended needs no telling
+        self.thread.join().unwrap_or_else(|_| {
+            Err(StreamError { rows: 0, source: io::Error::other("the thread that writes panicked") })
+        })
+    }
+}
+
+fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
+    let mut written = 0;
+    while let Ok(Told::Rows(rows)) = receiver.recv() {
+        writer.write(&rows).map_err(|source| StreamError { rows: written, source })?;
+        written += rows.len() as u64;
+    }
+    writer.finish().map_err(|source| StreamError { rows: written, source })?;
+    Ok(written)
+}
+
+/// Hands rows to the thread that writes them.
+#[derive(Debug, Clone)]
+pub struct Handed {
+    sender: SyncSender<Told>,
+    why: Arc<Mutex<String>>,
+}
+
+impl std::fmt::Debug for Told {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if matches!(self, Self::Rows(_)) { "rows" } else { "the end" })
+    }
+}
+
+impl Sink for Handed {
+    fn take(&mut self, rows: &mut Rows) -> Result<(), String> {
+        let empty = Rows { columns: rows.columns.clone(), ..Rows::default() };
+        let sent = self.sender.send(Told::Rows(std::mem::replace(rows, empty)));
+        sent.map_err(|_| {
+            let why = self.why.lock().unwrap_or_else(PoisonError::into_inner);
+            if why.is_empty() { "the stream was finished before".into() } else { why.clone() }
+        })
+    }
+    fn join(&mut self, _: Self) {} // the rows are where they go
+}
+
+/// A NumPy archive that is appended to in parts: of each block of rows the arrays `step`, `trajectory`, `t` and one for each
+/// column, with the number of the block behind its name. Readable after [`Stream::finish`].
+#[derive(Debug)]
+pub struct NpzParts {
+    npz: Option<Npz>,
+    parts: usize,
+}
+
+impl NpzParts {
+    /// Starts the file, with its folder where that is missing.
+    ///
+    /// # Errors
+    /// [`DataError::Io`].
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, DataError> {
+        Ok(Self { npz: Some(Npz::create(path)?), parts: 0 })
+    }
+}
+
+impl Writer for NpzParts {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        let part = self.parts;
+        self.parts += 1;
+        let name = |column: &str| format!("{column}.{part:06}");
+        let float = |counts: &[u64]| counts.iter().map(|&x| x as f64).collect::<Vec<_>>();
+        let number = [rows.len()];
+        let npz =
+            self.npz.take().ok_or_else(|| io::Error::other("the archive could not be written before"))?;
+        let mut npz = npz
+            .array(&name("step"), &number, &float(&rows.steps))
+            .and_then(|npz| npz.array(&name("trajectory"), &number, &float(&rows.trajectories)))
+            .and_then(|npz| npz.array(&name("t"), &number, &rows.times))
+            .map_err(io::Error::other)?;
+        for column in &*rows.columns {
+            let numbers = rows.numbers(&column.name).flatten().copied().collect::<Vec<_>>();
+            let shape = [&number[..], &column.shape].concat();
+            npz = npz.array(&name(&column.name), &shape, &numbers).map_err(io::Error::other)?;
+        }
+        self.npz = Some(npz);
+        Ok(())
+    }
+
+    fn finish(self) -> io::Result<()> {
+        self.npz.map_or(Ok(()), |npz| npz.finish().map_err(io::Error::other))
+    }
+}
+
+/// Extended XYZ: for each row a frame with the bodies' positions and, if they were recorded, momenta, in one to three
+/// coordinates (zeros for the rest); time, step, trajectory and the other numbers of the row in its second line.
+#[derive(Debug)]
+pub struct Xyz<W: Write> {
+    to: BufWriter<W>,
+    species: String,
+}
+
+impl<W: Write> Xyz<W> {
+    /// Into this, a file say; bodies are called so: "Ar", "X".
+    pub fn to(to: W, species: &str) -> Self {
+        Self { to: BufWriter::new(to), species: species.into() }
+    }
+}
+
+impl<W: Write + Send + 'static> Writer for Xyz<W> {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        let wrong = |what| io::Error::new(io::ErrorKind::InvalidInput, what);
+        let positions = rows.column("q").ok_or_else(|| wrong("extended XYZ wants recorded positions"))?;
+        let &[bodies, coordinates] = &positions.shape[..] else {
+            return Err(wrong("extended XYZ wants positions of bodies"));
+        };
+        if coordinates > 3 {
+            return Err(wrong("extended XYZ has three coordinates at most"));
+        }
+        let mut vectors = vec![rows.numbers("q").collect::<Vec<_>>()];
+        vectors.extend(rows.column("p").map(|_| rows.numbers("p").collect()));
+        let momenta = if vectors.len() > 1 { ":momenta:R:3" } else { "" };
+        let others = rows.columns.iter().filter(|column| !["q", "p"].contains(&&*column.name));
+        let others = others.map(|column| (&column.name, rows.numbers(&column.name).collect::<Vec<_>>()));
+        let others = others.collect::<Vec<_>>();
+        for row in 0..rows.len() {
+            let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
+            writeln!(self.to, "{bodies}")?;
+            write!(self.to, "Properties=species:S:1:pos:R:3{momenta} pbc=\"F F F\" ")?;
+            write!(self.to, "Time={time:?} Step={step} Trajectory={trajectory}")?;
+            for (name, numbers) in &others {
+                let numbers = numbers[row].iter().map(|x| format!("{x:?}")).collect::<Vec<_>>();
+                write!(self.to, " {name}=\"{}\"", numbers.join(" "))?;
+            }
+            writeln!(self.to)?;
+            for body in 0..bodies {
+                write!(self.to, "{}", self.species)?;
+                for of in &vectors {
+                    for i in 0..3 {
+                        let x = if i < coordinates { of[row][body * coordinates + i] } else { 0.0 };
+                        write!(self.to, " {x:?}")?;
+                    }
+                }
+                writeln!(self.to)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> io::Result<()> {
+        self.to.flush()
+    }
+}

@@ -1,0 +1,289 @@
+//! Recorders: what they keep is what a look at the run would have told; files are what others read; what cannot be written
+//! ends the run and leaves it as it was.
+
+mod common;
+use common::*;
+use rattle::Error;
+use rattle::prelude::*;
+use rattle::record::{NpzParts, Stream, Vtu, Writer, Xyz};
+use rattle::watch::{Columns, Recorder, Rows};
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn ring(
+    n: usize,
+) -> Simulation<impl rattle::system::System<f64, 3, Count = rattle::bodies::Many>, Rattle, 3> {
+    let scene = Scene::on(Torus { major: 2.0, minor: 0.7 }).bodies(n).with(Gravity { g: 1.0 });
+    let angle = |i: usize| i as f64;
+    let places = State::of((0..n).map(|i| [2.7 * angle(i).cos(), 2.7 * angle(i).sin(), 0.0]));
+    scene.simulate(places.moving([0.0, 0.0, 0.4]), Rattle::new(0.01)).unwrap()
+}
+
+fn everything() -> Columns<3> {
+    let height = |now: &Sight<'_, 3>| now.position().z;
+    Columns::new()
+        .positions()
+        .momenta()
+        .energies()
+        .multipliers()
+        .constraint_forces()
+        .quantity("height", height)
+}
+
+#[test]
+fn rows_are_what_a_look_tells() {
+    let (mut seen, mut simulation) = (ring(3), ring(3));
+    let mut recorder = Recorder::of(&everything(), Rows::default());
+    simulation.observe(50, 5, &mut recorder).unwrap();
+    let rows = recorder.finish().unwrap();
+    assert_eq!(rows.len(), 10);
+    assert_eq!(rows.column("q").unwrap().shape, [3, 3]);
+    assert_eq!(rows.column("lambda").unwrap().shape, [3]);
+    assert!(rows.column("height").unwrap().shape.is_empty() && rows.column("absent").is_none());
+    for row in 0..rows.len() {
+        seen.run(5).unwrap();
+        let of = |name| rows.numbers(name).nth(row).unwrap().to_vec();
+        let flat = |vectors: Vec<rattle::nalgebra::SVector<f64, 3>>| {
+            vectors.iter().flat_map(|v| v.iter().copied()).collect::<Vec<_>>()
+        };
+        assert_eq!((rows.steps[row], rows.times[row]), (seen.steps(), seen.time()));
+        assert_eq!(of("q"), flat(seen.positions().collect()));
+        assert_eq!(of("p"), flat(seen.momenta().collect()));
+        assert_eq!(of("energies"), [seen.kinetic_energy(), seen.potential_energy()]);
+        assert_eq!(of("lambda"), seen.multipliers());
+        assert_eq!(of("constraint_forces"), flat(seen.constraint_forces()));
+        assert_eq!(of("height"), [seen.positions().next().unwrap().z]);
+    }
+}
+
+#[test]
+fn at_given_times_and_no_others() {
+    let mut simulation = ring(1);
+    let columns = Columns::new().at_times([0.255, 0.1, 0.37, 99.0]);
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    simulation.observe(50, 1, &mut recorder).unwrap();
+    assert_eq!(recorder.finish().unwrap().times, [0.1, 0.26, 0.37]);
+}
+
+#[test]
+fn ensembles_by_trajectory_for_any_number_of_threads() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let columns = Columns::new().positions().energies();
+    let record = |threads: usize| {
+        let mut ensemble = scene
+            .ensemble(directions().chain(directions()).chain(directions()).map(billiard), Rattle::new(0.01))
+            .unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| ensemble.observe(40, 10, || Recorder::of(&columns, Rows::default())))
+            .finish()
+            .unwrap()
+    };
+    let rows = record(1);
+    assert_eq!(rows.len(), 4 * 75);
+    assert_eq!(record(2), rows);
+    let row = (0..rows.len()).find(|&row| rows.trajectories[row] == 70 && rows.steps[row] == 30).unwrap();
+    let mut one = scene.simulate(billiard(directions().nth(20).unwrap()), Rattle::new(0.01)).unwrap();
+    one.run(30).unwrap();
+    let q = rows.numbers("q").nth(row).unwrap();
+    assert!(distance(one.position(), <[f64; 3]>::try_from(q).unwrap()) < 1e-13);
+}
+
+/// Takes so many rows.
+struct Full(u64);
+
+impl Writer for Full {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        self.0 = self.0.checked_sub(rows.len() as u64).ok_or(io::ErrorKind::StorageFull)?;
+        Ok(())
+    }
+    fn finish(self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn what_cannot_be_written_ends_the_run_and_leaves_it_as_it_was() {
+    let (mut simulation, mut alone) = (ring(2), ring(2));
+    let stream = Stream::to(Full(3000));
+    let mut recorder = Recorder::of(&Columns::new().energies(), stream.sink());
+    let error = simulation.observe(1_000_000, 1, &mut recorder).unwrap_err();
+    assert!(matches!(error, Error::Recorder { .. }), "{error}");
+    assert!(error.to_string().contains("2048 rows were written, then"), "{error}");
+    let steps = simulation.steps();
+    assert!((3072..100_000).contains(&steps), "{steps}"); // what waited for the writer was handed on
+    alone.run(steps).unwrap();
+    assert_eq!(bits(&simulation.state()), bits(&alone.state()));
+    simulation.step().unwrap();
+    assert_eq!(recorder.finish().unwrap_err(), error);
+    let error = stream.finish().unwrap_err();
+    assert_eq!((error.rows, error.source.kind()), (2048, io::ErrorKind::StorageFull));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk() {
+    let stream = Stream::to(Xyz::to(File::create("/dev/full").unwrap(), "X"));
+    let mut recorder = Recorder::of(&Columns::new().positions(), stream.sink());
+    let ended = ring(2).observe(20_000, 1, &mut recorder).and_then(|()| recorder.finish());
+    let error = stream.finish().unwrap_err();
+    assert_eq!(error.source.kind(), io::ErrorKind::StorageFull);
+    assert!(ended.unwrap_err().to_string().contains("No space left on device"));
+}
+
+/// Python with these packages, of the path or of `target/foreign`; says so where there is none.
+fn python(packages: &str) -> Option<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/foreign/bin/python");
+    let able = |python: &PathBuf| {
+        let import = Command::new(python).args(["-c", &format!("import {packages}")]).output();
+        import.is_ok_and(|output| output.status.success())
+    };
+    let found = [own, "python3".into()].into_iter().find(able);
+    if found.is_none() {
+        eprintln!("LEFT OUT: no python3 with {packages}");
+    }
+    found
+}
+
+fn read_by(python: &Path, code: &str, file: &Path) -> Vec<f64> {
+    let output = Command::new(python).args(["-c", code]).arg(file).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+    text.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// Records into a file and into memory.
+fn both(writer: impl Writer, steps: u64) -> Rows {
+    let stream = Stream::to(writer);
+    let mut recorder =
+        (Recorder::of(&everything(), stream.sink()), Recorder::of(&everything(), Rows::default()));
+    ring(3).observe(steps, 1, &mut recorder).unwrap();
+    recorder.0.finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), steps);
+    recorder.1.finish().unwrap()
+}
+
+#[test]
+fn numpy_reads_what_was_written_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.npz");
+    let rows = both(NpzParts::create(&path).unwrap(), 1000); // three blocks
+    let Some(python) = python("numpy") else { return };
+    let code = "import numpy, sys\nf = numpy.load(sys.argv[1])\n\
+        whole = lambda c: numpy.concatenate([f[k] for k in sorted(f) if k.startswith(c + '.')])\n\
+        assert whole('q').shape == (1000, 3, 3) and whole('height').shape == (1000,) and len(f) > 18\n\
+        for c in ['t', 'q', 'lambda']: print(*(repr(float(x)) for x in whole(c).ravel()))";
+    let read = read_by(&python, code, &path);
+    let of = |name| rows.numbers(name).flatten().copied();
+    let expected: Vec<f64> = rows.times.iter().copied().chain(of("q")).chain(of("lambda")).collect();
+    assert!(read == expected);
+}
+
+#[test]
+fn ase_reads_extended_xyz() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.xyz");
+    let rows = both(Xyz::to(File::create(&path).unwrap(), "Ar"), 7);
+    let text = fs::read_to_string(&path).unwrap();
+    assert_eq!(text.lines().count(), 7 * 5);
+    let Some(python) = python("ase.io") else { return };
+    let code = "import ase.io, sys\nframes = ase.io.read(sys.argv[1], ':', format='extxyz')\n\
+        assert len(frames) == 7 and frames[0].get_chemical_symbols() == ['Ar'] * 3\n\
+        for a in frames:\n  print(a.info['Time'], a.info['Step'], a.info['height'])\n  \
+        print(*(repr(float(x)) for x in a.positions.ravel()), *(repr(float(x)) for x in a.arrays['momenta'].ravel()))";
+    let read = read_by(&python, code, &path);
+    let mut expected = Vec::new();
+    for row in 0..7 {
+        expected.extend([rows.times[row], rows.steps[row] as f64]);
+        for name in ["height", "q", "p"] {
+            expected.extend(rows.numbers(name).nth(row).unwrap());
+        }
+    }
+    assert_eq!(read, expected);
+}
+
+#[test]
+fn meshio_reads_points_with_vectors() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.pvd");
+    let rows = both(Vtu::create(&path).unwrap(), 4);
+    let index = fs::read_to_string(&path).unwrap();
+    for (row, time) in rows.times.iter().enumerate() {
+        assert!(
+            index.contains(&format!("<DataSet timestep=\"{time:?}\" file=\"run_{row:06}.vtu\"/>")),
+            "{index}"
+        );
+    }
+    let Some(python) = python("meshio") else { return };
+    let code = "import meshio, sys\nm = meshio.read(sys.argv[1])\nassert len(m.cells_dict['vertex']) == 3\n\
+        for a in [m.points, m.point_data['momentum'], m.point_data['constraint force']]:\n  \
+        print(*(repr(float(x)) for x in a.ravel()))";
+    for row in 0..4 {
+        let of = |name| rows.numbers(name).nth(row).unwrap().to_vec();
+        let read = read_by(&python, code, &folder.path().join(format!("run_{row:06}.vtu")));
+        assert_eq!(read, [of("q"), of("p"), of("constraint_forces")].concat());
+    }
+}
+
+/// The bar is drawn by an observer that is one like all others; here is no terminal.
+#[test]
+fn a_bar_beside_a_recorder() {
+    let mut seen = (Recorder::of(&Columns::new(), Rows::default()), rattle::progress::bar(10));
+    ring(1).observe(100, 10, &mut seen).unwrap();
+    assert_eq!(seen.0.finish().unwrap().len(), 10);
+}
+
+/// The most memory that this program has had, in KiB.
+fn most_memory() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").unwrap();
+    let line = status.lines().find(|line| line.starts_with("VmHWM")).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+}
+
+/// `cargo test --release --test recorders -- --ignored a_billion_steps --nocapture`
+#[test]
+#[ignore = "takes minutes"]
+fn a_billion_steps_in_flat_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let stream = Stream::to(NpzParts::create(folder.path().join("run.npz")).unwrap());
+    let mut simulation = Scene::on(SURFACE).simulate(billiard_45(), Rattle::new(0.01)).unwrap();
+    let mut recorder = Recorder::of(&Columns::new().positions().momenta().energies(), stream.sink());
+    simulation.observe(10_000_000, 1_000, &mut recorder).unwrap(); // ten blocks: all memory that is ever taken
+    let before = most_memory();
+    simulation.observe(990_000_000, 1_000_000, &mut recorder).unwrap();
+    recorder.finish().unwrap();
+    assert_eq!(stream.finish().unwrap(), 10_990);
+    let after = most_memory();
+    println!("{} steps: {before} KiB after the first per cent, {after} KiB at the end", simulation.steps());
+    assert!(after - before < 1024);
+}
+
+/// `cargo test --release --test recorders -- --ignored throughput --nocapture`: no test, a measurement.
+#[test]
+#[ignore = "measures time"]
+fn throughput() {
+    let begin =
+        || Scene::on(SURFACE).with(Gravity { g: 1.0 }).simulate(billiard_45(), Rattle::new(0.01)).unwrap();
+    let (mut with, mut without) = (Vec::new(), Vec::new());
+    for _ in 0..9 {
+        let mut simulation = begin();
+        let now = std::time::Instant::now();
+        simulation.run(3_000_000).unwrap();
+        without.push(now.elapsed().as_secs_f64());
+        let folder = tempfile::tempdir().unwrap();
+        let stream = Stream::to(NpzParts::create(folder.path().join("run.npz")).unwrap());
+        let mut recorder = Recorder::of(&Columns::new().positions().momenta().energies(), stream.sink());
+        let mut simulation = begin();
+        let now = std::time::Instant::now();
+        simulation.observe(3_000_000, 100, &mut recorder).unwrap();
+        with.push(now.elapsed().as_secs_f64());
+        recorder.finish().unwrap();
+        stream.finish().unwrap();
+    }
+    let median = |times: &mut Vec<f64>| {
+        times.sort_by(f64::total_cmp);
+        times[4] / 3e6 * 1e9
+    };
+    println!("{:.1} ns a step, {:.1} ns recorded every 100th", median(&mut without), median(&mut with));
+}
