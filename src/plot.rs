@@ -1,4 +1,5 @@
-//! Line charts as SVG files: linear or log–log, families of curves, reference slopes.
+//! Charts as SVG files: curves, marks, bars, bands and maps; linear and logarithmic axes, families of curves, reference
+//! slopes. Curves that lie on earlier ones are dashed; of long ones as many points are written as can be seen.
 //!
 //! ```
 //! use rattle::plot::Chart;
@@ -18,9 +19,10 @@
 mod axis;
 mod curve;
 mod draw;
+mod series;
 mod svg;
 
-use curve::{Curve, Style};
+use curve::{Curve, Map, Style};
 use draw::Sheet;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -36,9 +38,10 @@ pub struct Chart {
     title: String,
     x: String,
     y: String,
-    log: bool,
+    log: [bool; 2],
     equal: bool,
     curves: Vec<Curve>,
+    map: Option<Map>,
     singles: usize,
 }
 
@@ -54,9 +57,10 @@ impl Chart {
             title: title.into(),
             x: String::new(),
             y: String::new(),
-            log: false,
+            log: [false; 2],
             equal: false,
             curves: Vec::new(),
+            map: None,
             singles: 0,
         }
     }
@@ -95,7 +99,33 @@ impl Chart {
     /// assert!(matches!(chart.to_svg(), Err(PlotError::NotPositive { index: 1, .. })));
     /// ```
     pub fn log_log(mut self) -> Self {
-        self.log = true;
+        self.log = [true; 2];
+        self
+    }
+
+    /// The horizontal axis logarithmic; every x must then be positive.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let chart = Chart::new("Response").log_x().line("", [(0.01, 0.0), (1.0, -3.0), (100.0, -40.0)]);
+    /// assert!(chart.to_svg()?.contains("100"));
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn log_x(mut self) -> Self {
+        self.log[0] = true;
+        self
+    }
+
+    /// The vertical axis logarithmic; every y must then be positive.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let decay = (0..50).map(|t| (f64::from(t), (-0.5 * f64::from(t)).exp()));
+    /// assert!(Chart::new("Decay").log_y().line("", decay).to_svg()?.contains("10⁻⁸"));
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn log_y(mut self) -> Self {
+        self.log[1] = true;
         self
     }
 
@@ -147,6 +177,63 @@ impl Chart {
         self.single(label.into(), points, Style::Points)
     }
 
+    /// Bars from zero to each point (from the axis where that is logarithmic), as wide as the nearest two are apart.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let counts = [(0.5, 3.0), (1.5, 7.0), (2.5, 4.0)];
+    /// assert_eq!(Chart::new("Counts").bars("", counts).to_svg()?.matches("crispEdges").count(), 3);
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn bars(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        let points: Vec<(f64, f64)> = points.into_iter().collect();
+        let mut places: Vec<f64> = points.iter().map(|point| point.0).collect();
+        places.sort_by(f64::total_cmp);
+        let apart = places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&apart| apart > 0.0);
+        let width = apart.reduce(f64::min).filter(|width| *width <= LARGEST).unwrap_or(1.0);
+        self.single(label.into(), points, Style::Bars(width))
+    }
+
+    /// The region between a lower and an upper curve, (x, low, high) from left to right: a deviation, a confidence. It has the
+    /// colour of the curve that comes next.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let mean = |t: f64| 1.0 - (-t).exp();
+    /// let times = || (0..=40).map(|i| 0.1 * f64::from(i));
+    /// let chart = Chart::new("Warming")
+    ///     .band("± σ", times().map(|t| (t, mean(t) - 0.1, mean(t) + 0.1)))
+    ///     .line("mean", times().map(|t| (t, mean(t))));
+    /// assert!(chart.to_svg()?.contains("fill-opacity"));
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn band(
+        mut self,
+        label: impl Into<String>,
+        points: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let points: Vec<(f64, f64, f64)> = points.into_iter().collect();
+        let (low, high) = (points.iter().map(|p| (p.0, p.1)), points.iter().rev().map(|p| (p.0, p.2)));
+        let (points, colour) = (low.chain(high).collect(), curve::single(self.singles));
+        self.curves.push(Curve { label: label.into(), points, colour, style: Style::Band });
+        self
+    }
+
+    /// Numbers on a rectangle as colours, with their scale: rows of equal length from low y to high y, each from low x to high
+    /// x. A chart has one map, under all its curves.
+    ///
+    /// ```
+    /// # use rattle::plot::Chart;
+    /// let row = |j: u32| (0..40).map(|i| (0.2 * f64::from(i)).sin() * (0.2 * f64::from(j)).cos()).collect();
+    /// let chart = Chart::new("Potential").map("U", [0.0, 8.0], [0.0, 4.0], (0..20).map(row).collect());
+    /// assert!(chart.to_svg()?.contains(">U<"));
+    /// # Ok::<(), rattle::plot::PlotError>(())
+    /// ```
+    pub fn map(mut self, label: impl Into<String>, x: [f64; 2], y: [f64; 2], rows: Vec<Vec<f64>>) -> Self {
+        self.map = Some(Map { label: label.into(), x, y, rows });
+        self
+    }
+
     /// Many curves of one kind in the order of a parameter: thin lines, colours along viridis, and a legend that
     /// names a few of them, first and last always.
     ///
@@ -195,11 +282,12 @@ impl Chart {
         self
     }
 
-    /// The chart as SVG text: white ground, no font files, about 16 bytes a point.
+    /// The chart as SVG text: white ground, no font files, about 16 bytes a point; a curve from left to right has some
+    /// thousands of points at most, however many it was given, and looks as with all of them.
     ///
     /// # Errors
-    /// [`PlotError::Empty`] without a single point, [`PlotError::NotFinite`], and on logarithmic axes
-    /// [`PlotError::NotPositive`].
+    /// [`PlotError::Empty`] without a single point, [`PlotError::NotFinite`], on logarithmic axes
+    /// [`PlotError::NotPositive`], and [`PlotError::Map`].
     ///
     /// ```
     /// # use rattle::plot::{Chart, PlotError};
@@ -209,8 +297,9 @@ impl Chart {
     pub fn to_svg(&self) -> Result<String, PlotError> {
         self.check()?;
         let curves = self.drawn();
-        let Self { title, x, y, log, equal, .. } = self;
-        Ok(draw::draw(&Sheet { title, x, y, log: *log, equal: *equal && !*log, curves: &curves }))
+        let Self { title, x, y, log, equal, map, .. } = self;
+        let equal = *equal && *log == [false; 2];
+        Ok(draw::draw(&Sheet { title, x, y, log: *log, equal, curves: &curves, map: map.as_ref() }))
     }
 
     /// Writes the SVG, and makes its folder where that is missing.
@@ -241,7 +330,9 @@ impl Chart {
     }
 
     fn check(&self) -> Result<(), PlotError> {
-        if self.curves.iter().all(|curve| curve.points.is_empty()) {
+        if let Some(map) = &self.map {
+            self.check_map(map)?;
+        } else if self.curves.iter().all(|curve| curve.points.is_empty()) {
             return Err(PlotError::Empty { title: self.title.clone() });
         }
         for (number, curve) in self.curves.iter().enumerate() {
@@ -251,7 +342,8 @@ impl Chart {
                     let (title, label) = names();
                     return Err(PlotError::NotFinite { title, curve: number, label, index, x, y });
                 }
-                if self.log && !(x >= 1.0 / LARGEST && y >= 1.0 / LARGEST) {
+                let shown = |log: bool, value: f64| !log || value >= 1.0 / LARGEST;
+                if !(shown(self.log[0], x) && shown(self.log[1], y)) {
                     let (title, label) = names();
                     return Err(PlotError::NotPositive { title, curve: number, label, index, x, y });
                 }
@@ -260,13 +352,32 @@ impl Chart {
         Ok(())
     }
 
+    fn check_map(&self, map: &Map) -> Result<(), PlotError> {
+        let Map { x, y, rows, .. } = map;
+        let wide = |[low, high]: [f64; 2], log: bool| {
+            low < high && low.abs().max(high.abs()) <= LARGEST && (!log || low >= 1.0 / LARGEST)
+        };
+        let columns = rows.first().map_or(0, Vec::len);
+        let even = columns > 0 && rows.iter().all(|row| row.len() == columns);
+        let number = rows.iter().flatten().position(|value| !matches!(value.abs(), 0.0..=LARGEST));
+        if wide(*x, self.log[0]) && wide(*y, self.log[1]) && even && number.is_none() {
+            return Ok(());
+        }
+        let cell = number.filter(|_| even).map(|i| (i / columns, i % columns));
+        Err(PlotError::Map { title: self.title.clone(), x: *x, y: *y, rows: rows.len(), columns, cell })
+    }
+
     /// The curves with their reference lines worked out, and without those that have nothing to draw.
     fn drawn(&self) -> Vec<Curve> {
         let floor = self.curves.iter().flat_map(|curve| &curve.points).map(|p| p.1).fold(f64::MAX, f64::min);
         let mut curves = self.curves.clone();
         curves.retain_mut(|curve| {
             if let Style::Slope(order) = curve.style {
-                curve.points = if self.log { curve::slope(&curve.points, order, floor) } else { Vec::new() };
+                curve.points = if self.log == [true; 2] {
+                    curve::slope(&curve.points, order, floor)
+                } else {
+                    Vec::new()
+                };
                 curve.points.retain(|(x, y)| [x, y].iter().all(|v| (1.0 / LARGEST..=LARGEST).contains(*v)));
             }
             !curve.points.is_empty()
@@ -301,9 +412,28 @@ pub enum PlotError {
         /// The point.
         y: f64,
     },
+    /// A map needs a box that is wide and high, rows of one length, and numbers of at most 1e150.
+    #[error(
+        "chart `{title}`: a map of {rows} rows, the first of {columns} numbers, over x = {x:?} and y = {y:?}{}",
+        match cell { Some((row, column)) => format!(": number {column} of row {row} is not finite"), None => "; give rows of one length and a box from low to high, positive on logarithmic axes".into() }
+    )]
+    Map {
+        /// The chart.
+        title: String,
+        /// Lowest and highest x.
+        x: [f64; 2],
+        /// Lowest and highest y.
+        y: [f64; 2],
+        /// Rows.
+        rows: usize,
+        /// Numbers in the first row.
+        columns: usize,
+        /// Row and column of a number that is not finite.
+        cell: Option<(usize, usize)>,
+    },
     /// A logarithmic axis can't show zero, a negative value or one below 1e-150.
     #[error(
-        "chart `{title}`, curve {curve} `{label}`: point {index} is ({x:e}, {y:e}), but the axes are logarithmic; leave it out"
+        "chart `{title}`, curve {curve} `{label}`: point {index} is ({x:e}, {y:e}), but an axis is logarithmic; leave it out"
     )]
     NotPositive {
         /// The chart.

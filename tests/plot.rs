@@ -38,10 +38,38 @@ fn lemniscate() -> Chart {
     Chart::new("The lemniscate of Bernoulli, a = 1").x("x").y("y").equal_aspect().line("", points)
 }
 
+fn histogram() -> Chart {
+    let maxwell = |v: f64| v * v * (-v * v / 2.0).exp() * 0.8;
+    let centres = (0..20).map(|i| 0.2 * f64::from(i) + 0.1);
+    let noise = |v: f64| maxwell(v) * (1.0 + 0.1 * (40.0 * v).sin());
+    Chart::new("Speeds")
+        .x("speed")
+        .y("f(v)")
+        .bars("seen", centres.map(|v| (v, noise(v))))
+        .line("exact", (0..=200).map(|i| 0.02 * f64::from(i)).map(|v| (v, maxwell(v))))
+}
+
+fn warming() -> Chart {
+    let mean = |t: f64| 1.0 - (-t).exp();
+    let times = || (0..=100).map(|i| 0.05 * f64::from(i));
+    Chart::new("Warming")
+        .band("± σ", times().map(|t| (t, mean(t) - 0.1 * t, mean(t) + 0.1 * t)))
+        .line("mean", times().map(|t| (t, mean(t))))
+        .line("the same", times().map(|t| (t, mean(t))))
+}
+
+fn saddle() -> Chart {
+    let row = |j: u32| (0..60).map(|i| (f64::from(i) - 29.5) * (f64::from(j) - 29.5) / 900.0).collect();
+    Chart::new("Saddle")
+        .equal_aspect()
+        .map("U / J", [-1.0, 1.0], [-1.0, 1.0], (0..60).map(row).collect())
+        .line("zero", [(0.0, -1.0), (0.0, 1.0)])
+}
+
 #[test]
 fn charts_show_their_words_and_points() {
     for (name, chart, words) in [
-        ("accuracy", accuracy(), vec!["What accuracy costs in time", "step h", "h⁴", "10⁻⁸", "0.01"]),
+        ("accuracy", accuracy(), vec!["What accuracy costs in time", "step h", "h⁴", "10⁻⁸", "10⁻²"]),
         ("energies", energies(), vec!["θ = 0°", "θ = 180°", "θ = 360°", "−0.01", "time t"]),
         ("lemniscate", lemniscate(), vec!["The lemniscate of Bernoulli", ">x<", ">y<"]),
         ("tiny", Chart::new("Rounding").line("", [(0.0, 0.0), (1.0, -4e-16)]), vec!["−2·10⁻¹⁶"]),
@@ -65,6 +93,9 @@ fn charts_show_their_words_and_points() {
             vec!["10⁹⁵"],
         ),
         ("one decade", Chart::new("Decade").log_log().line("", [(1.0, 1e-9), (1.0, 1e-9)]), vec!["10⁻⁹"]),
+        ("bars", histogram(), vec!["speed", "f(v)", "exact"]),
+        ("band", warming(), vec!["± σ", "mean"]),
+        ("map", saddle(), vec!["U / J", "zero"]),
         (
             "escaped",
             Chart::new("a < b & \"c\"").line("<x>", [(0.0, 0.0), (1.0, 1.0)]),
@@ -115,24 +146,234 @@ fn ticks_are_round_numbers() {
     let linear = |low, high| Chart::new("").line("", [(low, 0.0), (high, 1.0)]);
     let decades = |low, high| Chart::new("").log_log().line("", [(low, 1.0), (high, 2.0)]);
     for (chart, labels) in [
-        (linear(0.0, 1.0), "0 0.2 0.4 0.6 0.8 1"),
-        (linear(-1e150, 1e150), "−10¹⁵⁰ −5·10¹⁴⁹ 0 5·10¹⁴⁹ 10¹⁵⁰"),
+        (linear(0.0, 1.0), "0 0.2 0.4 0.6 0.8 1.0"),
+        (linear(-1e150, 1e150), "−1.0·10¹⁵⁰ −0.5·10¹⁵⁰ 0 0.5·10¹⁵⁰ 1.0·10¹⁵⁰"),
         (linear(0.0, 30.0), "0 5 10 15 20 25 30"),
-        (linear(-7.0, 90_000.0), "0 20000 40000 60000 80000"),
-        (linear(0.0, 1e6), "0 2·10⁵ 4·10⁵ 6·10⁵ 8·10⁵ 10⁶"),
-        (linear(0.0, 5e-16), "0 10⁻¹⁶ 2·10⁻¹⁶ 3·10⁻¹⁶ 4·10⁻¹⁶ 5·10⁻¹⁶"),
-        (linear(0.0004, 0.0021), "4·10⁻⁴ 6·10⁻⁴ 8·10⁻⁴ 0.001 0.0012 0.0014 0.0016 0.0018 0.002"),
-        (linear(1.0, 1.000_008), "1 1.000001 1.000002 1.000003 1.000004 1.000005 1.000006 1.000007 1.000008"),
-        (decades(1e-3, 1e6), "10⁻³ 0.01 0.1 1 10 100 1000 10000 10⁵ 10⁶"),
-        (decades(1e-3, 0.2), "10⁻³ 2·10⁻³ 5·10⁻³ 0.01 0.02 0.05 0.1 0.2"),
-        (decades(1e-40, 1.0), "10⁻³⁹ 10⁻³⁶ 10⁻³³ 10⁻³⁰ 10⁻²⁷ 10⁻²⁴ 10⁻²¹ 10⁻¹⁸ 10⁻¹⁵ 10⁻¹² 10⁻⁹ 10⁻⁶ 10⁻³ 1"),
-        (decades(3.0, 4.0), "2.5 3 3.5 4 4.5 5"),
+        (linear(-7.0, 90_000.0), "−20000 0 20000 40000 60000 80000 100000"),
+        (linear(0.0, 1e6), "0 0.2·10⁶ 0.4·10⁶ 0.6·10⁶ 0.8·10⁶ 1.0·10⁶"),
+        (linear(0.0, 5e-16), "0 1·10⁻¹⁶ 2·10⁻¹⁶ 3·10⁻¹⁶ 4·10⁻¹⁶ 5·10⁻¹⁶"),
+        (linear(0.0004, 0.0021), "0.0004 0.0006 0.0008 0.0010 0.0012 0.0014 0.0016 0.0018 0.0020 0.0022"),
+        (
+            linear(1.0, 1.000_008),
+            "1.000000 1.000001 1.000002 1.000003 1.000004 1.000005 1.000006 1.000007 1.000008",
+        ),
+        (decades(1e-3, 1e6), "10⁻³ 10⁻² 10⁻¹ 10⁰ 10¹ 10² 10³ 10⁴ 10⁵ 10⁶"),
+        (decades(0.03, 7e3), "0.01 0.1 1 10 100 1000 10000"),
+        (decades(1e-3, 0.2), "10⁻³ 2·10⁻³ 5·10⁻³ 10⁻² 2·10⁻² 5·10⁻² 10⁻¹ 2·10⁻¹"),
+        (
+            decades(1e-40, 1.0),
+            "10⁻⁴² 10⁻³⁹ 10⁻³⁶ 10⁻³³ 10⁻³⁰ 10⁻²⁷ 10⁻²⁴ 10⁻²¹ 10⁻¹⁸ 10⁻¹⁵ 10⁻¹² 10⁻⁹ 10⁻⁶ 10⁻³ 10⁰",
+        ),
+        (decades(3.0, 4.0), "3.0 3.2 3.4 3.6 3.8 4.0"),
+        (linear(1.0, 100.0).log_x(), "1 2 5 10 20 50 100"),
     ] {
         let svg = chart.to_svg().unwrap();
         let below = svg.lines().filter(|line| line.contains("\"middle\" font-size=\"12\""));
         let found: Vec<&str> = below.map(|line| line.split(['<', '>']).nth(2).unwrap()).collect();
         assert_eq!(found.join(" "), labels);
     }
+}
+
+/// The numbers of an attribute, of all elements that the text names.
+fn numbers(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
+    let lines = svg.lines().filter(|line| line.contains(element));
+    let value = |line: &str| line.split(&format!(" {attribute}=\"")).nth(1)?.split('"').next()?.parse().ok();
+    lines.map(|line| value(line).expect(line)).collect()
+}
+
+/// Places of the n-th line that is drawn.
+fn places(svg: &str, n: usize) -> Vec<[f64; 2]> {
+    let line = svg.split("<path d=\"M ").nth(n + 1).and_then(|rest| rest.split('"').next()).unwrap();
+    let numbers = |place: &str| place.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    line.split(" L ").map(numbers).map(|place| [place[0], place[1]]).collect()
+}
+
+/// Left, right, top and bottom of the axes: the first two dark lines are they.
+fn frame(svg: &str) -> [f64; 4] {
+    let ink: Vec<&str> = svg.lines().filter(|line| line.contains("stroke=\"#2b2f36\"")).collect();
+    let side = |line: &str, name: &str| numbers(line, "<line", name)[0];
+    [side(ink[1], "x1"), side(ink[1], "x2"), side(ink[0], "y1"), side(ink[0], "y2")]
+}
+
+/// Marks on the outermost points lie whole inside the axes, also where these end at ticks.
+#[test]
+fn no_mark_is_cut() {
+    let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)];
+    for chart in [Chart::new("").marked("", corners), Chart::new("").points("", corners)] {
+        for chart in [chart.clone(), chart.equal_aspect()] {
+            let svg = chart.to_svg().unwrap();
+            let [left, right, top, bottom] = frame(&svg);
+            let of = |name| numbers(&svg, "<circle", name);
+            let radius = of("r")[0];
+            assert_eq!(of("cx").len(), 4);
+            assert!(of("cx").iter().all(|x| (left + radius..=right - radius).contains(x)), "{svg}");
+            assert!(of("cy").iter().all(|y| (top + radius..=bottom - radius).contains(y)), "{svg}");
+        }
+    }
+}
+
+/// Bars stand on zero, lie within the axes, and are as high as their numbers.
+#[test]
+fn bars_stand_on_zero() {
+    let heights = [3.0, 7.0, -2.0];
+    let svg = Chart::new("").bars("n", heights.map(|y| (y, y))).to_svg().unwrap();
+    let [left, right, top, bottom] = frame(&svg);
+    let of = |name| numbers(&svg, "crispEdges", name).into_iter().take(3).collect::<Vec<f64>>();
+    let (x, y, width, height) = (of("x"), of("y"), of("width"), of("height"));
+    let unit = height[0] / 3.0;
+    assert!((height[1] - 7.0 * unit).abs() < 0.03 && (height[2] - 2.0 * unit).abs() < 0.03, "{height:?}");
+    // Foot of the first, and top of the one below zero.
+    assert!(
+        (y[0] + height[0] - y[2]).abs() < 0.03 && (y[1] + height[1] - y[2]).abs() < 0.03,
+        "{y:?} {height:?}"
+    );
+    for i in 0..3 {
+        assert!(x[i] >= left && x[i] + width[i] <= right && y[i] >= top && y[i] + height[i] <= bottom + 0.01);
+    }
+    // On a logarithmic axis they stand on its end.
+    let svg = Chart::new("").log_y().bars("", [(0.0, 1e-3), (1.0, 10.0)]).to_svg().unwrap();
+    let bottom = frame(&svg)[3];
+    let (y, height) = (numbers(&svg, "crispEdges", "y"), numbers(&svg, "crispEdges", "height"));
+    assert!((y[1] + height[1] - bottom).abs() < 0.02 && height[1] > 300.0, "{y:?} {height:?} {bottom}");
+}
+
+/// Decay is a straight line where only y is logarithmic, and a power on log–log axes is none there.
+#[test]
+fn one_axis_may_be_logarithmic() {
+    let decay = [0.0, 5.0, 10.0].map(|t| (t, f64::exp(-t)));
+    let powers = [1.0, 10.0, 100.0].map(|x| (x, f64::log10(x)));
+    for chart in [Chart::new("").log_y().line("", decay), Chart::new("").log_x().line("", powers)] {
+        let [a, b, c] = places(&chart.to_svg().unwrap(), 0)[..] else { panic!("three points") };
+        assert!((a[0] - 2.0 * b[0] + c[0]).abs() < 0.03 && (a[1] - 2.0 * b[1] + c[1]).abs() < 0.03);
+        assert!((a[1] - c[1]).abs() > 200.0);
+    }
+    assert!(matches!(
+        Chart::new("").log_y().line("", [(-1.0, 1.0), (0.0, 0.0)]).to_svg(),
+        Err(PlotError::NotPositive { index: 1, .. })
+    ));
+}
+
+/// A band's edge is the two curves, and the curve that comes next has its colour.
+#[test]
+fn a_band_lies_between_its_curves() {
+    let svg = Chart::new("")
+        .line("other", [(0.0, 0.0), (2.0, 0.0)])
+        .band("", [(0.0, 1.0, 3.0), (1.0, 0.0, 4.0), (2.0, 1.0, 3.0)])
+        .line("mean", [(0.0, 1.0), (2.0, 1.0)])
+        .to_svg()
+        .unwrap();
+    let (band, mean) = (svg.lines().find(|line| line.contains("fill-opacity")).unwrap(), places(&svg, 2));
+    let edge = places(&band.replace(" Z", ""), 0);
+    assert_eq!(edge.len(), 6);
+    assert_eq!((edge[0], edge[2]), (mean[0], mean[1]), "its lower ends");
+    assert_eq!([edge[3][0], edge[4][0], edge[5][0]], [edge[2][0], edge[1][0], edge[0][0]], "there and back");
+    assert!(edge[4][1] < edge[3][1] && edge[1][1] > edge[0][1]);
+    let colour = band.split("fill=\"").nth(1).unwrap().split('"').next().unwrap();
+    assert!(svg.lines().rfind(|line| line.contains("stroke-width=\"1.6\"")).unwrap().contains(colour));
+}
+
+/// Cells tile their rectangle, low y below, and the lowest and the highest number have the ends of viridis.
+#[test]
+fn a_map_tiles_its_box() {
+    let rows = vec![vec![0.0, 1.0, 2.0], vec![3.0, 3.0, 10.0]];
+    let chart = |rows| Chart::new("Map").map("U / J", [0.0, 3.0], [-1.0, 1.0], rows);
+    let svg = chart(rows).to_svg().unwrap();
+    let [left, right, top, bottom] = frame(&svg);
+    let cells: Vec<&str> = svg.lines().filter(|line| line.contains("crispEdges")).collect();
+    let of = |i: usize, name: &str| numbers(cells[i], "<rect", name)[0];
+    let area: f64 = (0..5).map(|i| of(i, "width") * of(i, "height")).sum();
+    assert!((area / ((right - left) * (bottom - top)) - 1.0).abs() < 1e-4, "{area}");
+    assert!(
+        cells[0].contains("#440154") && (of(0, "y") + of(0, "height") - bottom).abs() < 0.02,
+        "{}",
+        cells[0]
+    );
+    assert!(cells[4].contains("#fde725") && (of(4, "y") - top).abs() < 0.02, "{}", cells[4]);
+    assert!((of(3, "width") - 2.0 * of(0, "width")).abs() < 0.03, "equal neighbours are one");
+    assert!(svg.contains(">U / J<") && svg.contains(">10<"));
+    for (rows, words) in [
+        (vec![], "0 rows"),
+        (vec![vec![1.0, 2.0], vec![3.0]], "rows of one length"),
+        (vec![vec![1.0, 2.0], vec![3.0, f64::NAN]], "number 1 of row 1 is not finite"),
+    ] {
+        let message = chart(rows).to_svg().unwrap_err().to_string();
+        assert!(message.contains("chart `Map`") && message.contains(words), "{message}");
+    }
+    assert!(Chart::new("").log_x().map("", [0.0, 1.0], [0.0, 1.0], vec![vec![1.0]]).to_svg().is_err());
+}
+
+/// A curve on another is dashed, a third differently; one beside it is not.
+#[test]
+fn curves_on_each_other_are_told_apart() {
+    let wave = |shift: f64| (0..500).map(move |i| (f64::from(i), (0.05 * f64::from(i)).sin() + shift));
+    let circle = || (0..90).map(|i| f64::from(4 * i).to_radians().sin_cos());
+    for (chart, expected) in [
+        (
+            Chart::new("").line("a", wave(0.0)).line("b", wave(1e-9)).line("c", wave(0.0)),
+            ["none", "9 7", "3 8"],
+        ),
+        (Chart::new("").line("a", wave(0.0)).line("b", wave(0.3)).line("c", wave(0.6)), ["none"; 3]),
+        (
+            Chart::new("").line("a", wave(0.0)).line("b", wave(0.0).step_by(7)).line("c", wave(0.1)),
+            ["none", "9 7", "none"],
+        ),
+        (
+            Chart::new("")
+                .line("a", circle())
+                .line("b", circle())
+                .line("c", circle().map(|p| (p.0, 2.0 * p.1))),
+            ["none", "9 7", "none"],
+        ),
+    ] {
+        let svg = chart.to_svg().unwrap();
+        let dashes: Vec<&str> =
+            svg.split("stroke-dasharray=\"").skip(1).map(|rest| rest.split('"').next().unwrap()).collect();
+        assert_eq!(dashes[..3], expected);
+        assert_eq!(dashes[3..], expected, "in the legend");
+    }
+}
+
+/// Of a million points a few thousand are written; every column of the picture has the same highest and lowest.
+#[test]
+fn long_curves_are_thinned_and_look_the_same() {
+    let value = |i: u32| if i == 777_777 { 5.0 } else { (0.37 * f64::from(i)).sin() };
+    let long = (0..1_000_000).map(|i| (f64::from(i), value(i)));
+    let thin = places(&Chart::new("").line("", long.clone()).to_svg().unwrap(), 0);
+    assert!((1000..8000).contains(&thin.len()), "{} points", thin.len());
+    assert!(thin.windows(2).all(|pair| pair[0][0] <= pair[1][0]));
+    let [first, last] = [thin[0], thin[thin.len() - 1]];
+    let scale = (last[0] - first[0]) / 999_999.0;
+    // The scale of heights from the spike and one more known point.
+    let spike = thin.iter().map(|p| p[1]).fold(f64::MAX, f64::min);
+    let unit = (first[1] - spike) / (5.0 - value(0));
+    let mut columns = vec![[f64::MAX, f64::MIN]; 2000];
+    let column = |x: f64| (2.0 * x) as usize;
+    for (x, y) in long {
+        let column = &mut columns[column(first[0] + scale * x)];
+        let place = first[1] - unit * (y - value(0));
+        *column = [column[0].min(place), column[1].max(place)];
+    }
+    let mut seen = vec![[f64::MAX, f64::MIN]; 2000];
+    for [x, y] in thin {
+        let column = &mut seen[column(x)];
+        *column = [column[0].min(y), column[1].max(y)];
+    }
+    // Places are rounded to hundredths, which may move a point into the next column: two side by side are compared.
+    let mut compared = 0;
+    for (all, thin) in columns
+        .windows(2)
+        .zip(seen.windows(2))
+        .filter(|(all, _)| all[0][0] < f64::MAX && all[1][0] < f64::MAX)
+    {
+        let both = |pair: &[[f64; 2]]| [pair[0][0].min(pair[1][0]), pair[0][1].max(pair[1][1])];
+        let (all, thin) = (both(all), both(thin));
+        assert!((all[0] - thin[0]).abs() < 0.02 && (all[1] - thin[1]).abs() < 0.02, "{all:?} {thin:?}");
+        compared += 1;
+    }
+    assert!(compared > 1000);
+    // A curve that goes back is left as it is.
+    let circle = (0..20_000).map(|i| (0.01 * f64::from(i)).sin_cos());
+    assert_eq!(places(&Chart::new("").line("", circle).to_svg().unwrap(), 0).len(), 20_000);
 }
 
 #[test]

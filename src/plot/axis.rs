@@ -1,4 +1,4 @@
-//! An axis: the window on the numbers, where a number lies in it, and its ticks.
+//! An axis: the window on the numbers, where a number lies in it, and its ticks. The window ends at ticks.
 //!
 //! ```text
 //! linear        ticks at the multiples of 1, 2 or 5 · 10ᵏ
@@ -6,8 +6,6 @@
 //!               are few; a window of about a decade gets the ticks of a linear axis
 //! ```
 
-/// Room at the ends of a logarithmic axis, in decades.
-const ROOM: f64 = 0.13;
 /// With fewer decades an axis gets the ticks of a linear one, and with fewer than the second number 2 and 5 between.
 const FEW_DECADES: [f64; 2] = [1.2, 3.5];
 /// With more decades only every n-th has a tick.
@@ -16,8 +14,9 @@ const MANY_DECADES: f64 = 16.0;
 const SMALLEST: f64 = 1e-303;
 /// A tick this part of a step outside is still at the end: the step is rounded.
 const ROUNDING: f64 = 1e-9;
-/// Numbers of a higher power of ten are not written in full.
-const LARGEST_IN_FULL: i32 = 4;
+/// The powers of ten of numbers that are written in full, and the most decimals of such numbers.
+const IN_FULL: [i32; 2] = [-3, 5];
+const MOST_DECIMALS: i32 = 7;
 
 /// The window on the numbers, as logarithms to base ten on a logarithmic axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +24,17 @@ pub(super) struct Axis {
     log: bool,
     low: f64,
     high: f64,
+    ticks: Ticks,
+}
+
+/// Where an axis has ticks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ticks {
+    Multiples(Step),
+    /// At the powers of ten, and at 2 and 5 times those.
+    Digits,
+    /// At every n-th power of ten.
+    Decades(i32),
 }
 
 /// A mark on an axis.
@@ -36,25 +46,47 @@ pub(super) struct Tick {
 }
 
 impl Axis {
-    /// A linear axis around the numbers, longer at both ends by this part of their range.
-    pub(super) fn linear(values: impl Iterator<Item = f64>, margin: f64) -> Self {
+    /// A linear axis from the last tick at or below the numbers to the first at or above them, with about so many ticks.
+    pub(super) fn linear(values: impl Iterator<Item = f64>, number: f64) -> Self {
         let (low, high) = range(values);
-        let span = high - low;
         // A constant still gets an axis, wide enough that its ticks are distinct doubles.
-        let room = if span > f64::max(1e-9 * low.abs().max(high.abs()), SMALLEST) {
-            margin * span
+        let room = if high - low > f64::max(1e-9 * low.abs().max(high.abs()), SMALLEST) {
+            0.0
         } else if low.abs() < SMALLEST {
             1.0
         } else {
             1e-3 * low.abs()
         };
-        Self { log: false, low: low - room, high: high + room }
+        let (low, high) = (low - room, high + room);
+        let step = Step::of(high - low, number);
+        let [low, high] = step.around(low, high);
+        Self { log: false, low, high, ticks: Ticks::Multiples(step) }
     }
 
-    /// A logarithmic axis around the numbers, all positive.
-    pub(super) fn logarithmic(values: impl Iterator<Item = f64>) -> Self {
-        let (low, high) = range(values.map(f64::log10));
-        Self { log: true, low: low - ROOM, high: high + ROOM }
+    /// A logarithmic axis around the numbers, all positive, from tick to tick.
+    pub(super) fn logarithmic(values: impl Iterator<Item = f64>, number: f64) -> Self {
+        let (mut low, mut high) = range(values.map(f64::log10));
+        if high - low < 1e-3 {
+            (low, high) = (low - 0.3, high + 0.3);
+        }
+        let from = |[low, high]: [f64; 2], ticks| Self { log: true, low, high, ticks };
+        if high - low < FEW_DECADES[0] {
+            let (low, high) = (10f64.powf(low), 10f64.powf(high));
+            let step = Step::of(high - low, number);
+            let [below, above] = step.around(low, high);
+            let ends = [if below > 0.0 { below } else { low }, above];
+            return from(ends.map(f64::log10), Ticks::Multiples(step));
+        }
+        if high - low < FEW_DECADES[1] {
+            let digits = [1.0, 2.0, 5.0, 10.0].map(f64::log10);
+            let below = digits.map(|d| low.floor() + d).into_iter().rfind(|tick| *tick <= low + ROUNDING);
+            let above = digits.map(|d| high.floor() + d).into_iter().find(|tick| *tick >= high - ROUNDING);
+            return from([below.unwrap_or(low), above.unwrap_or(high)], Ticks::Digits);
+        }
+        let stride = 1 + ((high - low) / MANY_DECADES) as i32;
+        let many = f64::from(stride);
+        let [below, above] = [(low + ROUNDING) / many, (high - ROUNDING) / many];
+        from([many * below.floor(), many * above.ceil()], Ticks::Decades(stride))
     }
 
     /// How much the axis covers: in its numbers' unit, or in decades.
@@ -62,10 +94,13 @@ impl Axis {
         self.high - self.low
     }
 
-    /// Widens the window about its middle, to the span.
-    pub(super) fn widen(&mut self, span: f64) {
+    /// Widens a linear axis about its middle, to the span, with about so many ticks.
+    pub(super) fn widen(&mut self, span: f64, number: f64) {
         let room = 0.5 * (span - self.span());
-        (self.low, self.high) = (self.low - room, self.high + room);
+        if room > ROUNDING * span {
+            (self.low, self.high) = (self.low - room, self.high + room);
+            self.ticks = Ticks::Multiples(Step::of(span, number));
+        }
     }
 
     /// Where the number lies: 0 at the low end, 1 at the high end.
@@ -74,59 +109,83 @@ impl Axis {
         (value - self.low) / self.span()
     }
 
-    /// The ticks in sight, on a linear axis about `number` and at least two.
-    pub(super) fn ticks(&self, number: f64) -> Vec<Tick> {
-        if !self.log {
-            return self.multiples(self.low, self.high, number);
-        }
-        if self.span() < FEW_DECADES[0] {
-            return self.multiples(10f64.powf(self.low), 10f64.powf(self.high), number);
-        }
-        let stride = 1 + (self.span() / MANY_DECADES) as i32;
-        let digits: &[i64] = if self.span() < FEW_DECADES[1] { &[1, 2, 5] } else { &[1] };
-        let decades = self.low.floor() as i32..=self.high.floor() as i32;
-        let places =
-            decades.filter(|decade| decade % stride == 0).flat_map(|k| digits.iter().map(move |&n| (n, k)));
-        let tick = |(n, decade): (i64, i32)| Tick {
-            part: (f64::from(decade) + (n as f64).log10() - self.low) / self.span(),
-            label: self.label(n, decade),
-        };
-        places.map(tick).filter(|tick| (0.0..=1.0).contains(&tick.part)).collect()
+    /// Where bars begin: zero, or the low end where there is no zero.
+    pub(super) fn base(&self) -> f64 {
+        if self.log { 10f64.powf(self.low) } else { 0f64.clamp(self.low, self.high) }
     }
 
-    /// Ticks at the multiples of the smallest step 1, 2 or 5 · 10ᵏ that makes at most `number` of them from `low` to
-    /// `high`.
-    fn multiples(&self, low: f64, high: f64, number: f64) -> Vec<Tick> {
-        let wanted = (high - low) / f64::max(number, 3.0);
+    /// The ticks in sight.
+    pub(super) fn ticks(&self) -> Vec<Tick> {
+        let (stride, digits): (i32, &[i64]) = match self.ticks {
+            Ticks::Multiples(step) => return self.multiples(step),
+            Ticks::Digits => (1, &[1, 2, 5]),
+            Ticks::Decades(stride) => (stride, &[1]),
+        };
+        let decades = (self.low + ROUNDING).floor() as i32..=(self.high + ROUNDING).floor() as i32;
+        let places: Vec<(i64, i32)> = decades
+            .filter(|decade| decade % stride == 0)
+            .flat_map(|k| digits.iter().map(move |&n| (n, k)))
+            .filter(|&(n, k)| {
+                let place = f64::from(k) + (n as f64).log10();
+                (self.low - ROUNDING..=self.high + ROUNDING).contains(&place)
+            })
+            .collect();
+        // From a hundredth to ten thousand in full, or all by powers of ten.
+        let full = places.iter().all(|&(_, k)| (-2..IN_FULL[1]).contains(&k));
+        let label = |n: i64, k: i32| match (full, n) {
+            (true, _) => fixed(n, k, (-k).max(0)),
+            (false, 1) => power(k),
+            (false, _) => format!("{n}·{}", power(k)),
+        };
+        let part = |n: i64, k: i32| (f64::from(k) + (n as f64).log10() - self.low) / self.span();
+        places.into_iter().map(|(n, k)| Tick { part: part(n, k), label: label(n, k) }).collect()
+    }
+
+    /// Ticks at the multiples of a step, all in one notation: in full with equally many decimals, or with one power of ten.
+    fn multiples(&self, Step { n, decade, size }: Step) -> Vec<Tick> {
+        let [low, high] = [self.low, self.high].map(|end| if self.log { 10f64.powf(end) } else { end });
+        let [first, last] = [(low / size - ROUNDING).ceil() as i64, (high / size + ROUNDING).floor() as i64];
+        let largest = first.unsigned_abs().max(last.unsigned_abs()) as i64 * n;
+        let exponent = decade + largest.to_string().len() as i32 - 1; // of the largest number's first digit
+        let full = (IN_FULL[0]..=IN_FULL[1]).contains(&exponent) && -decade <= MOST_DECIMALS;
+        let label = |i: i64| match (i, full) {
+            (0, _) => "0".into(),
+            (_, true) => fixed(i * n, decade, (-decade).max(0)),
+            (_, false) => {
+                let decimals = (exponent - decade).max(0);
+                format!("{}·{}", fixed(i * n, decade - exponent, decimals), power(exponent))
+            }
+        };
+        (first..=last).map(|i| Tick { part: self.part(i as f64 * size), label: label(i) }).collect()
+    }
+}
+
+/// n · 10ᵏ with n = 1, 2 or 5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Step {
+    n: i64,
+    decade: i32,
+    size: f64,
+}
+
+impl Step {
+    /// The smallest step that fits into the span at most `number` times.
+    fn of(span: f64, number: f64) -> Self {
+        let wanted = span / f64::max(number, 3.0) * (1.0 - ROUNDING);
         let decade = wanted.log10().floor() as i32;
         let steps = [(1, decade), (2, decade), (5, decade)];
         let fits = |&(n, decade): &(i64, i32)| n as f64 * 10f64.powi(decade) >= wanted;
         let (n, decade) = steps.into_iter().find(fits).unwrap_or((1, decade + 1));
-        let step = n as f64 * 10f64.powi(decade);
-        let [first, last] = [(low / step - ROUNDING).ceil() as i64, (high / step + ROUNDING).floor() as i64];
-        let tick = |i: i64| Tick { part: self.part(i as f64 * step), label: self.label(i * n, decade) };
-        (first..=last).map(tick).collect()
+        Self { n, decade, size: n as f64 * 10f64.powi(decade) }
     }
 
-    /// The number n · 10ᵏ, in full where that is short, else with a power of ten: 0.25, 12000, 5·10⁻⁴, 10⁻¹⁶.
-    fn label(&self, n: i64, decade: i32) -> String {
-        if n == 0 {
-            return "0".into();
-        }
-        let sign = if n < 0 { "−" } else { "" };
-        let all = n.unsigned_abs().to_string();
-        let digits = all.trim_end_matches('0');
-        let exponent = decade + all.len() as i32 - 1; // of the first digit
-        let smallest = if self.log { -2 } else { -3 }; // on a logarithmic axis 10⁻³ reads better among its neighbours
-        let number = match exponent {
-            0..=LARGEST_IN_FULL => pointed(digits, exponent as usize + 1),
-            _ if (smallest..0).contains(&exponent) => {
-                format!("0.{}{digits}", "0".repeat((-exponent - 1) as usize))
-            }
-            _ if digits == "1" => power(exponent),
-            _ => format!("{}·{}", pointed(digits, 1), power(exponent)),
-        };
-        format!("{sign}{number}")
+    /// The nearest multiples around both.
+    fn around(&self, low: f64, high: f64) -> [f64; 2] {
+        let [below, above] = [
+            (low / self.size + ROUNDING).floor() * self.size,
+            (high / self.size - ROUNDING).ceil() * self.size,
+        ];
+        [low.min(below), high.max(above)]
     }
 }
 
@@ -134,11 +193,16 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// The digits with so many of them before the point, filled up with zeros.
-fn pointed(digits: &str, whole: usize) -> String {
-    match digits.split_at_checked(whole) {
-        Some((whole, rest)) if !rest.is_empty() => format!("{whole}.{rest}"),
-        _ => format!("{digits:0<whole$}"),
+/// n · 10ᵏ in full, with so many decimals.
+fn fixed(n: i64, decade: i32, decimals: i32) -> String {
+    let sign = if n < 0 { "−" } else { "" };
+    let mut digits = n.unsigned_abs().to_string();
+    digits.extend(std::iter::repeat_n('0', (decade + decimals).max(0) as usize));
+    let decimals = decimals as usize;
+    let digits = format!("{digits:0>width$}", width = decimals + 1);
+    match digits.split_at(digits.len() - decimals) {
+        (whole, "") => format!("{sign}{whole}"),
+        (whole, rest) => format!("{sign}{whole}.{rest}"),
     }
 }
 

@@ -4,8 +4,8 @@
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 /// Lines to compare with.
 pub(super) const GREY: &str = "#8a8f98";
-/// Viridis (van der Walt & Smith 2015) at 0, 0.1 … 0.9: white paper swallows the yellow in which it ends.
-const VIRIDIS: [[u8; 3]; 10] = [
+/// Viridis (van der Walt & Smith 2015) at 0, 0.1 … 1.
+const VIRIDIS: [[u8; 3]; 11] = [
     [0x44, 0x01, 0x54],
     [0x48, 0x25, 0x76],
     [0x41, 0x44, 0x87],
@@ -16,7 +16,10 @@ const VIRIDIS: [[u8; 3]; 10] = [
     [0x44, 0xbf, 0x70],
     [0x7a, 0xd1, 0x51],
     [0xbd, 0xdf, 0x26],
+    [0xfd, 0xe7, 0x25],
 ];
+/// White paper swallows the yellow in which viridis ends: lines go as far as this.
+const ON_PAPER: f64 = 0.9;
 
 #[derive(Clone, Debug)]
 pub(super) struct Curve {
@@ -38,6 +41,27 @@ pub(super) enum Style {
     Points,
     /// The line c xᵖ to compare with; p.
     Slope(f64),
+    /// A bar at each point, as wide as this; the points are the ends of bars.
+    Bars(f64),
+    /// The region inside a closed line.
+    Band,
+}
+
+impl Style {
+    /// Whether points carry marks, which take room at the frame.
+    pub(super) fn has_marks(self) -> bool {
+        matches!(self, Self::Marked | Self::Points)
+    }
+}
+
+/// Numbers of cells in a rectangle, as colours.
+#[derive(Clone, Debug)]
+pub(super) struct Map {
+    pub(super) label: String,
+    pub(super) x: [f64; 2],
+    pub(super) y: [f64; 2],
+    /// From low y to high y.
+    pub(super) rows: Vec<Vec<f64>>,
 }
 
 /// The colour of the n-th single curve.
@@ -47,6 +71,11 @@ pub(super) fn single(n: usize) -> String {
 
 /// The colour of a family's curve: 0 is the first one's, 1 the last one's.
 pub(super) fn along(part: f64) -> String {
+    viridis(ON_PAPER * part)
+}
+
+/// The colour of a part of a scale.
+pub(super) fn viridis(part: f64) -> String {
     let place = part * (VIRIDIS.len() - 1) as f64;
     let below = (place as usize).min(VIRIDIS.len() - 2);
     let mix = |i: usize| {

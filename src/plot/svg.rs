@@ -40,6 +40,21 @@ impl Svg {
         self.add(&format!(r#"<path d="M {}" fill="none" {stroke}/>"#, points.join(" L ")));
     }
 
+    /// A filled region, so opaque.
+    pub(super) fn region(&mut self, points: &[Place], colour: &str, opacity: f64) {
+        let points: Vec<String> = points.iter().map(|(x, y)| format!("{x:.2} {y:.2}")).collect();
+        let fill = format!(r#"fill="{colour}" fill-opacity="{opacity}""#);
+        self.add(&format!(r#"<path d="M {} Z" {fill}/>"#, points.join(" L ")));
+    }
+
+    /// A filled rectangle between two corners; neighbours of one colour show no seam.
+    pub(super) fn rectangle(&mut self, a: Place, b: Place, colour: &str) {
+        let [a, b] = [a, b].map(|(x, y)| ((100.0 * x).round() / 100.0, (100.0 * y).round() / 100.0));
+        let place = format!(r#"x="{:.2}" y="{:.2}""#, a.0.min(b.0), a.1.min(b.1));
+        let size = format!(r#"width="{:.2}" height="{:.2}""#, (a.0 - b.0).abs(), (a.1 - b.1).abs());
+        self.add(&format!(r#"<rect {place} {size} fill="{colour}" shape-rendering="crispEdges"/>"#));
+    }
+
     pub(super) fn circle(&mut self, (x, y): Place, radius: f64, colour: &str) {
         self.add(&format!(r#"<circle cx="{x:.2}" cy="{y:.2}" r="{radius:.2}" fill="{colour}"/>"#));
     }
