@@ -177,6 +177,13 @@ impl Flow {
     pub fn bed(&self) -> &[f64] {
         &self.terrain
     }
+    /// g of the law of Darcy and Weisbach, 1 for another.
+    pub(crate) fn gravity(&self) -> f64 {
+        match self.resistance {
+            Resistance::DarcyWeisbach { gravity } => gravity,
+            Resistance::Manning => 1.0,
+        }
+    }
     /// c of |q| = c hᵅ √|∇(b + h)| in a triangle.
     pub(crate) fn mobility(&self, triangle: usize) -> f64 {
         self.resistance.mobility(self.friction[triangle])

@@ -12,7 +12,7 @@
 //!
 //! * [`Conservative`], used if nothing else is said: upwinded control volumes. Volume to rounding, depth never below zero
 //!   without being cut off, lakes at rest.
-//! * the finite elements that a notebook has for this flow: see there.
+//! * [`Notebook`], the finite elements and the active set of a notebook, to be compared with: its volume grows.
 //!
 //! ```
 //! use rattle_flow::{Flow, Mesh, Resistance};
@@ -37,21 +37,32 @@
 
 mod budget;
 mod conservative;
+pub mod dam_break;
 mod error;
 mod flow;
+mod gmsh;
 pub mod law;
 mod mesh;
 mod method;
+mod notebook;
+mod page;
 mod polygon;
 mod project;
+mod raster;
+mod read;
 mod simulation;
 mod sparse;
+pub mod vtu;
 
 pub use budget::Budget;
-pub use conservative::Conservative;
+pub use conservative::{Conservative, Settings};
 pub use error::{FlowError, MeshError};
 pub use flow::{Flow, Resistance};
 pub use mesh::Mesh;
 pub use method::{Method, StepInfo, Trouble};
+pub use notebook::Notebook;
+pub use page::Page;
+pub use raster::Raster;
 pub use rattle_macros::residual;
+pub use read::ReadError;
 pub use simulation::Simulation;

@@ -135,7 +135,7 @@ pub fn phase_constraint(input: TokenStream) -> TokenStream {
     expand(Macro::PhaseConstraint, input.into()).into()
 }
 
-/// The residual of an element of a mesh: unknowns, given numbers, one component for each unknown, in the language of
+/// The residual of an element of a mesh: unknowns, given numbers, several components, in the language of
 /// [`constraint!`].
 ///
 /// ```text
@@ -166,7 +166,7 @@ pub fn phase_constraint(input: TokenStream) -> TokenStream {
 /// recovered(u, d, δuₖ)           δuₑ = −Jₑₑ⁻¹ (Rₑ + Jₑₖ δuₖ)
 /// ```
 ///
-/// `given`, `eliminate` (of at most three numbers) and `linearise` may be left out. Over lanes several elements go side
+/// `given`, `eliminate` (of at most three numbers; component i then belongs to unknown i) and `linearise` may be left out. Over lanes several elements go side
 /// by side. Branches are differentiated branch by branch; there is no pivoting, so Jₑₑ must be regular for every value.
 #[proc_macro]
 pub fn residual(input: TokenStream) -> TokenStream {

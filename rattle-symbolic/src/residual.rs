@@ -1,7 +1,7 @@
 //! Residuals of elements: local unknowns, given numbers, several components, and the blocks of the Jacobian.
 //!
 //! ```text
-//! residual   Rᵢ(u, d)                    as written, one component for each unknown
+//! residual   Rᵢ(u, d)                    as written
 //! jacobian   Jᵢⱼ = ∂Lᵢ/∂uⱼ               L = R, or what stands after `linearise`
 //! condensed  Rₖ − Jₖₑ Jₑₑ⁻¹ Rₑ,  Jₖₖ − Jₖₑ Jₑₑ⁻¹ Jₑₖ        e: what is eliminated, k: the rest
 //! recovered  δuₑ = −Jₑₑ⁻¹ (Rₑ + Jₑₖ δuₖ)
@@ -64,23 +64,23 @@ pub fn residual(input: TokenStream) -> TokenStream {
     let Lowered { roots, named } = lower(&item, expected, &mut graph, &mut problems);
     let roles = roles(&item, &headings, &mut problems);
     let written = if headings.linearised { roots.len() / 2 } else { roots.len() };
-    let odd = headings.linearised && roots.len() % 2 == 1;
-    if !problems.any() && (written != roles.unknowns || odd) {
-        let both = if headings.linearised { ", and as many to linearise" } else { "" };
-        problems.note_at(
-            &item.name,
-            format!(
-                "expected one component for each of the {} unknowns{both}; found {} in all",
-                roles.unknowns,
-                roots.len()
-            ),
+    if !problems.any() && headings.linearised && roots.len() % 2 == 1 {
+        let message =
+            format!("expected as many components to linearise as there are, found {} in all", roots.len());
+        problems.note_at(&item.name, message);
+    }
+    if !problems.any() && !roles.eliminated.is_empty() && written != roles.unknowns {
+        let message = format!(
+            "to eliminate some of {} unknowns takes as many components, in their order; found {written}",
+            roles.unknowns
         );
+        problems.note_at(&item.name, message);
     }
     if problems.any() || roots.is_empty() {
         let (stub, report) = (structure(&item, &[]), reported(&item, problems));
         return quote!(#stub #report);
     }
-    match routines(graph, &roots, &roles) {
+    match routines(graph, &roots, written, &roles) {
         Ok(routines) => {
             let _ = named;
             implementation(&item, &headings, &routines, &roles)
@@ -228,13 +228,13 @@ fn less(graph: &mut Graph, a: Scaled, b: &[Scaled], c: &[Scaled]) -> Scaled {
     graph.sum(&terms)
 }
 
-fn routines(mut source: Graph, roots: &[Id], roles: &Roles) -> Result<Routines, TooLarge> {
+fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -> Result<Routines, TooLarge> {
     let n = roles.unknowns;
     let mut routines = Routines::empty();
-    let values: Vec<Scaled> = roots[..n].iter().map(|&root| root.into()).collect();
+    let values: Vec<Scaled> = roots[..components].iter().map(|&root| root.into()).collect();
     routines.add("residual", &source, &values)?;
     let mut calculus = Calculus::new(&mut source);
-    let linearised = &roots[roots.len() - n..];
+    let linearised = &roots[roots.len() - components..];
     let rows: Vec<Vec<Scaled>> =
         linearised.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], n as u32)).collect();
     routines.add("residual_and_jacobian", &source, &[&values[..], &rows.concat()].concat())?;
@@ -358,7 +358,7 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
 
 /// What each function gives, for the documentation.
 const ABOUT: [(&str, &str); 5] = [
-    ("residual", "R(u, d): one component for each unknown."),
+    ("residual", "R(u, d)."),
     ("residual_and_jacobian", "R and the derivatives of what is linearised: row i belongs to component i."),
     ("condensed_residual", "What is left of R after elimination: Rₖ − Jₖₑ Jₑₑ⁻¹ Rₑ."),
     ("condensed", "What is left of R and J after elimination: the Schur complement Jₖₖ − Jₖₑ Jₑₑ⁻¹ Jₑₖ."),
@@ -376,14 +376,16 @@ fn function(
     let about = ABOUT.iter().find(|(own, _)| *own == name).map_or("", |(_, about)| about);
     let [n, d, k, e] = [roles.unknowns, roles.given, roles.kept.len(), roles.eliminated.len()]
         .map(Literal::usize_unsuffixed);
+    let components = routines.named("residual").map_or(0, |routine| routine.roots.len());
+    let m = Literal::usize_unsuffixed(components);
     let mut arguments: Vec<(Ident, TokenStream)> =
         vec![(format_ident!("__u"), quote!(&[T; #n])), (format_ident!("__d"), quote!(&[T; #d]))];
     if name == "recovered" {
         arguments.push((format_ident!("__step"), quote!(&[T; #k])));
     }
     let result = match name {
-        "residual" => quote!([T; #n]),
-        "residual_and_jacobian" => quote!(([T; #n], [[T; #n]; #n])),
+        "residual" => quote!([T; #m]),
+        "residual_and_jacobian" => quote!(([T; #m], [[T; #n]; #m])),
         "condensed_residual" => quote!([T; #k]),
         "condensed" => quote!(([T; #k], [[T; #k]; #k])),
         _ => quote!([T; #e]),
@@ -401,8 +403,9 @@ fn function(
     let numbers: Vec<TokenStream> = roots.iter().map(|&root| emitter.result(root)).collect();
     let value = match name {
         "residual_and_jacobian" | "condensed" => {
-            let size = if name == "condensed" { roles.kept.len() } else { roles.unknowns };
-            let (first, rows) = (&numbers[..size], numbers[size..].chunks(size));
+            let kept = roles.kept.len();
+            let (size, width) = if name == "condensed" { (kept, kept) } else { (components, roles.unknowns) };
+            let (first, rows) = (&numbers[..size], numbers[size..].chunks(width));
             quote!(([#(#first),*], [#([#(#rows),*]),*]))
         }
         _ => quote!([#(#numbers),*]),
