@@ -396,6 +396,10 @@ impl Method for Conservative {
         result
     }
 
+    fn undo(&mut self) {
+        self.slopes.copy_from_slice(&self.before);
+    }
+
     fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
         let fluxes = self.flux(flow, depth);
         let areas = (0..fluxes.len()).map(|triangle| crate::mesh::signed_area(flow.mesh.corners(triangle)));

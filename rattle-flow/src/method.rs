@@ -51,6 +51,9 @@ pub trait Method: Send {
         sources: (&[f64], &[f64]),
     ) -> Result<StepInfo, Trouble>;
 
+    /// Goes back to before the last step, which is not wanted.
+    fn undo(&mut self);
+
     /// |q| averaged over the area.
     fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64;
 

@@ -384,11 +384,15 @@ impl Method for Notebook {
                 Ok(StepInfo { iterations, booked: Budget { rain, ..Budget::default() } })
             }
             Err(trouble) => {
-                self.q.copy_from_slice(&self.before.0);
-                self.bubbles.copy_from_slice(&self.before.1);
+                self.undo();
                 Err(trouble)
             }
         }
+    }
+
+    fn undo(&mut self) {
+        self.q.copy_from_slice(&self.before.0);
+        self.bubbles.copy_from_slice(&self.before.1);
     }
 
     fn mean_flux(&self, flow: &Flow, _: &[f64]) -> f64 {

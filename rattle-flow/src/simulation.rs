@@ -71,6 +71,83 @@ impl<M: Method> Simulation<M> {
         (0..steps).try_for_each(|_| self.step().map(drop))
     }
 
+    /// Goes on until a time, with steps whose error is at most `tolerance`, a part of the volume that is there.
+    ///
+    /// ```text
+    /// e = Δt/(Δt + Δt₀) (h′ − h − Δt (h − h₀)/Δt₀)         Δt²/2 ∂²h/∂t², with h₀ and Δt₀ of the step before
+    /// ```
+    ///
+    /// A step with Σ M |e| above the tolerance is made again, shorter. The first step is of the length given at the start,
+    /// and no step is longer than `longest`. Errors of steps add up: the error in the end is about their number times the
+    /// tolerance. Returns how many steps were thrown away.
+    ///
+    /// ```
+    /// use rattle_flow::dam_break;
+    /// let mesh = dam_break::mesh(0.5)?;
+    /// let depth = dam_break::depth(&mesh);
+    /// let mut simulation = dam_break::flow(mesh).simulate(depth, 1e-3)?;
+    /// simulation.run_until(10.0, 1e-3, 1.0)?;
+    /// assert_eq!(simulation.time(), 10.0);
+    /// assert!(simulation.budget().remainder().abs() < 1e-13);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`step`](Simulation::step), and [`FlowError::TimeStep`] for a tolerance or a longest step that is not
+    /// positive.
+    pub fn run_until(&mut self, end: f64, tolerance: f64, longest: f64) -> Result<usize, FlowError> {
+        for found in [tolerance, longest] {
+            if found.is_nan() || found <= 0.0 {
+                return Err(FlowError::TimeStep { found });
+            }
+        }
+        let mut next = self.step.min(longest);
+        let mut thrown = 0;
+        while self.time < end {
+            let left = end - self.time;
+            // The last two steps are of one length: no tiny one at the end.
+            let step = if left <= next { left } else { next.min(0.5 * left.max(next)) };
+            let first = self.earlier_step == 0.0;
+            let outcome = self.attempt(step)?;
+            let error = match outcome {
+                Ok(_) if first => 0.0,
+                Ok(_) => self.error_of(step),
+                Err(_) => f64::INFINITY,
+            };
+            let growth = (0.8 * (tolerance / error).sqrt()).clamp(0.25, 2.0);
+            match outcome {
+                Ok(info) if error <= tolerance => {
+                    self.accept(step, &info);
+                    next = (step * if first { 1.0 } else { growth }).min(longest);
+                    if left == step {
+                        self.time = end;
+                    }
+                }
+                Err(trouble) if step <= self.step * 0.5_f64.powi(HALVINGS as i32) => {
+                    return Err(self.error(step, trouble));
+                }
+                Ok(_) => {
+                    self.method.undo();
+                    (next, thrown) = (step * growth, thrown + 1);
+                }
+                Err(_) => (next, thrown) = (step * growth, thrown + 1),
+            }
+        }
+        Ok(thrown)
+    }
+
+    /// Σ M |e| over the volume, of a step that leads to `guess`; see [`run_until`](Simulation::run_until).
+    fn error_of(&self, step: f64) -> f64 {
+        let (part, ratio) = (step / (step + self.earlier_step), step / self.earlier_step);
+        let depths = self.guess.iter().zip(&self.depth).zip(&self.earlier).zip(self.flow.mesh.shares());
+        let (mut sum, mut volume) = (0.0, f64::MIN_POSITIVE);
+        for (((new, now), earlier), share) in depths {
+            sum += share * part * (new - now - ratio * (now - earlier)).abs();
+            volume += share * new;
+        }
+        sum / volume
+    }
+
     fn advance(&mut self, step: f64, halvings: u32) -> Result<StepInfo, FlowError> {
         match self.attempt(step)? {
             Ok(info) => {
