@@ -42,6 +42,19 @@ fn barenblatt(dimensions: f64, power: f64, r: f64, t: f64) -> f64 {
         * (n * beta * beta * (0.4_f64.powi(3) - xi.powi(3)).max(0.0) / 3.0).powf(1.0 / n)
 }
 
+/// A third of each triangle belongs to each of its vertices: then, and only then, depth that is linear has its volume.
+#[test]
+fn linear_depth_has_its_volume() {
+    // An L of three unit squares: area 3, with the centroid (5/6, 5/6).
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let mesh = Mesh::polygon(&corners, 0.17).unwrap();
+    for (constant, x, y) in [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (2.0, 0.3, -0.7)] {
+        let volume = mesh.volume(&mesh.at_vertices(|place| constant + x * place[0] + y * place[1]));
+        let exact = 3.0 * constant + 2.5 * (x + y);
+        assert!((volume - exact).abs() < 1e-13, "{volume} {exact}"); // sums over some 150 vertices
+    }
+}
+
 #[test]
 fn the_drop_spreads_in_one_dimension_at_first_order() {
     for (resistance, power, least) in [(UNIT, 1.5, 0.8), (Resistance::Manning, 5.0 / 3.0, 0.8)] {
