@@ -134,3 +134,41 @@ pub fn hamiltonian(input: TokenStream) -> TokenStream {
 pub fn phase_constraint(input: TokenStream) -> TokenStream {
     expand(Macro::PhaseConstraint, input.into()).into()
 }
+
+/// The residual of an element of a mesh: unknowns, given numbers, several components, in the language of
+/// [`constraint!`].
+///
+/// ```text
+/// residual! {
+///     /// A slope vector p with |p| p = c, for each element with its own c.
+///     pub struct Slope { epsilon }
+///
+///     |h: [f64; 3], p: [f64; 2]|                 // the unknowns, differentiated
+///     given |c: [f64; 2], old: [f64; 3]|         // numbers of the element, not differentiated
+///     eliminate(p)                               // local to the element: the Schur complement is written out
+///     {
+///         let size = norm(p);
+///         let smooth = sqrt(dot(p, p) + epsilon^2);
+///         [h - old, size * p - c]
+///         linearise [h - old, smooth * p - c]    // differentiated in the stead of the residual
+///     }
+/// }
+/// ```
+///
+/// makes the struct, with `kernel::<T>()` of the type `SlopeKernel<T>`, over any scalar. Its functions take the
+/// unknowns and the given numbers in the order in which they are written, as flat arrays:
+///
+/// ```text
+/// residual(u, d)                 R, as written
+/// residual_and_jacobian(u, d)    R and Jᵢⱼ = ∂Lᵢ/∂uⱼ, L = R or what stands after `linearise`
+/// condensed(u, d)                Rₖ − Jₖₑ Jₑₑ⁻¹ Rₑ and Jₖₖ − Jₖₑ Jₑₑ⁻¹ Jₑₖ      e: eliminated, k: the rest
+/// condensed_residual(u, d)       the first of the two
+/// recovered(u, d, δuₖ)           δuₑ = −Jₑₑ⁻¹ (Rₑ + Jₑₖ δuₖ)
+/// ```
+///
+/// `given`, `eliminate` (of at most three numbers; component i then belongs to unknown i) and `linearise` may be left out. Over lanes several elements go side
+/// by side. Branches are differentiated branch by branch; there is no pivoting, so Jₑₑ must be regular for every value.
+#[proc_macro]
+pub fn residual(input: TokenStream) -> TokenStream {
+    rattle_symbolic::residual(input.into()).into()
+}

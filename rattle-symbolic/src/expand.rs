@@ -130,13 +130,13 @@ fn kinks(routines: &Routines, names: &Names) -> Vec<String> {
 }
 
 /// What is wrong with an item, if it is there at all.
-fn reported(item: &Item, problems: Problems) -> TokenStream {
+pub(crate) fn reported(item: &Item, problems: Problems) -> TokenStream {
     let (conditions, report) = (&item.conditions, problems.report());
     if conditions.is_empty() { report } else { quote!(#conditions const _: () = { #report };) }
 }
 
 /// The user's struct.
-fn structure(item: &Item, documentation: &[String]) -> TokenStream {
+pub(crate) fn structure(item: &Item, documentation: &[String]) -> TokenStream {
     let Item { attributes, visibility, name, .. } = item;
     // A name that is taken is reported already; the stub has it once.
     let first =

@@ -216,7 +216,7 @@ impl Kernel<'_> {
     }
 }
 
-fn components(path: TokenStream, shape: &[usize], list: &mut Vec<TokenStream>) {
+pub(crate) fn components(path: TokenStream, shape: &[usize], list: &mut Vec<TokenStream>) {
     match shape.split_first() {
         None => list.push(path),
         Some((&length, inner)) => {

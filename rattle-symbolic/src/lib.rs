@@ -14,6 +14,7 @@
 //! A module uses modules of lower floors only, and no module of its own floor.
 //!
 //! ```text
+//! residual
 //! expand
 //! kernel
 //! recurrence
@@ -35,6 +36,7 @@
 
 pub use expand::expand;
 pub use macros::Macro;
+pub use residual::residual;
 
 mod expand;
 mod limits;
@@ -72,3 +74,4 @@ mod formula;
 mod interface;
 mod kernel;
 mod recurrence;
+mod residual;

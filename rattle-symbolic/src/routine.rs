@@ -60,7 +60,12 @@ impl Routines {
         Routines { graph: Graph::new(), list: Vec::new(), size: 0, gradients, kinks: Vec::new() }
     }
 
-    fn add(&mut self, name: &'static str, source: &Graph, roots: &[Scaled]) -> Result<(), TooLarge> {
+    pub(crate) fn add(
+        &mut self,
+        name: &'static str,
+        source: &Graph,
+        roots: &[Scaled],
+    ) -> Result<(), TooLarge> {
         self.add_beside(name, source, &[], roots)
     }
 

@@ -1,0 +1,159 @@
+//! What can go wrong, with the numbers that explain it.
+
+/// A mesh that is none.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A vertex is nowhere.
+    #[error("vertex {vertex} is at ({x}, {y}); expected finite coordinates")]
+    NotFinite {
+        /// Which one.
+        vertex: usize,
+        /// Its first coordinate.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+    },
+    /// A triangle names a vertex that is not there.
+    #[error("triangle {triangle} names vertex {vertex}, and there are {vertices}")]
+    NoVertex {
+        /// Which triangle.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: usize,
+        /// How many there are.
+        vertices: usize,
+    },
+    /// A triangle is clockwise, or flat.
+    #[error(
+        "triangle {triangle} at ({x:.6}, {y:.6}) has the area {area:e}; expected vertices in counter-clockwise order"
+    )]
+    Inverted {
+        /// Which triangle.
+        triangle: usize,
+        /// Where it is, by its centroid.
+        x: f64,
+        /// Where it is, by its centroid.
+        y: f64,
+        /// Its signed area.
+        area: f64,
+    },
+    /// Two triangles lie on the same side of an edge.
+    #[error("triangles {first} and {second} both have the edge from vertex {from} to {to}: they overlap")]
+    Overlap {
+        /// One triangle.
+        first: usize,
+        /// The other.
+        second: usize,
+        /// Where the edge begins.
+        from: usize,
+        /// Where it ends.
+        to: usize,
+    },
+    /// A vertex lies inside the edge of a triangle that does not have it as a vertex.
+    #[error(
+        "vertex {vertex} hangs on the edge from {from} to {to} of triangle {triangle}; split the triangle there"
+    )]
+    Hanging {
+        /// The vertex.
+        vertex: usize,
+        /// Where the edge begins.
+        from: usize,
+        /// Where it ends.
+        to: usize,
+        /// The triangle of the edge.
+        triangle: usize,
+    },
+    /// A vertex belongs to no triangle.
+    #[error("vertex {vertex} belongs to no triangle; leave it out")]
+    Loose {
+        /// Which one.
+        vertex: usize,
+    },
+    /// There is nothing.
+    #[error("the mesh has no triangle")]
+    Empty,
+    /// What was to be meshed is no polygon, or too fine.
+    #[error("the polygon of {corners} corners with spacing {spacing} cannot be meshed: {reason}")]
+    Polygon {
+        /// How many corners were given.
+        corners: usize,
+        /// The spacing asked for.
+        spacing: f64,
+        /// Why.
+        reason: &'static str,
+    },
+}
+
+/// A flow that cannot be started, or a step that could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FlowError {
+    /// A given number is not one, or is out of its range.
+    #[error("{what} at vertex or triangle {place} is {found} at time {time}; expected {expected}")]
+    Given {
+        /// Which number.
+        what: &'static str,
+        /// The vertex it belongs to, the triangle for friction.
+        place: usize,
+        /// When.
+        time: f64,
+        /// What was found.
+        found: f64,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// So many numbers do not fit the mesh.
+    #[error("{what}: found {found} numbers, and there are {expected} vertices")]
+    Count {
+        /// Of what.
+        what: &'static str,
+        /// How many were given.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A time step that is none.
+    #[error("the time step is {found}; expected a positive number")]
+    TimeStep {
+        /// What was found.
+        found: f64,
+    },
+    /// Newton's method did not end, however small the step.
+    #[error(
+        "no depth found at time {time} with time steps down to {step:e}: after {iterations} iterations depth still \
+         changes by {change:e} at vertex {vertex} ({x:.6}, {y:.6}); the last good state is kept"
+    )]
+    NotConverged {
+        /// The time of the last good state.
+        time: f64,
+        /// The smallest time step tried.
+        step: f64,
+        /// Iterations of the last try.
+        iterations: usize,
+        /// The last change of depth.
+        change: f64,
+        /// Where it is largest.
+        vertex: usize,
+        /// Its place.
+        x: f64,
+        /// Its place.
+        y: f64,
+    },
+    /// The linear equations have no solution in numbers.
+    #[error(
+        "the linear equations at time {time} with time step {step:e} are singular at vertex {vertex} ({x:.6}, {y:.6}); the last good state is kept"
+    )]
+    Singular {
+        /// The time of the last good state.
+        time: f64,
+        /// The smallest time step tried.
+        step: f64,
+        /// A vertex at which the solution is not a number.
+        vertex: usize,
+        /// Its place.
+        x: f64,
+        /// Its place.
+        y: f64,
+    },
+}

@@ -1,0 +1,259 @@
+//! What flows where: terrain, friction, rain, what seeps away, and what crosses the boundary.
+
+use crate::conservative::Conservative;
+use crate::error::FlowError;
+use crate::mesh::{Mesh, centroid, squared};
+use crate::method::Method;
+use crate::simulation::Simulation;
+
+/// The law of resistance, whose coefficient is given for each triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Resistance {
+    /// k |u| u = −g h ∇(b + h), with the pure number k.
+    DarcyWeisbach {
+        /// g, length per time squared.
+        gravity: f64,
+    },
+    /// |u| = h^(2/3) |∇(b + h)|^(1/2) / n, with n in time per cube root of length.
+    Manning,
+}
+
+impl Resistance {
+    /// α of |q| = c hᵅ √|∇(b + h)|.
+    pub fn power(self) -> f64 {
+        match self {
+            Resistance::DarcyWeisbach { .. } => 1.5,
+            Resistance::Manning => 5.0 / 3.0,
+        }
+    }
+    /// c of |q| = c hᵅ √|∇(b + h)|.
+    pub(crate) fn mobility(self, coefficient: f64) -> f64 {
+        match self {
+            Resistance::DarcyWeisbach { gravity } => (gravity / coefficient).sqrt(),
+            Resistance::Manning => 1.0 / coefficient,
+        }
+    }
+}
+
+type Rate = Box<dyn Fn([f64; 2], f64) -> f64 + Send + Sync>;
+
+/// A flow over a mesh: what is not named is not there. Lengths and times in units of one's own, h in those of x.
+///
+/// ```text
+/// ∂h/∂t + ∇·q = rain − infiltration        q · n = 0 on walls, which is the whole boundary if nothing else is said
+/// q = −c hᵅ ∇(b + h) / √|∇(b + h)|
+/// ```
+///
+/// ```
+/// use rattle_flow::{Flow, Mesh, Resistance};
+/// let mesh = Mesh::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 0.25)?;
+/// let depth = mesh.at_vertices(|[x, _]| if x < 1.0 { 1.0 } else { 0.0 });
+/// let flow = Flow::over(mesh, Resistance::DarcyWeisbach { gravity: 9.81 }).friction(|_| 0.05);
+/// let mut simulation = flow.simulate(depth, 0.01)?;
+/// simulation.run(50)?;
+/// assert!(simulation.depth().iter().all(|&h| h >= 0.0));
+/// assert!(simulation.budget().remainder().abs() < 1e-13);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Flow {
+    pub(crate) mesh: Mesh,
+    pub(crate) resistance: Resistance,
+    /// b at each vertex.
+    pub(crate) terrain: Vec<f64>,
+    /// k or n of each triangle.
+    pub(crate) friction: Vec<f64>,
+    rain: Vec<Rate>,
+    /// At each vertex, volume per time.
+    pub(crate) infiltration: Vec<f64>,
+    /// At each vertex: Σ ½ length · c √slope of its open edges.
+    pub(crate) outlet: Vec<f64>,
+    inflow: Vec<(Vec<(u32, f64)>, Rate)>,
+    wrong: Option<FlowError>,
+}
+
+impl Flow {
+    /// Flow over flat ground, with the coefficient 1.
+    pub fn over(mesh: Mesh, resistance: Resistance) -> Self {
+        let (n, triangles) = (mesh.points().len(), mesh.triangles().len());
+        Flow {
+            resistance,
+            terrain: vec![0.0; n],
+            friction: vec![1.0; triangles],
+            rain: Vec::new(),
+            infiltration: vec![0.0; n],
+            outlet: vec![0.0; n],
+            inflow: Vec::new(),
+            wrong: None,
+            mesh,
+        }
+    }
+
+    /// The height b of the ground, at the vertices.
+    #[must_use]
+    pub fn terrain(mut self, height: impl Fn([f64; 2]) -> f64) -> Self {
+        self.terrain = self.mesh.at_vertices(height);
+        self
+    }
+
+    /// The coefficient of friction, k or n, at the centroid of each triangle: say it before [`outlet`](Flow::outlet).
+    #[must_use]
+    pub fn friction(mut self, coefficient: impl Fn([f64; 2]) -> f64) -> Self {
+        let count = self.mesh.triangles().len();
+        self.friction =
+            (0..count).map(|triangle| coefficient(centroid(self.mesh.corners(triangle)))).collect();
+        self
+    }
+
+    /// Rain, length per time, as it falls at a place and a time; several add up. It must not be negative.
+    #[must_use]
+    pub fn rain(mut self, rate: impl Fn([f64; 2], f64) -> f64 + Send + Sync + 'static) -> Self {
+        self.rain.push(Box::new(rate));
+        self
+    }
+
+    /// What can seep away, length per time. Where there is less water, that is what seeps away, and the rest is booked
+    /// as [unmet](crate::Budget::unmet).
+    #[must_use]
+    pub fn infiltration(mut self, rate: impl Fn([f64; 2]) -> f64) -> Self {
+        let rates = self.mesh.at_vertices(rate);
+        self.infiltration = rates.iter().zip(self.mesh.shares()).map(|(rate, share)| rate * share).collect();
+        self
+    }
+
+    /// Opens the boundary: over the edges whose middle is chosen, water leaves as it would down a plane of this slope,
+    /// q · n = c hᵅ √slope.
+    #[must_use]
+    pub fn outlet(mut self, slope: f64, chosen: impl Fn([f64; 2]) -> bool) -> Self {
+        if slope.is_nan() || slope < 0.0 {
+            let expected = "a slope that is not negative";
+            self.wrong = Some(FlowError::Given {
+                what: "the slope of an outlet",
+                place: 0,
+                time: 0.0,
+                found: slope,
+                expected,
+            });
+        }
+        let mean = self.friction.iter().map(|&k| self.resistance.mobility(k)).sum::<f64>()
+            / self.friction.len() as f64;
+        for (edge, half) in self.edges(chosen) {
+            edge.iter()
+                .for_each(|&vertex| self.outlet[vertex as usize] += half * mean * slope.max(0.0).sqrt());
+        }
+        self
+    }
+
+    /// Water that enters over the edges whose middle is chosen: q · n, area per time, at their middle and at a time.
+    #[must_use]
+    pub fn inflow(
+        mut self,
+        discharge: impl Fn([f64; 2], f64) -> f64 + Send + Sync + 'static,
+        chosen: impl Fn([f64; 2]) -> bool,
+    ) -> Self {
+        let edges = self.edges(chosen);
+        let shares = edges.iter().flat_map(|&(edge, half)| edge.map(|vertex| (vertex, half))).collect();
+        self.inflow.push((shares, Box::new(discharge)));
+        self
+    }
+
+    /// The chosen edges of the boundary, with half their length.
+    fn edges(&self, chosen: impl Fn([f64; 2]) -> bool) -> Vec<([u32; 2], f64)> {
+        let ends = |edge: [u32; 2]| edge.map(|vertex| self.mesh.points()[vertex as usize]);
+        let middle = |edge| {
+            let [a, b] = ends(edge);
+            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
+        };
+        let length = |edge| squared(ends(edge)[0], ends(edge)[1]).sqrt();
+        let boundary = self.mesh.boundary().iter().copied();
+        boundary.filter(|&edge| chosen(middle(edge))).map(|edge| (edge, 0.5 * length(edge))).collect()
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+    /// The height b of the ground at the vertices.
+    pub fn bed(&self) -> &[f64] {
+        &self.terrain
+    }
+    /// g of the law of Darcy and Weisbach, 1 for another.
+    pub(crate) fn gravity(&self) -> f64 {
+        match self.resistance {
+            Resistance::DarcyWeisbach { gravity } => gravity,
+            Resistance::Manning => 1.0,
+        }
+    }
+    /// c of |q| = c hᵅ √|∇(b + h)| in a triangle.
+    pub(crate) fn mobility(&self, triangle: usize) -> f64 {
+        self.resistance.mobility(self.friction[triangle])
+    }
+
+    /// What falls and what enters at each vertex at a time, volume per time: (rain, inflow).
+    pub(crate) fn sources(&self, time: f64, rain: &mut [f64], inflow: &mut [f64]) -> Result<(), FlowError> {
+        rain.fill(0.0);
+        inflow.fill(0.0);
+        let vertices = self.mesh.points().iter().zip(self.mesh.shares());
+        for rate in &self.rain {
+            for ((&place, share), sum) in vertices.clone().zip(&mut *rain) {
+                *sum += share * rate(place, time);
+            }
+        }
+        for (shares, discharge) in &self.inflow {
+            for &(vertex, half) in shares {
+                inflow[vertex as usize] += half * discharge(self.mesh.points()[vertex as usize], time);
+            }
+        }
+        checked("rain", rain, time, 0.0, AT_LEAST_ZERO)?;
+        checked("inflow", inflow, time, 0.0, AT_LEAST_ZERO)
+    }
+
+    /// The flow from this depth at the vertices and time 0, exact in mass and never negative.
+    ///
+    /// # Errors
+    /// [`FlowError::Count`], [`FlowError::Given`] for depth, terrain, friction or infiltration that is negative or not
+    /// a number, and [`FlowError::TimeStep`].
+    pub fn simulate(self, depth: Vec<f64>, step: f64) -> Result<Simulation<Conservative>, FlowError> {
+        self.simulate_by(depth, step, Conservative::of)
+    }
+
+    /// The same by a method of one's choice, made of the flow.
+    ///
+    /// # Errors
+    /// Those of [`simulate`](Flow::simulate).
+    pub fn simulate_by<M: Method>(
+        self,
+        depth: Vec<f64>,
+        step: f64,
+        method: impl FnOnce(&Flow) -> M,
+    ) -> Result<Simulation<M>, FlowError> {
+        if let Some(wrong) = self.wrong {
+            return Err(wrong);
+        }
+        let expected = self.mesh.points().len();
+        if depth.len() != expected {
+            return Err(FlowError::Count { what: "depth", found: depth.len(), expected });
+        }
+        checked("the terrain", &self.terrain, 0.0, f64::NEG_INFINITY, "a finite height")?;
+        checked("depth", &depth, 0.0, 0.0, AT_LEAST_ZERO)?;
+        checked("friction", &self.friction, 0.0, f64::MIN_POSITIVE, "a positive coefficient")?;
+        checked("infiltration", &self.infiltration, 0.0, 0.0, AT_LEAST_ZERO)?;
+        let method = method(&self);
+        Simulation::new(self, depth, step, method)
+    }
+}
+
+const AT_LEAST_ZERO: &str = "a finite number that is not negative";
+
+fn checked(
+    what: &'static str,
+    numbers: &[f64],
+    time: f64,
+    least: f64,
+    expected: &'static str,
+) -> Result<(), FlowError> {
+    match numbers.iter().position(|&x| !x.is_finite() || x < least) {
+        Some(place) => Err(FlowError::Given { what, place, time, found: numbers[place], expected }),
+        None => Ok(()),
+    }
+}

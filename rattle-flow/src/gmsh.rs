@@ -1,0 +1,156 @@
+//! Meshes of Gmsh: its format `.msh`, versions 2.2 and 4.1, in ASCII.
+
+use crate::mesh::{Mesh, signed_area};
+use crate::read::{ReadError, Words, file};
+use std::collections::HashMap;
+use std::path::Path;
+
+/// Gmsh's number for triangles with three nodes.
+const TRIANGLE: usize = 2;
+/// Nodes of Gmsh's kinds of elements, from 1: lines, triangles, quadrangles, tetrahedra, …, points.
+const NODES: [usize; 15] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1];
+
+impl Mesh {
+    /// Reads a file that Gmsh has written: its triangles, seen from above. Other elements are left out, and so are nodes
+    /// that belong to no triangle; the others are renumbered in their order. A mesh that is clockwise throughout is turned
+    /// over.
+    ///
+    /// # Errors
+    /// [`ReadError`], with the line.
+    pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
+        Mesh::from_gmsh(&file(path.as_ref())?)
+    }
+
+    /// The same for the text of such a file.
+    ///
+    /// ```
+    /// let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n\
+    ///             $Elements\n1\n1 2 2 0 1 1 2 3\n$EndElements\n";
+    /// assert_eq!(rattle_flow::Mesh::from_gmsh(text)?.area(), 0.5);
+    /// # Ok::<(), rattle_flow::ReadError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ReadError`], with the line.
+    pub fn from_gmsh(text: &str) -> Result<Mesh, ReadError> {
+        let mut words = Words::of(text);
+        let (mut is_new, mut nodes, mut triangles) = (None, None, None);
+        while let Some(word) = words.next() {
+            match word {
+                "$MeshFormat" => is_new = Some(version(&mut words)?),
+                "$Nodes" => nodes = Some(read_nodes(&mut words, is_new)?),
+                "$Elements" => triangles = Some(read_triangles(&mut words, is_new)?),
+                _ => {} // of another section
+            }
+        }
+        let nodes = nodes.ok_or(ReadError::Missing { section: "$Nodes" })?;
+        let triangles = triangles.ok_or(ReadError::Missing { section: "$Elements" })?;
+        built(nodes, triangles)
+    }
+}
+
+/// Whether the version is 4.1, and not 2.2.
+fn version(words: &mut Words) -> Result<bool, ReadError> {
+    let number = words.next().unwrap_or("");
+    let binary = words.number::<u32>("0 for ASCII, 1 for binary")? != 0;
+    match number {
+        _ if binary => Err(ReadError::Version { found: "a binary file".to_owned() }),
+        "2.2" | "2" => Ok(false),
+        "4.1" => Ok(true),
+        _ => Err(ReadError::Version { found: format!("version {number}") }),
+    }
+}
+
+type Node = (u64, [f64; 2]);
+
+fn place(words: &mut Words) -> Result<[f64; 2], ReadError> {
+    let place = [words.number("a coordinate")?, words.number("a coordinate")?];
+    words.number::<f64>("a coordinate")?;
+    Ok(place)
+}
+
+fn read_nodes(words: &mut Words, is_new: Option<bool>) -> Result<Vec<Node>, ReadError> {
+    let mut nodes = Vec::new();
+    if !is_new.ok_or(ReadError::Missing { section: "$MeshFormat" })? {
+        for _ in 0..words.number::<usize>("the number of nodes")? {
+            nodes.push((words.number("the number of a node")?, place(words)?));
+        }
+        return Ok(nodes);
+    }
+    let blocks = words.number::<usize>("the number of blocks")?;
+    for _ in 0..3 {
+        words.number::<u64>("numbers of nodes")?;
+    }
+    for _ in 0..blocks {
+        let dimension = words.number::<usize>("a dimension")?;
+        words.number::<i64>("the number of an entity")?;
+        let parametric = words.number::<usize>("0 or 1")?;
+        let count = words.number::<usize>("the number of nodes")?;
+        let first = nodes.len();
+        for _ in 0..count {
+            nodes.push((words.number("the number of a node")?, [0.0; 2]));
+        }
+        for i in 0..count {
+            nodes[first + i].1 = place(words)?;
+            for _ in 0..dimension * parametric.min(1) {
+                words.number::<f64>("a parameter of a node")?;
+            }
+        }
+    }
+    Ok(nodes)
+}
+
+fn corners(words: &mut Words) -> Result<[u64; 3], ReadError> {
+    let mut corner = || words.number("the number of a node");
+    Ok([corner()?, corner()?, corner()?])
+}
+
+fn skipped(words: &mut Words, kind: usize) -> Result<(), ReadError> {
+    let Some(&count) = kind.checked_sub(1).and_then(|kind| NODES.get(kind)) else {
+        return Err(words.wrong("a kind of element from 1 to 15", &kind.to_string()));
+    };
+    (0..count).try_for_each(|_| words.number::<u64>("the number of a node").map(drop))
+}
+
+fn read_triangles(words: &mut Words, is_new: Option<bool>) -> Result<Vec<[u64; 3]>, ReadError> {
+    let mut triangles = Vec::new();
+    if !is_new.ok_or(ReadError::Missing { section: "$MeshFormat" })? {
+        for _ in 0..words.number::<usize>("the number of elements")? {
+            words.number::<u64>("the number of an element")?;
+            let kind = words.number::<usize>("the kind of an element")?;
+            for _ in 0..words.number::<usize>("the number of tags")? {
+                words.number::<i64>("a tag")?;
+            }
+            if kind == TRIANGLE { triangles.push(corners(words)?) } else { skipped(words, kind)? }
+        }
+        return Ok(triangles);
+    }
+    let blocks = words.number::<usize>("the number of blocks")?;
+    for _ in 0..3 {
+        words.number::<u64>("numbers of elements")?;
+    }
+    for _ in 0..blocks {
+        words.number::<usize>("a dimension")?;
+        words.number::<i64>("the number of an entity")?;
+        let kind = words.number::<usize>("the kind of an element")?;
+        for _ in 0..words.number::<usize>("the number of elements")? {
+            words.number::<u64>("the number of an element")?;
+            if kind == TRIANGLE { triangles.push(corners(words)?) } else { skipped(words, kind)? }
+        }
+    }
+    Ok(triangles)
+}
+
+fn built(nodes: Vec<Node>, named: Vec<[u64; 3]>) -> Result<Mesh, ReadError> {
+    let used: std::collections::HashSet<u64> = named.iter().flatten().copied().collect();
+    let nodes: Vec<Node> = nodes.into_iter().filter(|(name, _)| used.contains(name)).collect();
+    let index: HashMap<u64, u32> = nodes.iter().enumerate().map(|(i, (name, _))| (*name, i as u32)).collect();
+    let points: Vec<[f64; 2]> = nodes.iter().map(|(_, place)| *place).collect();
+    let number = |name: u64| index.get(&name).copied().unwrap_or(u32::MAX);
+    let mut triangles: Vec<[u32; 3]> = named.into_iter().map(|corners| corners.map(number)).collect();
+    let place = |vertex: u32| points.get(vertex as usize).copied().unwrap_or([f64::NAN; 2]);
+    if triangles.iter().all(|corners| signed_area(corners.map(place)) < 0.0) {
+        triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+    }
+    Ok(Mesh::new(points, triangles)?)
+}

@@ -1,0 +1,116 @@
+//! The law of flow in one triangle, as mathematics: the control-volume scheme with a slope vector of its own.
+//!
+//! ```text
+//! |p| p = ∇(b + h)                     in the triangle; q = −c hᵅ p,  |q| = c hᵅ √|∇(b + h)|
+//! dₑ = −c p · aₑ,  aₑ = ½ cot ϑₑ (xⱼ − xᵢ)           for each edge e from i to j, ϑₑ the angle opposite to it
+//! Fₑ = dₑ max(h_up, 0)ᵅ                up is i where dₑ ≥ 0, else j
+//! Rᵢ = Σ Fₑ from i − Σ Fₑ to i
+//! ```
+//!
+//! Every flux leaves one vertex and enters another, so Σ Rᵢ = 0 for all h and p, and the columns of the derivatives have
+//! the sum zero: each Newton step keeps the volume, converged or not. A vertex without water gives none, whatever the
+//! sign of the cotangent. The derivative has √(p² + ε²) in the place of |p|, which overestimates it: with a derivative
+//! that is too small, as ε in the explicit form √|∇(b + h)| gives it, Newton's method goes round in circles.
+
+use rattle::real::Real;
+use rattle_macros::residual;
+
+residual! {
+    /// α = 3/2, c = √(g/k): the law of Darcy and Weisbach, k |u| u = −g h ∇(b + h).
+    pub struct DarcyWeisbach {
+        /// What rounds |p| off at 0, in the derivative alone.
+        epsilon
+    }
+
+    |h: [f64; 3], p: [f64; 2]|
+    given |grad: [[f64; 2]; 3], arm: [[f64; 2]; 3], bed: [f64; 2], c|
+    eliminate(p)
+    {
+        let smooth = sqrt(dot(p, p) + epsilon^2);
+        let slope = bed + h[0] * grad[0] + h[1] * grad[1] + h[2] * grad[2];
+        let a = max(h[0], 0)^(3/2);
+        let b = max(h[1], 0)^(3/2);
+        let d = max(h[2], 0)^(3/2);
+        let d01 = -c * dot(p, arm[0]);
+        let d12 = -c * dot(p, arm[1]);
+        let d20 = -c * dot(p, arm[2]);
+        let f01 = d01 * if d01 >= 0 { a } else { b };
+        let f12 = d12 * if d12 >= 0 { b } else { d };
+        let f20 = d20 * if d20 >= 0 { d } else { a };
+        let out = [f01 - f20, f12 - f01, f20 - f12];
+        [out, norm(p) * p - slope]
+        linearise [out, smooth * p - slope]
+    }
+}
+
+residual! {
+    /// α = 5/3, c = 1/n: the law of Gauckler and Manning, u = −h^(2/3) ∇(b + h) / (n √|∇(b + h)|).
+    pub struct Manning {
+        /// What rounds |p| off at 0, in the derivative alone.
+        epsilon
+    }
+
+    |h: [f64; 3], p: [f64; 2]|
+    given |grad: [[f64; 2]; 3], arm: [[f64; 2]; 3], bed: [f64; 2], c|
+    eliminate(p)
+    {
+        let smooth = sqrt(dot(p, p) + epsilon^2);
+        let slope = bed + h[0] * grad[0] + h[1] * grad[1] + h[2] * grad[2];
+        let a = max(h[0], 0)^(5/3);
+        let b = max(h[1], 0)^(5/3);
+        let d = max(h[2], 0)^(5/3);
+        let d01 = -c * dot(p, arm[0]);
+        let d12 = -c * dot(p, arm[1]);
+        let d20 = -c * dot(p, arm[2]);
+        let f01 = d01 * if d01 >= 0 { a } else { b };
+        let f12 = d12 * if d12 >= 0 { b } else { d };
+        let f20 = d20 * if d20 >= 0 { d } else { a };
+        let out = [f01 - f20, f12 - f01, f20 - f12];
+        [out, norm(p) * p - slope]
+        linearise [out, smooth * p - slope]
+    }
+}
+
+/// How many numbers are given for a triangle: ∇φ of its three hats, arms of its three edges, ∇b, c.
+pub(crate) const GIVEN: usize = DarcyWeisbach::GIVEN;
+
+/// What assembly asks of a law.
+pub(crate) trait Law: Sync {
+    /// The functions over the scalar `T`.
+    type Kernel<T: Real>: Element<T>;
+    fn of<T: Real>(epsilon: f64) -> Self::Kernel<T>;
+}
+
+/// The condensed system of triangles side by side.
+pub(crate) trait Element<T: Real> {
+    fn condensed(&self, u: &[T; 5], d: &[T; GIVEN]) -> ([T; 3], [[T; 3]; 3]);
+    fn condensed_residual(&self, u: &[T; 5], d: &[T; GIVEN]) -> [T; 3];
+    fn recovered(&self, u: &[T; 5], d: &[T; GIVEN], step: &[T; 3]) -> [T; 2];
+}
+
+macro_rules! law {
+    ($law:ident $kernel:ident) => {
+        impl Law for $law {
+            type Kernel<T: Real> = $kernel<T>;
+            fn of<T: Real>(epsilon: f64) -> $kernel<T> {
+                $law { epsilon }.kernel()
+            }
+        }
+        impl<T: Real> Element<T> for $kernel<T> {
+            #[inline(always)]
+            fn condensed(&self, u: &[T; 5], d: &[T; GIVEN]) -> ([T; 3], [[T; 3]; 3]) {
+                $kernel::condensed(self, u, d)
+            }
+            #[inline(always)]
+            fn condensed_residual(&self, u: &[T; 5], d: &[T; GIVEN]) -> [T; 3] {
+                $kernel::condensed_residual(self, u, d)
+            }
+            #[inline(always)]
+            fn recovered(&self, u: &[T; 5], d: &[T; GIVEN], step: &[T; 3]) -> [T; 2] {
+                $kernel::recovered(self, u, d, step)
+            }
+        }
+    };
+}
+law!(DarcyWeisbach DarcyWeisbachKernel);
+law!(Manning ManningKernel);

@@ -1,0 +1,68 @@
+//! Overland flow: how water runs over land where friction holds it, with an exact budget and no negative depth.
+//!
+//! ```text
+//! ∂h/∂t + ∇·q = rain − infiltration,    q = −c hᵅ ∇(b + h) / √|∇(b + h)|
+//!
+//! Darcy and Weisbach    α = 3/2, c = √(g/k)            Gauckler and Manning    α = 5/3, c = 1/n
+//! ```
+//!
+//! The diffusive wave: the shallow-water equations without inertia. Depth h(x, t) over the ground b(x) has a front that
+//! moves with finite speed, since the flux vanishes with h. [`Flow`] says what flows where, [`Simulation`] goes on in
+//! time, [`Budget`] keeps the books. Two methods:
+//!
+//! * [`Conservative`], used if nothing else is said: upwinded control volumes. Volume to rounding, depth never below zero
+//!   without being cut off, lakes at rest.
+//! * [`Notebook`], the finite elements and the active set of a notebook, to be compared with: its volume grows.
+//!
+//! ```
+//! use rattle_flow::{Flow, Mesh, Resistance};
+//!
+//! let basin = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]];
+//! let mesh = Mesh::polygon(&basin, 0.25)?;
+//! let dry = vec![0.0; mesh.points().len()];
+//! let flow = Flow::over(mesh, Resistance::Manning)
+//!     .terrain(|[x, _]| 0.05 * x)
+//!     .friction(|_| 0.1)
+//!     .rain(|_, t| if t < 60.0 { 1e-4 } else { 0.0 })
+//!     .outlet(0.05, |[x, _]| x < 1e-9);
+//! let mut simulation = flow.simulate(dry, 1.0)?;
+//! simulation.run(120)?;
+//! let budget = simulation.budget();
+//! assert!((budget.rain - 0.4 * 60.0 * 1e-3).abs() < 1e-12);
+//! assert!(budget.outflow > 0.5 * budget.rain && budget.remainder().abs() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! The elements are written as mathematics, by [`residual!`]: see [`law`].
+
+mod budget;
+mod conservative;
+pub mod dam_break;
+mod error;
+mod flow;
+mod gmsh;
+pub mod law;
+mod mesh;
+mod method;
+mod notebook;
+mod page;
+mod polygon;
+mod project;
+mod raster;
+mod read;
+mod simulation;
+mod sparse;
+pub mod vtu;
+
+pub use budget::Budget;
+pub use conservative::{Conservative, Settings};
+pub use error::{FlowError, MeshError};
+pub use flow::{Flow, Resistance};
+pub use mesh::Mesh;
+pub use method::{Method, StepInfo, Trouble};
+pub use notebook::Notebook;
+pub use page::Page;
+pub use raster::Raster;
+pub use rattle_macros::residual;
+pub use read::ReadError;
+pub use simulation::Simulation;

@@ -1,0 +1,119 @@
+//! A web page on which water moves over the ground, all in one file.
+
+use crate::flow::Flow;
+use base64::prelude::{BASE64_STANDARD, Engine};
+use std::fmt::Write;
+
+/// The depths of a flow at some times, as a page to turn and to play.
+///
+/// ```
+/// use rattle_flow::{Flow, Mesh, Page, Resistance};
+/// let mesh = Mesh::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]], 0.25)?;
+/// let depth = mesh.at_vertices(|[x, _]| if x < 1.0 { 1.0 } else { 0.0 });
+/// let mut simulation = Flow::over(mesh, Resistance::DarcyWeisbach { gravity: 1.0 }).simulate(depth, 0.1)?;
+/// let mut page = Page::new("A dam breaks", simulation.flow());
+/// for _ in 0..10 {
+///     simulation.step()?;
+///     page.add(simulation.time(), simulation.depth());
+/// }
+/// let html = page.caption("Twenty seconds of it.").to_html();
+/// assert!(html.contains("A dam breaks") && !html.contains("http"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Page {
+    title: String,
+    caption: String,
+    points: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+    times: Vec<f64>,
+    depths: Vec<f64>,
+    lift: f64,
+    seconds: f64,
+}
+
+impl Page {
+    /// A page without depths, which are [added](Page::add).
+    pub fn new(title: impl Into<String>, flow: &Flow) -> Self {
+        let places = flow.mesh().points().iter().zip(flow.bed());
+        Page {
+            title: title.into(),
+            caption: String::new(),
+            points: places.map(|([x, y], b)| [*x as f32, *y as f32, *b as f32]).collect(),
+            triangles: flow.mesh().triangles().to_vec(),
+            times: Vec::new(),
+            depths: Vec::new(),
+            lift: 1.0,
+            seconds: 20.0,
+        }
+    }
+
+    /// Adds the depth at the vertices at a time.
+    ///
+    /// # Panics
+    /// If there are not as many depths as vertices.
+    #[track_caller]
+    pub fn add(&mut self, time: f64, depth: &[f64]) {
+        assert_eq!(depth.len(), self.points.len(), "one depth for each vertex");
+        self.times.push(time);
+        self.depths.extend_from_slice(depth);
+    }
+
+    /// A sentence or two under the title.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+
+    /// How many times higher than wide things are drawn; 1 unless told.
+    #[must_use]
+    pub fn lift(mut self, lift: f64) -> Self {
+        self.lift = lift;
+        self
+    }
+
+    /// How many seconds the whole takes on the page; 20 unless told.
+    #[must_use]
+    pub fn seconds(mut self, seconds: f64) -> Self {
+        self.seconds = seconds;
+        self
+    }
+
+    /// The page as text. Depths are in it in parts of 65535 of the largest one.
+    pub fn to_html(&self) -> String {
+        let deepest = self.depths.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let shares = self.depths.iter().map(|h| (h.max(0.0) / deepest * 65535.0).round() as u16);
+        let depths = encoded(shares.flat_map(u16::to_le_bytes));
+        let points = encoded(self.points.iter().flatten().flat_map(|x| x.to_le_bytes()));
+        let triangles = encoded(self.triangles.iter().flatten().flat_map(|v| v.to_le_bytes()));
+        let mut data = String::new();
+        let Page { times, lift, seconds, .. } = self;
+        let film = 0.002 * deepest;
+        let _ = write!(
+            data,
+            r#"{{"times":{times:?},"deepest":{deepest:e},"film":{film:e},"lift":{lift},"seconds":{seconds},"#
+        );
+        let _ = write!(data, r#""points":"{points}","triangles":"{triangles}","depths":"{depths}"}}"#);
+        include_str!("page.html")
+            .replace("__TITLE__", &escaped(&self.title))
+            .replace("__CAPTION__", &escaped(&self.caption))
+            .replace("__DATA__", &data)
+    }
+
+    /// Writes the page to a file.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn write(&self, path: impl AsRef<std::path::Path>) -> std::io::Result<()> {
+        std::fs::write(path, self.to_html())
+    }
+}
+
+fn encoded(bytes: impl Iterator<Item = u8>) -> String {
+    BASE64_STANDARD.encode(bytes.collect::<Vec<u8>>())
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

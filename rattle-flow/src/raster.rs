@@ -1,0 +1,151 @@
+//! Terrain as a raster: the ASCII grid of ESRI, which geographic programs write.
+
+use crate::mesh::Mesh;
+use crate::read::{ReadError, Words, file};
+use std::path::Path;
+
+/// Heights at the middles of square cells. A cell without data has the height NaN.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    columns: usize,
+    rows: usize,
+    /// The middle of the cell in the south-west.
+    first: [f64; 2],
+    cell: f64,
+    /// Row by row from the north, as in the file.
+    heights: Vec<f64>,
+}
+
+impl Raster {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`ReadError`], with the line.
+    pub fn read(path: impl AsRef<Path>) -> Result<Raster, ReadError> {
+        Raster::parse(&file(path.as_ref())?)
+    }
+
+    /// Reads the text of a file.
+    ///
+    /// ```
+    /// use rattle_flow::Raster;
+    /// let text = "ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n3 3 4\n1 2 -9999\n";
+    /// let raster = Raster::parse(text)?;
+    /// assert_eq!(raster.height([10.0, 10.0]), 2.25); // the mean of 3, 3, 1 and 2
+    /// let (mesh, heights) = raster.mesh()?;
+    /// assert_eq!((mesh.points().len(), heights[0]), (4, 1.0));
+    /// # Ok::<(), rattle_flow::ReadError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`ReadError`], with the line.
+    pub fn parse(text: &str) -> Result<Raster, ReadError> {
+        let mut words = Words::of(text);
+        let (mut columns, mut rows, mut cell) = (None, None, None);
+        let (mut x, mut y, mut none) = (None, None, None);
+        let start = loop {
+            let Some(word) = words.next() else { return Err(words.wrong("heights", "")) };
+            match word.to_ascii_lowercase().as_str() {
+                "ncols" => columns = Some(words.number::<usize>("the number of columns")?),
+                "nrows" => rows = Some(words.number::<usize>("the number of rows")?),
+                "cellsize" => cell = Some(words.number::<f64>("the size of a cell")?),
+                "xllcorner" => x = Some((words.number::<f64>("a coordinate")?, 0.5)),
+                "yllcorner" => y = Some((words.number::<f64>("a coordinate")?, 0.5)),
+                "xllcenter" => x = Some((words.number::<f64>("a coordinate")?, 0.0)),
+                "yllcenter" => y = Some((words.number::<f64>("a coordinate")?, 0.0)),
+                "nodata_value" => none = Some(words.number::<f64>("the height that is none")?),
+                _ => break word,
+            }
+        };
+        let columns = columns.ok_or(ReadError::Missing { section: "ncols" })?;
+        let rows = rows.ok_or(ReadError::Missing { section: "nrows" })?;
+        let cell = cell.ok_or(ReadError::Missing { section: "cellsize" })?;
+        let (x, of_x) = x.ok_or(ReadError::Missing { section: "xllcorner" })?;
+        let (y, of_y) = y.ok_or(ReadError::Missing { section: "yllcorner" })?;
+        let count = columns.checked_mul(rows).filter(|_| cell > 0.0 && cell.is_finite());
+        let Some(count) = count.filter(|count| *count <= text.len()) else {
+            return Err(words.wrong("a size with as many cells as there are heights", "a larger one"));
+        };
+        let mut heights = Vec::with_capacity(count);
+        for i in 0..count {
+            let word = if i == 0 { start } else { words.next().unwrap_or("") };
+            let height: f64 = word.parse().map_err(|_| words.wrong("a height", word))?;
+            heights.push(if Some(height) == none { f64::NAN } else { height });
+        }
+        if let Some(word) = words.next() {
+            return Err(words.wrong("the end of the file", word));
+        }
+        Ok(Raster { columns, rows, first: [x + of_x * cell, y + of_y * cell], cell, heights })
+    }
+
+    /// The height of the cell in a column from the west and a row from the south.
+    fn at(&self, column: usize, row: usize) -> f64 {
+        self.heights[(self.rows - 1 - row) * self.columns + column]
+    }
+
+    /// The height at a place: linear in x and in y between the middles of cells, NaN outside of them and where one of
+    /// the four has no data.
+    pub fn height(&self, place: [f64; 2]) -> f64 {
+        let [u, v] = [0, 1].map(|i| (place[i] - self.first[i]) / self.cell);
+        let (right, top) = ((self.columns - 1) as f64, (self.rows - 1) as f64);
+        let inside = (0.0..=right).contains(&u) && (0.0..=top).contains(&v);
+        if !inside {
+            return f64::NAN;
+        }
+        let part = |x: f64, count: usize| {
+            let low = (x as usize).min(count.saturating_sub(2));
+            (low, (low + 1).min(count - 1), x - low as f64)
+        };
+        let ((i, k, a), (j, l, b)) = (part(u, self.columns), part(v, self.rows));
+        let along = |row: usize| mixed(self.at(i, row), self.at(k, row), a);
+        mixed(along(j), along(l), b)
+    }
+
+    /// A mesh with a vertex in the middle of each cell and the heights there; two triangles between four cells with data,
+    /// divided one way and the other in turn.
+    ///
+    /// # Errors
+    /// [`ReadError::Mesh`] where no four cells with data meet.
+    pub fn mesh(&self) -> Result<(Mesh, Vec<f64>), ReadError> {
+        let (columns, rows) = (self.columns, self.rows);
+        let number = |i: usize, j: usize| j * columns + i;
+        let mut squares = Vec::new();
+        for j in 0..rows.saturating_sub(1) {
+            for i in 0..columns.saturating_sub(1) {
+                let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+                if corners.iter().all(|&(i, j)| self.at(i, j).is_finite()) {
+                    let mut around = corners.map(|(i, j)| number(i, j));
+                    if (i + j) % 2 == 1 {
+                        around.rotate_left(1);
+                    }
+                    squares.push(around);
+                }
+            }
+        }
+        let mut names = vec![u32::MAX; columns * rows];
+        squares.iter().flatten().for_each(|&vertex| names[vertex] = 0);
+        let (mut points, mut heights) = (Vec::new(), Vec::new());
+        for (vertex, name) in names.iter_mut().enumerate().filter(|(_, name)| **name == 0) {
+            let (i, j) = (vertex % columns, vertex / columns);
+            *name = points.len() as u32;
+            points.push([self.first[0] + i as f64 * self.cell, self.first[1] + j as f64 * self.cell]);
+            heights.push(self.at(i, j));
+        }
+        let triangles = squares.into_iter().flat_map(|around| {
+            let [a, b, c, d] = around.map(|vertex| names[vertex]);
+            [[a, b, c], [a, c, d]]
+        });
+        Ok((Mesh::new(points, triangles.collect())?, heights))
+    }
+}
+
+/// a + s (b − a), and a or b itself at the ends, whatever the other is.
+fn mixed(a: f64, b: f64, s: f64) -> f64 {
+    if s == 0.0 {
+        a
+    } else if s == 1.0 {
+        b
+    } else {
+        a + s * (b - a)
+    }
+}

@@ -1,0 +1,80 @@
+//! Words of a text file, and what is wrong with them.
+
+use crate::error::MeshError;
+
+/// A file that cannot be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The file system has none of it.
+    #[error("{path}: {source}")]
+    Io {
+        /// Which file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A word that was not expected.
+    #[error("line {line}: expected {expected}, found `{found}`")]
+    Word {
+        /// Its line, from 1.
+        line: usize,
+        /// What was expected.
+        expected: &'static str,
+        /// What was found; nothing at the end of the file.
+        found: String,
+    },
+    /// A part of the file is missing.
+    #[error("there is no `{section}` in the file")]
+    Missing {
+        /// Which part.
+        section: &'static str,
+    },
+    /// A version or a kind of file that is not read.
+    #[error("{found} is not read; save the mesh as ASCII in version 2.2 or 4.1")]
+    Version {
+        /// What the file is.
+        found: String,
+    },
+    /// What was read is no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+}
+
+/// The words of a text one after the other, with their lines.
+pub(crate) struct Words<'a> {
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    here: std::str::SplitWhitespace<'a>,
+    line: usize,
+}
+
+impl<'a> Words<'a> {
+    pub(crate) fn of(text: &'a str) -> Self {
+        Words { lines: text.lines().enumerate(), here: "".split_whitespace(), line: 0 }
+    }
+
+    pub(crate) fn next(&mut self) -> Option<&'a str> {
+        loop {
+            if let Some(word) = self.here.next() {
+                return Some(word);
+            }
+            let (line, text) = self.lines.next()?;
+            self.line = line + 1;
+            self.here = text.split_whitespace();
+        }
+    }
+
+    /// The next word as a number.
+    pub(crate) fn number<T: std::str::FromStr>(&mut self, expected: &'static str) -> Result<T, ReadError> {
+        let found = self.next().unwrap_or("");
+        found.parse().map_err(|_| self.wrong(expected, found))
+    }
+
+    pub(crate) fn wrong(&self, expected: &'static str, found: &str) -> ReadError {
+        ReadError::Word { line: self.line, expected, found: found.to_owned() }
+    }
+}
+
+pub(crate) fn file(path: &std::path::Path) -> Result<String, ReadError> {
+    std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.display().to_string(), source })
+}

@@ -1,0 +1,144 @@
+//! Meshes, rasters and pictures: read back what is written, and name what is wrong.
+
+use rattle_flow::{Flow, Mesh, MeshError, Raster, ReadError, Resistance, vtu};
+
+const SQUARE: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"water\"\n$EndPhysicalNames\n$Nodes\n5\n\
+    10 0 0 0\n20 1 0 0\n30 1 1 0\n40 0 1 0\n99 7 7 0\n$EndNodes\n$Elements\n4\n1 15 2 0 1 10\n2 1 2 0 1 10 20\n\
+    3 2 2 0 1 10 20 30\n4 2 2 0 1 10 30 40\n$EndElements\n";
+
+const SQUARE_4: &str = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n1 0 0 0 1 1 0 0 0\n$EndEntities\n$Nodes\n\
+    2 4 10 40\n1 1 0 2\n10\n20\n0 0 0\n1 0 0\n2 1 1 2\n30\n40\n1 1 0 0.5 0.5\n0 1 0 0.1 0.2\n$EndNodes\n$Elements\n\
+    2 3 1 3\n1 1 1 1\n1 10 20\n2 1 2 2\n2 10 30 20\n3 10 40 30\n$EndElements\n";
+
+#[test]
+fn both_versions_of_gmsh_give_the_same_mesh() {
+    let old = Mesh::from_gmsh(SQUARE).unwrap();
+    assert_eq!((old.points().len(), old.boundary().len()), (4, 4));
+    assert!((old.area() - 1.0).abs() < 1e-15);
+    let new = Mesh::from_gmsh(SQUARE_4).unwrap(); // clockwise there, and turned over
+    assert_eq!(old.points(), new.points());
+    let sorted = |mesh: &Mesh| {
+        let mut list: Vec<Vec<u32>> = mesh.triangles().iter().map(|t| t.to_vec()).collect();
+        list.iter_mut().for_each(|t| t.sort_unstable());
+        list.sort();
+        list
+    };
+    assert_eq!(sorted(&old), sorted(&new));
+    assert_eq!(old.boundary(), new.boundary());
+}
+
+#[test]
+fn what_is_wrong_with_a_file_is_named_with_its_line() {
+    let line = |text: &str| match Mesh::from_gmsh(text).unwrap_err() {
+        ReadError::Word { line, found, .. } => (line, found),
+        other => panic!("{other}"),
+    };
+    assert_eq!(line(&SQUARE.replace("20 1 0 0", "20 one 0 0")), (11, "one".to_owned()));
+    assert_eq!(line(&SQUARE.replace("4 2 2 0 1 10 30 40\n$EndElements\n", "")), (20, String::new()));
+    let error = |text: &str| Mesh::from_gmsh(text).unwrap_err();
+    assert!(matches!(error(&SQUARE.replace("2.2 0", "2.2 1")), ReadError::Version { .. }));
+    assert!(matches!(error(&SQUARE.replace("2.2 0", "3.0 0")), ReadError::Version { .. }));
+    assert!(matches!(error("hello"), ReadError::Missing { .. }));
+    assert!(matches!(
+        error(&SQUARE.replace("10 30 40", "10 30 41")),
+        ReadError::Mesh(MeshError::NoVertex { triangle: 1, .. })
+    ));
+    assert!(matches!(Mesh::read_gmsh("no/such/file"), Err(ReadError::Io { .. })));
+}
+
+#[test]
+fn what_is_no_mesh_is_refused() {
+    let points = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 0.0], [1.0, -1.0]];
+    let error = |triangles: Vec<[u32; 3]>| Mesh::new(points.clone(), triangles).unwrap_err();
+    let whole = vec![[0, 1, 2], [0, 2, 3], [0, 5, 4], [4, 5, 1]];
+    let hanging = error(whole.clone());
+    assert!(matches!(hanging, MeshError::Hanging { vertex: 4, from: 0, to: 1, triangle: 0 }), "{hanging}");
+    let split = vec![[0, 4, 2], [4, 1, 2], [0, 2, 3], [0, 5, 4], [4, 5, 1]];
+    assert!(Mesh::new(points.clone(), split.clone()).is_ok());
+    let turned = |i: usize| {
+        let mut list = split.clone();
+        list[i].swap(0, 1);
+        list
+    };
+    assert!(matches!(error(turned(2)), MeshError::Inverted { triangle: 2, area, .. } if area == -2.0));
+    assert!(matches!(error(whole[..2].to_vec()), MeshError::Loose { vertex: 4 }));
+    assert!(matches!(
+        error([&split[..], &[[0, 4, 2]]].concat()),
+        MeshError::Overlap { first: 0, second: 5, .. }
+    ));
+    let mut nowhere = points.clone();
+    nowhere[3][1] = f64::NAN;
+    assert!(matches!(Mesh::new(nowhere, split), Err(MeshError::NotFinite { vertex: 3, .. })));
+    for corners in [&[[0.0, 0.0], [1.0, 0.0]][..], &[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]] {
+        assert!(matches!(Mesh::polygon(corners, 0.1), Err(MeshError::Polygon { .. })));
+    }
+    assert!(matches!(Mesh::polygon(&points[..4], 1e-9), Err(MeshError::Polygon { .. })));
+}
+
+#[test]
+fn a_raster_is_a_terrain_and_a_mesh() {
+    let (columns, rows) = (7, 5);
+    let plane = |i: usize, j: usize| 2.0 * i as f64 - 3.0 * j as f64;
+    let mut text = format!(
+        "NCOLS {columns}\nnrows {rows}\nxllcenter 100\nyllcenter 200\ncellsize 5\nNODATA_value -9999\n"
+    );
+    for j in (0..rows).rev() {
+        let row: Vec<String> = (0..columns)
+            .map(|i| if i == 6 && j == 4 { "-9999".into() } else { plane(i, j).to_string() })
+            .collect();
+        text += &(row.join(" ") + "\n");
+    }
+    let raster = Raster::parse(&text).unwrap();
+    assert_eq!(raster.height([100.0, 200.0]), 0.0);
+    assert!((raster.height([112.5, 217.0]) - (2.0 * 2.5 - 3.0 * 3.4)).abs() < 1e-12);
+    assert!(raster.height([131.0, 200.0]).is_nan() && raster.height([128.0, 218.0]).is_nan());
+    let (mesh, heights) = raster.mesh().unwrap();
+    assert_eq!((mesh.points().len(), mesh.triangles().len()), (34, 46));
+    assert!((mesh.area() - 23.0 * 25.0).abs() < 1e-9);
+    assert!(mesh.points().iter().zip(&heights).all(|(&place, &b)| (raster.height(place) - b).abs() < 1e-12));
+
+    let line = |text: &str| match Raster::parse(text).unwrap_err() {
+        ReadError::Word { line, .. } => line,
+        other => panic!("{other}"),
+    };
+    assert_eq!(line(&text.replace("-9999\n", "high\n").replacen("high", "-9999", 1)), 7);
+    assert!(matches!(
+        Raster::parse(&text.replace("cellsize 5", "")),
+        Err(ReadError::Missing { section: "cellsize" })
+    ));
+    assert_eq!(line(&(text.clone() + "1.0\n")), 12);
+    assert!(line(&text.replace("nrows 5", "nrows 50000000")) > 0);
+
+    // Terrain with a hole in it: the vertex is named before anything flows.
+    let square =
+        Mesh::polygon(&[[100.0, 200.0], [130.0, 200.0], [130.0, 220.0], [100.0, 220.0]], 5.0).unwrap();
+    let depth = vec![0.1; square.points().len()];
+    let error =
+        Flow::over(square, Resistance::Manning).terrain(|place| raster.height(place)).simulate(depth, 1.0);
+    assert!(error.is_err_and(|error| error.to_string().contains("the terrain at vertex")));
+}
+
+#[test]
+fn paraview_gets_what_was_there() {
+    let mesh = Mesh::from_gmsh(SQUARE).unwrap();
+    let depth = [0.1, 1.0 / 3.0, 0.0, 2e-300];
+    let q = [[1.0, -1.0], [0.5, 0.25]];
+    let text = vtu::text(&mesh, &[0.0; 4], &[("depth <m>", &depth)], &[("q", &q)]);
+    let numbers = |name: &str| -> Vec<f64> {
+        let start = text.find(&format!("Name=\"{name}\"")).expect(name);
+        let body = text[start..].split_once('>').unwrap().1.split_once('<').unwrap().0;
+        body.split_whitespace().map(|word| word.parse().unwrap()).collect()
+    };
+    assert_eq!(numbers("depth &lt;m&gt;"), depth);
+    assert_eq!(numbers("q"), [1.0, -1.0, 0.0, 0.5, 0.25, 0.0]);
+    assert_eq!(numbers("offsets"), [3.0, 6.0]);
+    assert_eq!(numbers("points").len(), 12);
+    let folder = std::env::temp_dir().join(format!("rattle-flow-{}", std::process::id()));
+    let mut series = vtu::Series::new(&folder, "flow").unwrap();
+    series.add(0.0, &text).unwrap();
+    series.add(0.5, &text).unwrap();
+    let list = std::fs::read_to_string(folder.join("flow.pvd")).unwrap();
+    assert!(list.contains("timestep=\"0.5\"") && list.contains("flow_0001.vtu"));
+    assert_eq!(std::fs::read_to_string(folder.join("flow_0001.vtu")).unwrap(), text);
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -1,0 +1,143 @@
+//! Time steps: chosen by their error, halved where they fail, and what stays when they fail for good.
+
+use rattle_flow::{Budget, Conservative, Flow, FlowError, Method, Settings, StepInfo, Trouble, dam_break};
+
+/// With 4 times as small a tolerance steps are half as long, and the error, as long as space does not matter, half.
+#[test]
+fn the_error_follows_the_tolerance() {
+    let mesh = dam_break::mesh(0.4).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let until = |tolerance: f64| {
+        let mut simulation = dam_break::flow(mesh.clone()).simulate(depth.clone(), 1e-4).unwrap();
+        simulation.run_until(3.0, tolerance, 1.0).unwrap();
+        assert_eq!(simulation.time(), 3.0);
+        assert!(simulation.budget().remainder().abs() < 1e-13);
+        assert!(simulation.depth().iter().all(|&h| h >= 0.0));
+        (simulation.depth().to_vec(), simulation.steps())
+    };
+    let (exact, many) = until(1e-6);
+    let runs = [1.6e-3, 4e-4, 1e-4].map(until);
+    let errors = runs.each_ref().map(|(depth, _)| {
+        let difference: Vec<f64> = depth.iter().zip(&exact).map(|(a, b)| (a - b).abs()).collect();
+        mesh.volume(&difference) / mesh.volume(&exact)
+    });
+    let steps = runs.map(|(_, steps)| steps);
+    for i in 0..2 {
+        let (error, length) = (errors[i] / errors[i + 1], steps[i + 1] as f64 / steps[i] as f64);
+        assert!((1.5..3.0).contains(&error) && (1.4..2.6).contains(&length), "{errors:?} {steps:?} {many}");
+    }
+}
+
+#[test]
+fn a_flow_that_changes_little_takes_long_steps() {
+    let mesh = dam_break::mesh(0.4).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let mut simulation = dam_break::flow(mesh).simulate(depth, 1e-3).unwrap();
+    simulation.run_until(20.0, 1e-3, 5.0).unwrap();
+    let steps = simulation.steps();
+    simulation.run_until(60.0, 1e-3, 5.0).unwrap();
+    assert!(simulation.steps() - steps < steps, "{steps} steps of {}", simulation.steps());
+    let level = 15.0_f64.sqrt() - 3.0; // at rest
+    let (low, high) =
+        simulation.depth().iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &h| (a.min(h), b.max(h)));
+    assert!(low >= 0.0 && high < level && high > 0.75, "{low} {high}");
+}
+
+/// A method that fails as it is told.
+struct Failing {
+    inner: Conservative,
+    /// Steps that may be made, and then how long a step may be.
+    good: usize,
+    longest: f64,
+    trouble: Trouble,
+}
+
+impl Method for Failing {
+    fn step(
+        &mut self,
+        flow: &Flow,
+        depth: &[f64],
+        guess: &mut [f64],
+        step: f64,
+        sources: (&[f64], &[f64]),
+    ) -> Result<StepInfo, Trouble> {
+        if self.good == 0 && step > self.longest {
+            guess.fill(f64::NAN);
+            return Err(self.trouble);
+        }
+        self.good = self.good.saturating_sub(1);
+        self.inner.step(flow, depth, guess, step, sources)
+    }
+    fn undo(&mut self) {
+        self.inner.undo();
+    }
+    fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64 {
+        self.inner.mean_flux(flow, depth)
+    }
+    fn flux(&self, flow: &Flow, depth: &[f64]) -> Vec<[f64; 2]> {
+        self.inner.flux(flow, depth)
+    }
+}
+
+#[test]
+fn a_step_that_fails_is_halved_and_the_last_good_state_stays() {
+    let mesh = dam_break::mesh(0.5).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let start = |longest, trouble| {
+        let method = |flow: &Flow| Failing { inner: Conservative::of(flow), good: 3, longest, trouble };
+        dam_break::flow(mesh.clone()).simulate_by(depth.clone(), 0.1, method).unwrap()
+    };
+    let trouble = Trouble::Singular { vertex: 7 };
+    let mut simulation = start(0.03, trouble);
+    simulation.run(4).unwrap();
+    assert_eq!(simulation.steps(), 3 + 4);
+    assert!((simulation.time() - 0.4).abs() < 1e-15 && simulation.budget().remainder().abs() < 1e-13);
+
+    for trouble in [trouble, Trouble::NotConverged { iterations: 30, change: 0.5, vertex: 7 }] {
+        let mut simulation = start(0.0, trouble);
+        simulation.run(3).unwrap();
+        let (kept, budget): (Vec<f64>, Budget) = (simulation.depth().to_vec(), simulation.budget());
+        let error = simulation.step().unwrap_err();
+        assert!((simulation.time() - 0.3).abs() < 1e-15);
+        assert_eq!((simulation.depth(), simulation.budget()), (&kept[..], budget));
+        let text = error.to_string();
+        assert!(
+            text.contains("at time 0.3") && text.contains("vertex 7") && text.contains("last good"),
+            "{text}"
+        );
+        match error {
+            FlowError::Singular { vertex: 7, step, .. } | FlowError::NotConverged { vertex: 7, step, .. } => {
+                assert_eq!(step, 0.1 / 4096.0);
+            }
+            other => panic!("{other}"),
+        }
+    }
+}
+
+#[test]
+fn an_iteration_that_may_not_end_is_an_error() {
+    let mesh = dam_break::mesh(0.5).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let settings = Settings { most: 1, ..Settings::default() };
+    let method = |flow: &Flow| Conservative::with(flow, settings);
+    let mut simulation = dam_break::flow(mesh).simulate_by(depth.clone(), 0.1, method).unwrap();
+    assert!(matches!(simulation.step(), Err(FlowError::NotConverged { iterations: 1, .. })));
+    assert_eq!((simulation.time(), simulation.depth()), (0.0, &depth[..]));
+}
+
+/// The dam break of the notebook: what `cargo run --release --example dam_break` shows, on half as fine a mesh.
+#[test]
+fn the_dam_breaks_with_its_volume_kept_to_rounding() {
+    let mesh = dam_break::mesh(0.25).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let mut simulation = dam_break::flow(mesh).simulate(depth, 1.0 / 32.0).unwrap();
+    let mut flux = 0.0;
+    for step in 0..1920 {
+        simulation.step().unwrap();
+        flux += simulation.mean_flux() / 1920.0;
+        assert!(simulation.depth().iter().all(|&h| h >= 0.0), "step {step}");
+        let gain = (simulation.volume() / simulation.budget().start - 1.0).abs();
+        assert!(gain <= 1e-13, "{gain:e} at step {step}"); // 1920 steps of rounding at random are 10⁻¹⁴
+    }
+    assert!((1e4 * flux - 266.2).abs() < 1.0, "{flux}"); // by a second program, on other meshes too
+}

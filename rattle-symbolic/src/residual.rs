@@ -1,0 +1,429 @@
+//! Residuals of elements: local unknowns, given numbers, several components, and the blocks of the Jacobian.
+//!
+//! ```text
+//! residual   Rᵢ(u, d)                    as written
+//! jacobian   Jᵢⱼ = ∂Lᵢ/∂uⱼ               L = R, or what stands after `linearise`
+//! condensed  Rₖ − Jₖₑ Jₑₑ⁻¹ Rₑ,  Jₖₖ − Jₖₑ Jₑₑ⁻¹ Jₑₖ        e: what is eliminated, k: the rest
+//! recovered  δuₑ = −Jₑₑ⁻¹ (Rₑ + Jₑₖ δuₖ)
+//! ```
+//!
+//! The inverse is written out, by cofactors, so at most three numbers of an element can be eliminated.
+
+use crate::algebra::Scaled;
+use crate::differentiate::Calculus;
+use crate::emit::{Emitter, Frame};
+use crate::expand::{reported, structure};
+use crate::formula;
+use crate::graph::Graph;
+use crate::kernel::components;
+use crate::limits::TooLarge;
+use crate::lower::{Lowered, lower};
+use crate::macros::Expectation;
+use crate::node::{Id, Input};
+use crate::parse::parse;
+use crate::problems::Problems;
+use crate::routine::{LARGE, Routines};
+use crate::syntax::Item;
+use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, TokenStream, TokenTree};
+use quote::{format_ident, quote};
+
+/// So many numbers of an element can be eliminated.
+const MOST_ELIMINATED: usize = 3;
+
+/// The input with its headings taken out: an item as the other macros have it.
+struct Headings {
+    item: TokenStream,
+    /// How many of the variables are unknowns; the others are given.
+    unknowns: usize,
+    eliminated: Vec<Ident>,
+    /// Whether the components are followed by those that are differentiated in their stead.
+    linearised: bool,
+}
+
+/// Which numbers of an element are which.
+struct Roles {
+    unknowns: usize,
+    given: usize,
+    kept: Vec<usize>,
+    eliminated: Vec<usize>,
+}
+
+/// The struct and its kernel for the input of `residual!`.
+pub fn residual(input: TokenStream) -> TokenStream {
+    let mut problems = Problems::default();
+    let headings = headings(input);
+    let Some(item) = parse(headings.item.clone(), &mut problems) else { return problems.report() };
+    let mut graph = Graph::new();
+    let expected = Expectation {
+        several: true,
+        every_variable: false,
+        constant: true,
+        noun: "the residual",
+        of_time: "a residual knows no time; hand it over with what is given",
+    };
+    let Lowered { roots, named } = lower(&item, expected, &mut graph, &mut problems);
+    let roles = roles(&item, &headings, &mut problems);
+    let written = if headings.linearised { roots.len() / 2 } else { roots.len() };
+    if !problems.any() && headings.linearised && roots.len() % 2 == 1 {
+        let message =
+            format!("expected as many components to linearise as there are, found {} in all", roots.len());
+        problems.note_at(&item.name, message);
+    }
+    if !problems.any() && !roles.eliminated.is_empty() && written != roles.unknowns {
+        let message = format!(
+            "to eliminate some of {} unknowns takes as many components, in their order; found {written}",
+            roles.unknowns
+        );
+        problems.note_at(&item.name, message);
+    }
+    if problems.any() || roots.is_empty() {
+        let (stub, report) = (structure(&item, &[]), reported(&item, problems));
+        return quote!(#stub #report);
+    }
+    match routines(graph, &roots, written, &roles) {
+        Ok(routines) => {
+            let _ = named;
+            implementation(&item, &headings, &routines, &roles)
+        }
+        Err(large) => {
+            problems.note_at(&item.name, large);
+            let (stub, report) = (structure(&item, &[]), reported(&item, problems));
+            quote!(#stub #report)
+        }
+    }
+}
+
+fn is_punct(token: &TokenTree, c: char) -> bool {
+    matches!(token, TokenTree::Punct(punct) if punct.as_char() == c)
+}
+
+fn is_ident(token: &TokenTree, name: &str) -> bool {
+    matches!(token, TokenTree::Ident(ident) if ident == name)
+}
+
+/// Takes `given |…|`, `eliminate(…)` and `linearise …` out of the tokens.
+fn headings(input: TokenStream) -> Headings {
+    let tokens: Vec<TokenTree> = input.into_iter().collect();
+    let bars: Vec<usize> = (0..tokens.len()).filter(|&i| is_punct(&tokens[i], '|')).collect();
+    let whole = |item| Headings { item, unknowns: usize::MAX, eliminated: Vec::new(), linearised: false };
+    let &[first, second, ..] = &bars[..] else { return whole(tokens.into_iter().collect()) };
+    let mut variables = tokens[first + 1..second].to_vec();
+    let names =
+        |list: &[TokenTree]| list.split(|token| is_punct(token, ',')).filter(|part| !part.is_empty()).count();
+    let unknowns = names(&variables);
+    let mut next = second + 1;
+    if let (true, &[_, _, third, fourth, ..]) =
+        (tokens.get(next).is_some_and(|t| is_ident(t, "given")), &bars[..])
+    {
+        if !variables.last().is_some_and(|token| is_punct(token, ',')) {
+            variables.push(TokenTree::Punct(Punct::new(',', Spacing::Alone)));
+        }
+        variables.extend(tokens[third + 1..fourth].iter().cloned());
+        next = fourth + 1;
+    }
+    let mut eliminated = Vec::new();
+    if let (true, Some(TokenTree::Group(group))) =
+        (tokens.get(next).is_some_and(|t| is_ident(t, "eliminate")), tokens.get(next + 1))
+    {
+        let own = group.stream().into_iter();
+        eliminated.extend(
+            own.filter_map(|token| if let TokenTree::Ident(name) = token { Some(name) } else { None }),
+        );
+        next += 2;
+    }
+    let (body, linearised) = body(&tokens[next..]);
+    let head = &tokens[..=first];
+    let item = head.iter().chain(&variables).chain([&tokens[second]]).cloned().chain(body).collect();
+    Headings { item, unknowns, eliminated, linearised }
+}
+
+/// `{ lets; A linearise B }` as `{ lets; [A, B] }`, and `A linearise B` as `[A, B]`.
+fn body(tokens: &[TokenTree]) -> (TokenStream, bool) {
+    if let [TokenTree::Group(group)] = tokens
+        && group.delimiter() == Delimiter::Brace
+    {
+        let inner: Vec<TokenTree> = group.stream().into_iter().collect();
+        let start = inner.iter().rposition(|token| is_punct(token, ';')).map_or(0, |last| last + 1);
+        let (result, linearised) = both(&inner[start..]);
+        let mut block = Group::new(Delimiter::Brace, inner[..start].iter().cloned().chain(result).collect());
+        block.set_span(group.span());
+        return (TokenTree::Group(block).into(), linearised);
+    }
+    both(tokens)
+}
+
+fn both(tokens: &[TokenTree]) -> (TokenStream, bool) {
+    let Some(place) = tokens.iter().position(|token| is_ident(token, "linearise")) else {
+        return (tokens.iter().cloned().collect(), false);
+    };
+    let (first, second): (TokenStream, TokenStream) =
+        (tokens[..place].iter().cloned().collect(), tokens[place + 1..].iter().cloned().collect());
+    (quote!([#first, #second]), true)
+}
+
+fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
+    let (mut all, mut eliminated, mut unknowns) = (0, Vec::new(), 0);
+    for (place, variable) in item.variables.iter().enumerate() {
+        let size: usize = variable.shape.iter().product();
+        if place < headings.unknowns {
+            unknowns += size;
+            if headings.eliminated.iter().any(|name| variable.name == *name) {
+                eliminated.extend(all..all + size);
+            }
+        }
+        all += size;
+    }
+    for name in &headings.eliminated {
+        let known = item.variables.iter().take(headings.unknowns).any(|variable| variable.name == *name);
+        if !known {
+            problems.note_at(name, format!("`{name}` is no unknown; those stand between the first bars"));
+        }
+    }
+    if eliminated.len() > MOST_ELIMINATED || (eliminated.len() == unknowns && unknowns > 0) {
+        let message = format!(
+            "expected at most {MOST_ELIMINATED} numbers to eliminate and some that stay, found {} of {unknowns}",
+            eliminated.len()
+        );
+        problems.note_at(headings.eliminated.first().unwrap_or(&item.name), message);
+    }
+    let kept = (0..unknowns).filter(|i| !eliminated.contains(i)).collect();
+    Roles { unknowns, given: all - unknowns, kept, eliminated }
+}
+
+/// A⁻¹ by cofactors, of one to three rows.
+fn inverse(graph: &mut Graph, a: &[Vec<Scaled>]) -> Vec<Vec<Scaled>> {
+    let n = a.len();
+    let minor = |graph: &mut Graph, i: usize, j: usize| match n {
+        1 => Scaled::ONE,
+        2 => a[1 - i][1 - j],
+        _ => {
+            let ([r, s], [k, l]) = ([(i + 1) % 3, (i + 2) % 3], [(j + 1) % 3, (j + 2) % 3]); // cyclic: the sign is in it
+            difference(graph, [a[r][k], a[s][l]], [a[r][l], a[s][k]])
+        }
+    };
+    let cofactors: Vec<Vec<Scaled>> = (0..n)
+        .map(|i| {
+            let signed = |j: usize| if n == 2 && (i + j) % 2 == 1 { -1.0 } else { 1.0 };
+            (0..n).map(|j| minor(graph, i, j).times(signed(j))).collect()
+        })
+        .collect();
+    let terms: Vec<Scaled> = (0..n).map(|j| graph.product(&[a[0][j], cofactors[0][j]])).collect();
+    let determinant = graph.sum(&terms);
+    let determinant = graph.node_of(determinant);
+    let one_over = graph.reciprocal(determinant);
+    (0..n).map(|i| (0..n).map(|j| graph.product(&[cofactors[j][i], one_over])).collect()).collect()
+}
+
+fn difference(graph: &mut Graph, a: [Scaled; 2], b: [Scaled; 2]) -> Scaled {
+    let (a, b) = (graph.product(&a), graph.product(&b));
+    graph.sum(&[a, b.times(-1.0)])
+}
+
+/// a − Σ bᵢ cᵢ
+fn less(graph: &mut Graph, a: Scaled, b: &[Scaled], c: &[Scaled]) -> Scaled {
+    let mut terms = vec![a];
+    for (&b, &c) in b.iter().zip(c) {
+        terms.push(graph.product(&[b, c]).times(-1.0));
+    }
+    graph.sum(&terms)
+}
+
+fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -> Result<Routines, TooLarge> {
+    let n = roles.unknowns;
+    let mut routines = Routines::empty();
+    let values: Vec<Scaled> = roots[..components].iter().map(|&root| root.into()).collect();
+    routines.add("residual", &source, &values)?;
+    let mut calculus = Calculus::new(&mut source);
+    let linearised = &roots[roots.len() - components..];
+    let rows: Vec<Vec<Scaled>> =
+        linearised.iter().map(|&root| calculus.gradient(&[(Scaled::ONE, root)], n as u32)).collect();
+    routines.add("residual_and_jacobian", &source, &[&values[..], &rows.concat()].concat())?;
+    let (k, e) = (&roles.kept, &roles.eliminated);
+    if e.is_empty() {
+        return Ok(routines);
+    }
+    let pick = |rows_of: &[usize], columns: &[usize]| -> Vec<Vec<Scaled>> {
+        rows_of.iter().map(|&i| columns.iter().map(|&j| rows[i][j]).collect()).collect()
+    };
+    let inverse = inverse(&mut source, &pick(e, e));
+    let (below, beside) = (pick(e, k), pick(k, e));
+    // W = Jₑₑ⁻¹ [Jₑₖ | Rₑ], by columns.
+    let column = |source: &mut Graph, of: &dyn Fn(usize) -> Scaled| -> Vec<Scaled> {
+        let row = |source: &mut Graph, row: &Vec<Scaled>| {
+            let terms: Vec<Scaled> =
+                row.iter().enumerate().map(|(i, &entry)| source.product(&[entry, of(i)])).collect();
+            source.sum(&terms)
+        };
+        inverse.iter().map(|entries| row(source, entries)).collect()
+    };
+    let by_kept: Vec<Vec<Scaled>> = (0..k.len()).map(|j| column(&mut source, &|i| below[i][j])).collect();
+    let by_rest = column(&mut source, &|i| values[e[i]]);
+    let mut condensed: Vec<Scaled> =
+        k.iter().zip(&beside).map(|(&i, beside)| less(&mut source, values[i], beside, &by_rest)).collect();
+    routines.add("condensed_residual", &source, &condensed)?;
+    for (&i, beside) in k.iter().zip(&beside) {
+        for (&j, column) in k.iter().zip(&by_kept) {
+            condensed.push(less(&mut source, rows[i][j], beside, column));
+        }
+    }
+    routines.add("condensed", &source, &condensed)?;
+    let steps: Vec<Scaled> = (0..k.len()).map(|j| source.input(Input::Direction(j as u32)).into()).collect();
+    let recovered: Vec<Scaled> = (0..e.len())
+        .map(|i| {
+            let mut terms = vec![by_rest[i].times(-1.0)];
+            for (&step, column) in steps.iter().zip(&by_kept) {
+                terms.push(source.product(&[step, column[i]]).times(-1.0));
+            }
+            source.sum(&terms)
+        })
+        .collect();
+    routines.add("recovered", &source, &recovered)?;
+    Ok(routines)
+}
+
+/// The struct with its formulas in the documentation, and the kernel.
+fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: &Roles) -> TokenStream {
+    let letter = if headings.linearised { "[residual, what is linearised]" } else { "R" };
+    let mut lines = vec![String::new(), "```text".to_owned()];
+    lines.extend(formula::written(item, letter));
+    lines.push("```".to_owned());
+    let counts: Vec<String> = routines
+        .list
+        .iter()
+        .map(|routine| format!("{} `{}`", routines.operations(&routine.roots), routine.name))
+        .collect();
+    lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
+    let structure = structure(item, &lines);
+    let emitter = Emitter::new(routines);
+    let (name, kernel) = (&item.name, format_ident!("{}Kernel", item.name));
+    let mut parameters = Vec::new();
+    for parameter in &item.parameters {
+        let name = &parameter.name;
+        components(quote!(self.#name), &parameter.shape, &mut parameters);
+    }
+    let construction = emitter.construction(&kernel, &|input| match input {
+        Input::Parameter(k) => {
+            let component = &parameters[k as usize];
+            quote!(T::from_f64(#component))
+        }
+        _ => TokenStream::new(), // a kernel's fields depend on parameters only
+    });
+    let declarations = emitter.declarations();
+    let functions = routines
+        .list
+        .iter()
+        .map(|routine| function(routine.name, &routine.roots, &emitter, routines, roles, &kernel));
+    let (conditions, visibility) = (&item.conditions, &item.visibility);
+    let quiet = if item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
+    let about =
+        format!("The functions of [`{name}`] over the scalar `T`: of one element, or of several in lanes.");
+    let [n, d, k] = [roles.unknowns, roles.given, roles.kept.len()].map(Literal::usize_unsuffixed);
+    quote! {
+        #structure
+
+        #conditions
+        #quiet
+        #[doc = #about]
+        #[derive(::core::clone::Clone, ::core::marker::Copy, ::core::fmt::Debug)]
+        #visibility struct #kernel<T> { #declarations }
+
+        #conditions
+        #quiet
+        #[automatically_derived]
+        #[allow(dead_code, clippy::all)]
+        impl #name {
+            /// How many unknowns an element has.
+            pub const UNKNOWNS: ::core::primitive::usize = #n;
+            /// How many numbers are given for an element.
+            pub const GIVEN: ::core::primitive::usize = #d;
+            /// How many unknowns are left after elimination.
+            pub const KEPT: ::core::primitive::usize = #k;
+
+            /// The functions with these parameters, over the scalar `T`.
+            #[inline(always)]
+            pub fn kernel<T: ::rattle::real::Real>(&self) -> #kernel<T> {
+                #construction
+            }
+        }
+
+        #conditions
+        #quiet
+        #[automatically_derived]
+        #[allow(dead_code, clippy::all)]
+        impl<T: ::rattle::real::Real> #kernel<T> {
+            #(#functions)*
+        }
+    }
+}
+
+/// What each function gives, for the documentation.
+const ABOUT: [(&str, &str); 5] = [
+    ("residual", "R(u, d)."),
+    ("residual_and_jacobian", "R and the derivatives of what is linearised: row i belongs to component i."),
+    ("condensed_residual", "What is left of R after elimination: Rₖ − Jₖₑ Jₑₑ⁻¹ Rₑ."),
+    ("condensed", "What is left of R and J after elimination: the Schur complement Jₖₖ − Jₖₑ Jₑₑ⁻¹ Jₑₖ."),
+    ("recovered", "The Newton step of what is eliminated, from that of the rest: −Jₑₑ⁻¹ (Rₑ + Jₑₖ δ)."),
+];
+
+fn function(
+    name: &str,
+    roots: &[Id],
+    emitter: &Emitter,
+    routines: &Routines,
+    roles: &Roles,
+    kernel: &Ident,
+) -> TokenStream {
+    let about = ABOUT.iter().find(|(own, _)| *own == name).map_or("", |(_, about)| about);
+    let [n, d, k, e] = [roles.unknowns, roles.given, roles.kept.len(), roles.eliminated.len()]
+        .map(Literal::usize_unsuffixed);
+    let components = routines.named("residual").map_or(0, |routine| routine.roots.len());
+    let m = Literal::usize_unsuffixed(components);
+    let mut arguments: Vec<(Ident, TokenStream)> =
+        vec![(format_ident!("__u"), quote!(&[T; #n])), (format_ident!("__d"), quote!(&[T; #d]))];
+    if name == "recovered" {
+        arguments.push((format_ident!("__step"), quote!(&[T; #k])));
+    }
+    let result = match name {
+        "residual" => quote!([T; #m]),
+        "residual_and_jacobian" => quote!(([T; #m], [[T; #n]; #m])),
+        "condensed_residual" => quote!([T; #k]),
+        "condensed" => quote!(([T; #k], [[T; #k]; #k])),
+        _ => quote!([T; #e]),
+    };
+    let unknowns = roles.unknowns as u32;
+    let spelling = move |input| match input {
+        Input::Variable(i) if i < unknowns => component("__u", i),
+        Input::Variable(i) => component("__d", i - unknowns),
+        Input::Direction(i) => component("__step", i),
+        Input::Parameter(_) | Input::Weight(_) => TokenStream::new(), // the kernel holds the one, none has the other
+    };
+    let large = routines.operations(roots) > LARGE;
+    let frame = Frame { kernel, arguments: &arguments };
+    let statements = emitter.body(roots, &spelling, large.then_some(&frame));
+    let numbers: Vec<TokenStream> = roots.iter().map(|&root| emitter.result(root)).collect();
+    let value = match name {
+        "residual_and_jacobian" | "condensed" => {
+            let kept = roles.kept.len();
+            let (size, width) = if name == "condensed" { (kept, kept) } else { (components, roles.unknowns) };
+            let (first, rows) = (&numbers[..size], numbers[size..].chunks(width));
+            quote!(([#(#first),*], [#([#(#rows),*]),*]))
+        }
+        _ => quote!([#(#numbers),*]),
+    };
+    let hint = if large { quote!(#[inline]) } else { quote!(#[inline(always)]) };
+    let name = format_ident!("{name}");
+    let arguments = arguments.iter().map(|(name, form)| quote!(#name: #form));
+    quote! {
+        #[doc = #about]
+        #hint
+        pub fn #name(&self, #(#arguments),*) -> #result {
+            #statements
+            #value
+        }
+    }
+}
+
+fn component(name: &str, i: u32) -> TokenStream {
+    let (name, i) = (format_ident!("{name}"), Literal::u32_unsuffixed(i));
+    quote!(#name[#i])
+}
