@@ -76,6 +76,20 @@ fn uniform_where_there_is_no_formula() {
     fits(&counts, &shares);
 }
 
+/// Of two spheres, one in the other, on the inner one lies 1/10 of the area, though lines that meet it meet both: points
+/// are taken with a chance that goes with their number.
+#[test]
+fn all_meetings_count() {
+    constraint! {
+        /// Spheres of radius 1 and 3.
+        struct Nested {}
+        |x, y, z| (x^2 + y^2 + z^2 - 1) * (x^2 + y^2 + z^2 - 9)
+    }
+    let inner =
+        uniform(&Nested {}, [-3.0; 3], [3.0; 3], N, 7).unwrap().iter().filter(|q| q.norm() < 2.0).count();
+    fits(&[inner as f64, (N - inner) as f64], &[0.1, 0.9]);
+}
+
 /// A surface that goes on outside of the box ends at its sides; the same seed gives the same points.
 #[test]
 fn boxes_and_seeds() {
