@@ -33,7 +33,7 @@ fn start(i: u32) -> State<3> {
 fn run(task: &str) -> Box<dyn Checkpoint> {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     if task == "ensemble" {
-        let fast = |i: u32| if i % 9 == 0 { start(i).moving([15.0, 10.0, 0.0]) } else { start(i) };
+        let fast = |i: u32| if i.is_multiple_of(9) { start(i).moving([15.0, 10.0, 0.0]) } else { start(i) };
         return Box::new(scene.ensemble((0..70).map(fast), Rattle::new(0.01)).unwrap());
     }
     let bath = Langevin { friction: 0.1, temperature: 0.1, seed: 16 };
@@ -90,7 +90,7 @@ fn killed(task: &str, times: u32, longest: u64) {
         program.wait().unwrap();
         if path.exists() {
             let now = steps_in(&path);
-            assert!(now >= last && now % every(task) == 0, "{now} steps after {last}");
+            assert!(now >= last && now.is_multiple_of(every(task)), "{now} steps after {last}");
             advanced += u32::from(now > last);
             last = now;
         }
