@@ -54,9 +54,9 @@ pub enum CheckpointError {
         /// The file.
         path: PathBuf,
         /// Which part differs.
-        error: Error,
+        error: Box<Error>,
     },
     /// A step could not be taken.
     #[error(transparent)]
-    Step(Error),
+    Step(Box<Error>),
 }

@@ -34,7 +34,7 @@ pub trait Save: Checkpoint {
     /// ```
     fn restore(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         let path = path.as_ref();
-        let refused = |error| CheckpointError::Refused { path: path.into(), error };
+        let refused = |error| CheckpointError::Refused { path: path.into(), error: Box::new(error) };
         self.resume(&read(path)?).map_err(refused)
     }
 }

@@ -99,7 +99,7 @@ impl Saving {
             let begun = Instant::now();
             if let Err(error) = run.take_steps(end - now) {
                 run.save(&self.path)?;
-                return Err(CheckpointError::Step(error));
+                return Err(CheckpointError::Step(Box::new(error)));
             }
             if begun.elapsed() < LOOK && stretch < MOST {
                 stretch *= 2;

@@ -318,7 +318,7 @@ fn first_other(a: &[f64], b: &[f64]) -> Option<usize> {
     other.or((a.len() != b.len()).then(|| a.len().min(b.len())))
 }
 
-/// The name of a type without the modules that it stands in: "Each<Sphere>".
+/// The name of a type without the modules that it stands in: `Each<Sphere>`.
 #[must_use]
 pub fn short_name(path: &str) -> String {
     let mut short = String::new();
