@@ -35,7 +35,7 @@ fn what_is_right_has_its_functions() {
     let plain = says("struct A { a } |x, y| given |c| [a * x + y * c, y^2, x - c]");
     assert!(plain.contains("fn residual_and_jacobian") && !plain.contains("fn condensed"));
     assert!(!plain.contains("compile_error"), "{plain}");
-    let text = "struct A { e } |x, y| given |c,| eliminate(y) { let r = x + y; [r - c, y * r] linearise { let s = e + y; [r, s * y] } }";
+    let text = "struct A { d } |x, y| given |c,| eliminate(y) { let r = x + y; [r - c, y * r] linearise { let s = d + y; [r, s * y] } }";
     let whole = says(text);
     assert!(
         ["fn condensed", "fn condensed_residual", "fn recovered"].iter().all(|name| whole.contains(name)),
