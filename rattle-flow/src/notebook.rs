@@ -264,7 +264,7 @@ impl Notebook {
 
     /// Where an equation is not asked for: q on the boundary, and depth that is held at zero.
     fn idle(&self, guess: &[f64]) -> Vec<bool> {
-        let held = |i: usize| i % 3 == 0 && guess[i / 3] <= HELD && self.plain[i] > 0.0;
+        let held = |i: usize| i.is_multiple_of(3) && guess[i / 3] <= HELD && self.plain[i] > 0.0;
         (0..self.fixed.len()).map(|i| self.fixed[i] || held(i)).collect()
     }
 

@@ -61,7 +61,7 @@ pub fn residual(input: TokenStream) -> TokenStream {
         noun: "the residual",
         of_time: "a residual knows no time; hand it over with what is given",
     };
-    let Lowered { roots, named } = lower(&item, expected, &mut graph, &mut problems);
+    let Lowered { roots, .. } = lower(&item, expected, &mut graph, &mut problems);
     let roles = roles(&item, &headings, &mut problems);
     let written = if headings.linearised { roots.len() / 2 } else { roots.len() };
     if !problems.any() && headings.linearised && roots.len() % 2 == 1 {
@@ -81,10 +81,7 @@ pub fn residual(input: TokenStream) -> TokenStream {
         return quote!(#stub #report);
     }
     match routines(graph, &roots, written, &roles) {
-        Ok(routines) => {
-            let _ = named;
-            implementation(&item, &headings, &routines, &roles)
-        }
+        Ok(routines) => implementation(&item, &headings, &routines, &roles),
         Err(large) => {
             problems.note_at(&item.name, large);
             let (stub, report) = (structure(&item, &[]), reported(&item, problems));
@@ -167,7 +164,7 @@ fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
         let size: usize = variable.shape.iter().product();
         if place < headings.unknowns {
             unknowns += size;
-            if headings.eliminated.iter().any(|name| variable.name == *name) {
+            if headings.eliminated.contains(&variable.name) {
                 eliminated.extend(all..all + size);
             }
         }
