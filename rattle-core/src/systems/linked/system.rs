@@ -257,17 +257,20 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
 
         let (drift, push) = (&room.drift[..], &room.push[..]);
-        let mut arrive = |body: usize, way: &[f64; D], impulse: &[f64; D]| {
-            let lift = sum(&sum(&drift[body], &push[body]), way);
-            let change = sum(&force[body].add_to(p_low[body], kick), impulse);
+        for &body in &shape.loose {
+            let lift = sum(&drift[body], &push[body]);
             (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
-            (p[body], p_low[body]) = two_sum(&p[body], &change);
-        };
-        shape.loose.iter().for_each(|&body| arrive(body, &[0.0; D], &[0.0; D]));
+            (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
+        }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let x = &room.x[component.first.0..component.first.0 + rows.equations()];
-            solver.moves(rows, &shape.roots, 1.0 / h, x, &mut arrive);
+            solver.moves(rows, &shape.roots, 1.0 / h, x, |body, way, impulse| {
+                let lift = sum(&sum(&drift[body], &push[body]), way);
+                let change = sum(&force[body].add_to(p_low[body], kick), impulse);
+                (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
+                (p[body], p_low[body]) = two_sum(&p[body], &change);
+            });
             if W::LISTENS || rows.moving {
                 solver.multipliers(x, &mut room.dx[..x.len()]);
                 let rates = &rates[component.first.0..];
