@@ -3,17 +3,19 @@
 //! ```text
 //! cargo bench --bench baseline                      C needs a compiler `cc`, Python the network once
 //! cargo bench --bench baseline -- --rounds 3        quicker; 9 is usual
+//! cargo bench --bench baseline -- --only chain      tasks of this name alone
 //! cargo bench --bench baseline -- --callgrind       instructions per step instead, with valgrind
 //! ```
 //!
 //! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h = 0.01,
-//! |g| ≤ 1e-14; and the gas of 21 and of 1000 particles. Every opponent is a program that waits for requests; they take
+//! |g| ≤ 1e-14; the gas of 21 and of 1000 particles; a double pendulum, a chain of 1000 links and a heavy top, each alone. Every opponent is a program that waits for requests; they take
 //! turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the median
 //! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once and
 //! the fastest go on. Before that, positions, energies and constraints are compared.
 
 mod by_hand;
 mod conversation;
+mod linked;
 mod ours;
 mod programs;
 
@@ -23,6 +25,17 @@ use programs::Task;
 use std::path::Path;
 
 const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
+
+/// Names, trajectories or particles or links, steps.
+const TASKS: [(&str, usize, u64); 7] = [
+    ("one after the other", 500, 2000),
+    ("side by side", 10_000, 2000),
+    ("gas of 21", 21, 5000),
+    ("gas of 1000", 1000, 20),
+    ("double pendulum", 1, 200_000),
+    ("chain of 1000", 1000, 150),
+    ("heavy top", 1, 200_000),
+];
 
 const LEGEND: &str = "\
 ns        CPU nanoseconds per trajectory (or particle) and step; by the clock for two threads
@@ -39,6 +52,8 @@ fn main() -> Result<(), String> {
     if let Some(what) = after("--serve") {
         if what == "trajectories" {
             serve(&[&ours::ROWS[..], &HANDS[..]].concat(), trajectories);
+        } else if programs::LINKED.contains(&what.as_str()) {
+            serve(&["linked"], |_, n, _| linked::linked(what, n));
         } else {
             let (h, positions) = ours::read_gas(Path::new(what));
             serve(&["gas"], |_, _, _| Some(ours::gas(h, &positions)));
@@ -53,12 +68,13 @@ fn main() -> Result<(), String> {
         .map_or(Ok(9), |number| number.parse())
         .map_err(|why: std::num::ParseIntError| why.to_string())?;
 
-    let mut tasks = [
-        Task { name: "one after the other", n: 500, steps: 2000, entrants: programs.scalar()? },
-        Task { name: "side by side", n: 10_000, steps: 2000, entrants: programs.lanes()? },
-        Task { name: "gas of 21", n: 21, steps: 5000, entrants: programs.gas(21, 100, 0.01)? },
-        Task { name: "gas of 1000", n: 1000, steps: 20, entrants: programs.gas(1000, 2, 0.0025)? },
-    ];
+    let only = after("--only");
+    let mut tasks = Vec::new();
+    for (name, n, steps) in TASKS {
+        if only.is_none_or(|only| name.contains(only.as_str())) {
+            tasks.push(Task { name, n, steps, entrants: programs.entrants(name)? });
+        }
+    }
     println!("{LEGEND}");
     for task in &mut tasks {
         task.compare()?;

@@ -8,6 +8,9 @@ use std::process::Command;
 /// Where the opponents' sources are.
 const SOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/baseline");
 
+/// Tasks of linked bodies.
+pub(crate) const LINKED: [&str; 3] = ["double_pendulum", "chain", "top"];
+
 /// One who takes part.
 pub(crate) struct Entrant {
     /// The name in `ratio NAME VALUE`; ours has none, which is the first without one, nor has what only the table shows.
@@ -48,6 +51,19 @@ impl Programs {
         Ok(Self { folder, python })
     }
 
+    /// Who takes part in the task of this name.
+    pub(crate) fn entrants(&self, task: &str) -> Result<Vec<Entrant>, String> {
+        match task {
+            "one after the other" => self.scalar(),
+            "side by side" => self.lanes(),
+            "gas of 21" => self.gas(21, 100, 0.01),
+            "gas of 1000" => self.gas(1000, 2, 0.0025),
+            "double pendulum" => self.linked("double_pendulum"),
+            "chain of 1000" => self.linked("chain"),
+            _ => self.linked("top"),
+        }
+    }
+
     /// Compiles a source, with these flags for the machine.
     fn compile(&self, source: &str, flags: &[&str]) -> Result<PathBuf, String> {
         let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
@@ -81,7 +97,7 @@ impl Programs {
     }
 
     /// Trajectories one after the other.
-    pub(crate) fn scalar(&self) -> Result<Vec<Entrant>, String> {
+    fn scalar(&self) -> Result<Vec<Entrant>, String> {
         let c = || self.c("scalar.c", &["-march=native"]);
         Ok(present([
             entrant("Rust by hand", Some("scalar_over_rust"), &crate::HANDS, us("trajectories")),
@@ -99,7 +115,7 @@ impl Programs {
     }
 
     /// Trajectories side by side.
-    pub(crate) fn lanes(&self) -> Result<Vec<Entrant>, String> {
+    fn lanes(&self) -> Result<Vec<Entrant>, String> {
         let wide = "--xla_cpu_prefer_vector_width=512";
         let (arrays, one_array) =
             (["newton_32", "newton_64", "ostrowski_64"], ["one_array_newton_64", "one_array_ostrowski_64"]);
@@ -160,7 +176,7 @@ impl Programs {
     }
 
     /// A gas; it starts from points of one path, `every` so many steps.
-    pub(crate) fn gas(&self, particles: usize, every: u64, h: f64) -> Result<Vec<Entrant>, String> {
+    fn gas(&self, particles: usize, every: u64, h: f64) -> Result<Vec<Entrant>, String> {
         let file = self.folder.join(format!("gas_{particles}"));
         ours::write_gas(&file, particles, every, h).map_err(|why| why.to_string())?;
         let file = file.to_str().ok_or("the target folder's name is no text")?;
@@ -173,6 +189,21 @@ impl Programs {
             entrant("C", Some(names[0]), &["scalar"], c()),
             entrant("ours", None, &["gas"], us(file)),
             entrant("C, intrinsics", Some(names[1]), &["lanes"], c()),
+        ]))
+    }
+
+    /// One of [`LINKED`].
+    fn linked(&self, task: &str) -> Result<Vec<Entrant>, String> {
+        let c = || Program::start(Command::new(self.compile("linked.c", &["-march=native"])?).arg(task));
+        let names = match task {
+            "double_pendulum" => ["double_pendulum_over_c", "double_pendulum_over_c_past"],
+            "chain" => ["chain_over_c", "chain_over_c_past"],
+            _ => ["top_over_c", "top_over_c_past"],
+        };
+        Ok(present([
+            entrant("C, guess from the state", Some(names[0]), &["state"], c()),
+            entrant("ours", None, &["linked"], us(task)),
+            entrant("C, guess from the past", Some(names[1]), &["past"], c()),
         ]))
     }
 
@@ -283,6 +314,8 @@ impl Task {
     pub(crate) fn compare(&mut self) -> Result<(), String> {
         let (looks, whole): (&[(usize, u64, f64)], _) = if self.name.starts_with("gas") {
             (&[(self.n, 20, 1e-9)], (self.n, self.steps.min(2000)))
+        } else if self.name.contains("pendulum") || self.name.contains("chain") || self.name.contains("top") {
+            (&[(self.n, 100, 1e-12)], (self.n, self.steps.min(2000)))
         } else {
             (&[(100, 100, 1e-12), (100, 500, 1e-8)], (1000, 2000))
         };

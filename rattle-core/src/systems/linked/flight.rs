@@ -223,7 +223,6 @@ impl<const D: usize> Flight<'_, D> {
             lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i] + way[i]);
             trial[body] = sum(&self.q[body], &sum(&q_low[body], &lift[body]));
         });
-        room.arrived = false;
     }
 
     /// Moves them on by `room.dx`. Returns the largest displacement.
@@ -283,7 +282,6 @@ impl<const D: usize> Flight<'_, D> {
             let (_, left) = shrinking.note(residual);
             if residual <= 1.0 || left <= SPARE {
                 landing.converged = true;
-                room.arrived = s == 1.0;
                 return landing;
             }
             self.shape.values(self.component, time, &room.trial, &mut room.g[..m]);
@@ -302,7 +300,6 @@ impl<const D: usize> Flight<'_, D> {
                     let vain = self.length_of_correction(solver, room) < 1e-3 * room.longest(m);
                     landing.contradictory = vain && solver.rank(rows) < m && residual > 64.0;
                     landing.converged = !landing.contradictory;
-                    room.arrived = s == 1.0;
                     return landing;
                 }
                 let pivot = solver.chord::<false>(rows, &room.blocks, &self.shape.roots);
@@ -425,19 +422,18 @@ impl<const D: usize> Room<D> {
         let [y, off] = &self.tried[attempt];
         self.y[..equations].copy_from_slice(&y[..equations]);
         self.off[..equations].copy_from_slice(&off[..equations]);
-        self.arrived = false;
     }
 
     /// The largest residual in units of its rounding; NaN if one is.
+    #[inline(always)]
     pub(crate) fn residual(&self, equations: usize) -> f64 {
-        let mut worst = 0.0;
-        for (g, scale) in self.g[..equations].iter().zip(&self.scale) {
+        let (mut worst, mut total) = (0.0_f64, 0.0);
+        for (g, scale) in self.g[..equations].iter().zip(&self.scale[..equations]) {
             let ratio = if *g == 0.0 { 0.0 } else { g.abs() * scale };
-            if ratio > worst || ratio.is_nan() {
-                worst = ratio;
-            }
+            worst = if worst < ratio { ratio } else { worst };
+            total += ratio; // NaN if one is
         }
-        worst
+        if total.is_nan() { f64::NAN } else { worst }
     }
 
     /// The equation with the largest residual.

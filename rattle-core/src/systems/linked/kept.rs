@@ -82,8 +82,6 @@ pub(crate) struct Room<const D: usize> {
     /// Positions that g is tried at.
     pub(super) trial: Vec<[f64; D]>,
     pub(super) blocks: Vec<[f64; D]>,
-    /// Whether `lift` and `trial` are those at the end of the step for `y`.
-    pub(super) arrived: bool,
     /// The gradients before a new derivative.
     pub(super) before: Vec<[f64; D]>,
     pub(super) rates: Vec<f64>,

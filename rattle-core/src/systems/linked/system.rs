@@ -71,7 +71,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             lift: vec![[0.0; D]; n],
             trial: vec![[0.0; D]; n],
             blocks: vec![[0.0; D]; blocks],
-            arrived: false,
             before: vec![[0.0; D]; blocks],
             rates: vec![0.0; rows],
             g: vec![0.0; rows],
@@ -235,9 +234,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             room.velocity[body] = v;
             room.drift[body] = std::array::from_fn(|i| h * v[i] + h * v_low[i]);
             room.push[body] = f;
-            room.lift[body] = sum(&room.drift[body], &f);
-            room.trial[body] = q[body];
         }
+        shape.pins.iter().for_each(|&(body, _)| room.trial[body] = q[body]);
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let (first, m) = (component.first, rows.equations());
@@ -252,22 +250,27 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             } else {
                 flight.try_to_solve::<X>(guess, solver, room, counts)?
             };
-            if !room.arrived {
-                flight.place(solver, 1.0, room);
-            }
             for (aim, &off) in aims.iter_mut().zip(&room.off) {
                 aim.note(if landing.aimed { off } else { f64::NAN });
             }
             room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
         }
 
-        for body in 0..q.len() {
-            room.trial[body] = force[body].add_to(p_low[body], kick);
+        let (drift, push) = (&room.drift[..], &room.push[..]);
+        for &body in &shape.loose {
+            let lift = sum(&drift[body], &push[body]);
+            (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
+            (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
         }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let x = &room.x[component.first.0..component.first.0 + rows.equations()];
-            solver.push(rows, &shape.roots, 1.0 / h, x, &mut room.trial);
+            solver.moves(rows, &shape.roots, 1.0 / h, x, |body, way, impulse| {
+                let lift = sum(&sum(&drift[body], &push[body]), way);
+                let change = sum(&force[body].add_to(p_low[body], kick), impulse);
+                (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
+                (p[body], p_low[body]) = two_sum(&p[body], &change);
+            });
             if W::LISTENS || rows.moving {
                 solver.multipliers(x, &mut room.dx[..x.len()]);
                 let rates = &rates[component.first.0..];
@@ -277,10 +280,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                     witness.position_multiplier(rows.equation(row), multiplier);
                 }
             }
-        }
-        for body in 0..q.len() {
-            (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &room.lift[body]));
-            (p[body], p_low[body]) = two_sum(&p[body], &room.trial[body]);
         }
         bodies.time += h;
         for c in 0..shape.components.len() {
@@ -316,9 +315,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let shape = &*self.shape;
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
         let Kept { force, blocks, rates, solvers, room, .. } = &mut bodies.kept;
-        let change = &mut room.trial;
+        let (change, velocity, roots) = (&mut room.trial, &mut room.velocity, &shape.roots);
         for body in 0..p.len() {
             change[body] = force[body].add_to(p_low[body], kick);
+            velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
         }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
@@ -327,21 +327,21 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             let (needed, x, total) = (&mut room.g[..m], &mut room.dx[..m], &mut room.x[row..row + m]);
             total.fill(0.0);
             for round in 0..2 {
-                for &body in &rows.bodies {
-                    room.velocity[body] = shape.roots[body].velocity(&sum(&p[body], &change[body]));
-                }
                 // The second time takes what rounding left, if it left more than comes from forming the rates.
                 let settled = match (round, rows.width()) {
-                    (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, &room.velocity, needed),
-                    (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, &room.velocity, needed),
-                    (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, &room.velocity, needed),
-                    _ => fall_short::<true, 0, D>(rows, blocks, rates, &room.velocity, needed),
+                    (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, velocity, needed),
+                    (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, velocity, needed),
+                    (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, velocity, needed),
+                    _ => fall_short::<true, 0, D>(rows, blocks, rates, velocity, needed),
                 };
                 if settled {
                     break;
                 }
-                solver.respond(rows, blocks, &shape.roots, needed, x);
-                solver.push(rows, &shape.roots, 1.0, x, change);
+                solver.respond(rows, blocks, roots, needed, x);
+                solver.pushes(rows, roots, 1.0, x, |body, impulse| {
+                    change[body] = sum(&change[body], &impulse);
+                    velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
+                });
                 total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
             }
             if W::LISTENS || rows.moving {
@@ -352,14 +352,17 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                 }
             }
         }
-        for body in 0..p.len() {
-            (p[body], p_low[body]) = two_sum(&p[body], &change[body]);
-            // Also of places: free bodies have no constraint that would miss them.
-            if !(dot(&p[body], &p[body]) + dot(&bodies.q.as_ref()[body], &bodies.q.as_ref()[body]))
-                .is_finite()
-            {
-                return Err(self.not_finite(bodies, body));
-            }
+        // Also of places: free bodies have no constraint that would miss them.
+        let size = |p: &[f64; D], q: &[f64; D]| dot(p, p) + dot(q, q);
+        let (mut total, q) = (0.0, bodies.q.as_ref());
+        for (((p, p_low), change), q) in p.iter_mut().zip(p_low).zip(change).zip(q) {
+            (*p, *p_low) = two_sum(p, change);
+            total += size(p, q);
+        }
+        if !total.is_finite()
+            && let Some(body) = (0..p.len()).find(|&body| !size(&p[body], &q[body]).is_finite())
+        {
+            return Err(self.not_finite(bodies, body));
         }
         Ok(())
     }

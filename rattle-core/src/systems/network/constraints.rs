@@ -130,10 +130,12 @@ impl<const D: usize> Network<D> {
                 let few = equations <= FEW;
                 let solver = match self.algebra {
                     LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
-                    LinearAlgebra::Automatic if few => Solver::few(&rows),
+                    LinearAlgebra::Automatic if few => Solver::few(&rows, &roots),
                     #[cfg(feature = "faer")]
-                    LinearAlgebra::Supernodal => Solver::supernodal(&rows),
-                    LinearAlgebra::Automatic | LinearAlgebra::Elimination => Solver::elimination(&rows),
+                    LinearAlgebra::Supernodal => Solver::supernodal(&rows, &roots),
+                    LinearAlgebra::Automatic | LinearAlgebra::Elimination => {
+                        Solver::elimination(&rows, &roots)
+                    }
                 };
                 Component { rows, solver, first }
             })

@@ -17,6 +17,7 @@ use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
 #[cfg(feature = "faer")]
 use crate::systems::network::supernodal::Supernodal;
+use std::array::from_fn;
 use std::mem::take;
 
 /// With hubs: an equation whose square of the sine to those before is smaller, without what hubs can do for it, is
@@ -37,6 +38,8 @@ pub(crate) struct Elimination<const D: usize> {
     touching_start: Vec<usize>,
     /// The same where no body touches more than two, with a block of zeros past all others for a second one that is not.
     pairs: Option<Vec<[(usize, usize); 2]>>,
+    /// For each block 1/m along each coordinate, 0 where pinned; none where a mass is a matrix.
+    over_masses: Option<Vec<[f64; D]>>,
     /// Normals where the step starts, and M⁻¹ times them.
     normals: Vec<[f64; D]>,
     lifted: Vec<[f64; D]>,
@@ -51,7 +54,7 @@ pub(crate) struct Elimination<const D: usize> {
 }
 
 impl<const D: usize> Elimination<D> {
-    pub(crate) fn new(rows: &Rows) -> Self {
+    pub(crate) fn new(rows: &Rows, roots: &[Root<D>]) -> Self {
         let m = rows.equations();
         let mut of_body: Vec<Vec<(usize, usize)>> = vec![Vec::new(); rows.bodies.len()];
         for row in 0..m {
@@ -76,6 +79,7 @@ impl<const D: usize> Elimination<D> {
         let factor = if chain.is_some() { Factor::default() } else { Factor::new(&pattern) };
         let factored = chain.as_ref().map_or_else(Factored::default, |_| Factored::new(m));
         let blocks = vec![[0.0; D]; rows.blocks() + 1];
+        let over_masses = rows.touched().iter().map(|&body| roots[body].over_masses()).collect();
         let pair = |body: usize| match of(body) {
             &[one] => Some([one, (one.0, rows.blocks())]),
             &[one, two] => Some([one, two]),
@@ -92,6 +96,7 @@ impl<const D: usize> Elimination<D> {
             touching,
             touching_start,
             pairs,
+            over_masses,
             normals: blocks.clone(),
             lifted: blocks,
             at_start: factor.clone(),
@@ -106,8 +111,8 @@ impl<const D: usize> Elimination<D> {
 
     /// The same with a supernodal factor where the step starts, if it pays.
     #[cfg(feature = "faer")]
-    pub(crate) fn supernodal(rows: &Rows) -> Self {
-        let mut elimination = Self::new(rows);
+    pub(crate) fn supernodal(rows: &Rows, roots: &[Root<D>]) -> Self {
+        let mut elimination = Self::new(rows, roots);
         if !elimination.hubs.bodies.is_empty() {
             return elimination; // its matrix is not symmetric
         }
@@ -144,8 +149,14 @@ impl<const D: usize> Elimination<D> {
 
     /// Takes the normals over. Returns the sine of the angle of the least independent one to those before, and its row.
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
-        for ((lifted, block), &body) in self.lifted.iter_mut().zip(blocks).zip(rows.touched()) {
-            *lifted = roots[body].velocity(block); // 0 where pinned
+        if let Some(over_masses) = &self.over_masses {
+            for ((lifted, block), over) in self.lifted.iter_mut().zip(blocks).zip(over_masses) {
+                *lifted = from_fn(|i| over[i] * block[i]);
+            }
+        } else {
+            for ((lifted, block), &body) in self.lifted.iter_mut().zip(blocks).zip(rows.touched()) {
+                *lifted = roots[body].velocity(block); // 0 where pinned
+            }
         }
         self.normals[..blocks.len()].copy_from_slice(blocks);
         #[cfg(feature = "faer")]
@@ -335,6 +346,27 @@ impl<const D: usize> Elimination<D> {
         self.combine(rows, &self.lifted, x, |body, blocks| see(body, blocks.add_to([0.0; D], 1.0)));
     }
 
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and `scale` GᵀΛ.
+    #[inline(always)]
+    pub(crate) fn moves(
+        &self,
+        rows: &Rows,
+        scale: f64,
+        x: &[f64],
+        mut see: impl FnMut(usize, &[f64; D], &[f64; D]),
+    ) {
+        self.combine(rows, &self.lifted, x, |body, lifted| {
+            let normals = Blocks { blocks: &self.normals, ..lifted };
+            see(body, &lifted.add_to([0.0; D], 1.0), &normals.add_to([0.0; D], scale));
+        });
+    }
+
+    /// Calls `see` with `scale` GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn pushes(&self, rows: &Rows, scale: f64, x: &[f64], mut see: impl FnMut(usize, [f64; D])) {
+        self.combine(rows, &self.normals, x, |body, blocks| see(body, blocks.add_to([0.0; D], scale)));
+    }
+
     /// Adds `scale` GᵀΛ to each body's momentum.
     pub(crate) fn push(&self, rows: &Rows, scale: f64, x: &[f64], out: &mut [[f64; D]]) {
         self.combine(rows, &self.normals, x, |body, blocks| out[body] = blocks.add_to(out[body], scale));
@@ -342,6 +374,7 @@ impl<const D: usize> Elimination<D> {
 }
 
 /// The rows and blocks of a body, and an x.
+#[derive(Clone, Copy)]
 struct Blocks<'a, const D: usize> {
     own: &'a [(usize, usize)],
     blocks: &'a [[f64; D]],
@@ -381,7 +414,7 @@ impl<const D: usize, const SYMMETRIC: bool> WithHubs<'_, D, SYMMETRIC> {
     fn along_hub<const COLUMN: bool>(&self, block: usize, body: usize) -> [f64; D] {
         let (there, here) = (&self.blocks[block], &self.elimination.normals[block]);
         if SYMMETRIC {
-            self.halve(body, &std::array::from_fn(|i| 0.5 * (there[i] + here[i])))
+            self.halve(body, &from_fn(|i| 0.5 * (there[i] + here[i])))
         } else {
             self.halve(body, if COLUMN { here } else { there })
         }

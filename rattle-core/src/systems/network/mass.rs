@@ -72,6 +72,16 @@ impl<const D: usize> Root<D> {
         }
     }
 
+    /// 1/m along each coordinate, 0 where pinned; none where the mass is a matrix.
+    pub(crate) fn over_masses(&self) -> Option<[f64; D]> {
+        match self {
+            Self::Unit => Some([1.0; D]),
+            Self::Pinned => Some([0.0; D]),
+            Self::Diagonal { inverse, .. } => Some(*inverse),
+            Self::Cholesky(_) => None,
+        }
+    }
+
     /// aᵀM b; 0 where pinned.
     pub(crate) fn product(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
         match self {

@@ -229,6 +229,39 @@ impl<const D: usize> Basis<D> {
         });
     }
 
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and `scale` GᵀΛ.
+    #[inline(always)]
+    pub(crate) fn moves(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        scale: f64,
+        x: &[f64],
+        mut see: impl FnMut(usize, &[f64; D], &[f64; D]),
+    ) {
+        self.combine(x, |body, part| {
+            let place = rows.bodies[body];
+            let root = &roots[place];
+            see(place, &root.halve_transposed(&part), &scaled(scale, &root.restore(&part)));
+        });
+    }
+
+    /// Calls `see` with `scale` GᵀΛ of each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn pushes(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        scale: f64,
+        x: &[f64],
+        mut see: impl FnMut(usize, [f64; D]),
+    ) {
+        self.combine(x, |body, part| {
+            let place = rows.bodies[body];
+            see(place, scaled(scale, &roots[place].restore(&part)));
+        });
+    }
+
     /// Adds `scale` GᵀΛ to each body's momentum.
     pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
         self.combine(x, |body, part| {

@@ -37,18 +37,18 @@ impl<const D: usize> Solver<D> {
         Self::Orthogonal(Box::new(Basis::new(rows.equations(), rows.bodies.len())))
     }
 
-    pub(crate) fn elimination(rows: &Rows) -> Self {
-        Self::Elimination(Box::new(Elimination::new(rows)))
+    pub(crate) fn elimination(rows: &Rows, roots: &[Root<D>]) -> Self {
+        Self::Elimination(Box::new(Elimination::new(rows, roots)))
     }
 
-    pub(crate) fn few(rows: &Rows) -> Self {
+    pub(crate) fn few(rows: &Rows, roots: &[Root<D>]) -> Self {
         let basis = Basis::new(rows.equations(), rows.bodies.len());
-        Self::Few(Box::new(Few { basis, elimination: Elimination::new(rows), clear: false }))
+        Self::Few(Box::new(Few { basis, elimination: Elimination::new(rows, roots), clear: false }))
     }
 
     #[cfg(feature = "faer")]
-    pub(crate) fn supernodal(rows: &Rows) -> Self {
-        Self::Elimination(Box::new(Elimination::supernodal(rows)))
+    pub(crate) fn supernodal(rows: &Rows, roots: &[Root<D>]) -> Self {
+        Self::Elimination(Box::new(Elimination::supernodal(rows, roots)))
     }
 
     #[inline(always)]
@@ -200,6 +200,38 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.displace(rows, roots, x, out),
             By::Elimination(elimination) => elimination.displace(rows, x, out),
+        }
+    }
+
+    /// Calls `see` with the impulse `scale` GᵀΛ on each body, by its number in the scene.
+    #[inline(always)]
+    pub(crate) fn pushes(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        scale: f64,
+        x: &[f64],
+        see: impl FnMut(usize, [f64; D]),
+    ) {
+        match self.by() {
+            By::Basis(basis) => basis.pushes(rows, roots, scale, x, see),
+            By::Elimination(elimination) => elimination.pushes(rows, scale, x, see),
+        }
+    }
+
+    /// Calls `see` with the displacement M⁻¹GᵀΛ of each body, by its number in the scene, and the impulse `scale` GᵀΛ.
+    #[inline(always)]
+    pub(crate) fn moves(
+        &self,
+        rows: &Rows,
+        roots: &[Root<D>],
+        scale: f64,
+        x: &[f64],
+        see: impl FnMut(usize, &[f64; D], &[f64; D]),
+    ) {
+        match self.by() {
+            By::Basis(basis) => basis.moves(rows, roots, scale, x, see),
+            By::Elimination(elimination) => elimination.moves(rows, scale, x, see),
         }
     }
 
