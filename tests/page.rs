@@ -54,6 +54,7 @@ fn billiards() -> Page {
     let fan = Scene3::new("25 trajectories")
         .surface(&mesh)
         .bodies(&times, &fan)
+        .trail(100)
         .caption("From the middle of the saddle in 25 directions. </script> & <b>not bold</b>");
     let crowd =
         Scene3::new("Gas of 21").surface(&mesh).bodies(&times, &crowd).trail(50).caption("Each on its own.");
@@ -208,6 +209,217 @@ fn a_browser_plays_the_page() {
     );
 }
 
+/// Two bodies at the ends of a rod that turns, one of them on a rod to a fixed place; a disc, a wall and a box; colours,
+/// sizes, names, axes, and charts.
+fn machine() -> Scene3 {
+    let times: Vec<f64> = (0..=10).map(|i| 0.1 * f64::from(i)).collect();
+    let turn = |r: f64, t: f64| [r * t.cos(), 0.0, r * t.sin()];
+    let arms: Vec<Vec<[f64; 3]>> =
+        [1.0, -1.0].iter().map(|r| times.iter().map(|t| turn(*r, *t)).collect()).collect();
+    let attitudes: Vec<[[f64; 3]; 3]> =
+        times.iter().map(|t| [[t.cos(), t.sin(), 0.0], [-t.sin(), t.cos(), 0.0], [0.0, 0.0, 1.0]]).collect();
+    let of_time = |f: fn(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<f64>>();
+    Scene3::new("machine")
+        .bodies(&times, &arms)
+        .rods([(0, 1)])
+        .rods([(0, [0.0, 0.0, 2.0])])
+        .disc([-1.8, 0.4, 0.0], [0.0, 1.0, 0.0], 0.5)
+        .wall([-2.4, 0.6, -1.4], [[4.8, 0.0, 0.0], [0.0, 0.0, 3.6]])
+        .turning_box([0.5, 0.7, 0.9], &[[1.8, 0.0, -0.8]], &attitudes)
+        .sizes(&[vec![0.12], of_time(|t| 0.12 + 0.2 * t)])
+        .coloured_by("speed / m s⁻¹", &[vec![0.0], of_time(|t| t)])
+        .names(["left", ""])
+        .axes(["x / m", "y / m", "z / m"])
+        .chart("Energy", [("kinetic", of_time(f64::sin)), ("potential", of_time(f64::cos))])
+        .chart("Error", [("", of_time(|t| 1e-15 * (9.0 * t).sin()))])
+        .seconds(0.4)
+}
+
+/// Sizes and colours of all bodies by the pixel in their middle, and whether there is something at a point of the stage:
+/// red, green, blue and how opaque it is, of what is drawn in space.
+fn pixel(page: &mut Browser, place: &str) -> [u8; 4] {
+    let read = "rattle.draw(); const copy = document.createElement('canvas'); const ratio = canvas.width / canvas.clientWidth; \
+                [copy.width, copy.height] = [canvas.width, canvas.height]; const pen = copy.getContext('2d'); \
+                pen.drawImage(canvas, 0, 0); return [...pen.getImageData(ratio * x, ratio * y, 1, 1).data]";
+    let found = page.evaluate(&format!("(([x, y]) => {{ {read} }})({place})"));
+    [0, 1, 2, 3].map(|i| found[i].as_u64().unwrap() as u8)
+}
+
+#[test]
+fn the_page_draws_what_a_scene_has() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("machine.html");
+    let mesh = Mesh::of(tube, [-1.2, -0.6, -0.3], [1.2, 0.6, 0.3], 60).unwrap();
+    let still = |place: [f64; 3]| vec![place; 2];
+    let warm = Scene3::new("warm")
+        .bodies(&[0.0, 1.0], &[still([-0.9, 0.0, 0.0]), still([0.9, 0.0, 0.0])])
+        .surface(&mesh)
+        .heat("height", mesh.vertices.iter().map(|q| q[0]));
+    let crowd: Vec<_> = (0..500).map(|i| still([f64::from(i % 25), f64::from(i / 25), 0.0])).collect();
+    let crowd = Scene3::new("crowd").bodies(&[0.0, 1.0], &crowd);
+    let bare = |trail| {
+        Scene3::new("bare")
+            .bodies(&[0.0, 1.0, 2.0], &[[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 1.0]]])
+            .trail(trail)
+    };
+    Page::new("Machine & more")
+        .scene(machine())
+        .scene(warm)
+        .scene(crowd)
+        .scene(bare(0))
+        .scene(bare(2))
+        .write(&file)
+        .unwrap();
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(1120, 720, false);
+    page.downloads(folder.path());
+    page.open(&file);
+    page.wait("window.rattle !== undefined");
+    page.evaluate("rattle.pause(); rattle.seek(0)");
+    keep(&mut page, "machine");
+
+    // Rods are where the bodies are, at each time: in the middle between both, and nothing beside it.
+    for frame in [0, 4, 10] {
+        page.evaluate(&format!("rattle.seek({frame}); rattle.draw()"));
+        let between = |part: f64, up: f64| {
+            format!(
+                "((a, b) => [a[0] + {part} * (b[0] - a[0]), a[1] + {part} * (b[1] - a[1]) - {up}])(rattle.place(0), rattle.place(1))"
+            )
+        };
+        for part in [0.3, 0.5, 0.7] {
+            let [r, g, b, opaque] = pixel(&mut page, &between(part, 0.0));
+            assert!(
+                opaque > 230 && distance([r, g, b], [g, g, g]) < 60,
+                "frame {frame}: no rod at {part}: {r} {g} {b} {opaque}"
+            );
+            assert!(pixel(&mut page, &between(part, 22.0))[3] < 120, "frame {frame}: the rod is everywhere");
+        }
+        // One end of the other rod is fixed.
+        assert!(
+            pixel(
+                &mut page,
+                "((a, b) => [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2])(rattle.place(0), rattle.place(2))"
+            )[3] > 230
+        );
+    }
+    // The first body has the lowest colour of the scale all the time, and its size; the second goes to the other end of both.
+    let purple = |[r, g, b, _]: [u8; 4]| b > g && r > g;
+    let yellow = |[r, g, b, _]: [u8; 4]| r > b && g > b && g > 120;
+    let grown = "((a) => [a[0], a[1] + 20])(rattle.place(1))";
+    page.evaluate("rattle.seek(0)");
+    assert!(purple(pixel(&mut page, "rattle.place(0)")) && purple(pixel(&mut page, "rattle.place(1)")));
+    assert!(pixel(&mut page, grown)[3] < 120, "it is large from the start");
+    page.evaluate("rattle.seek(10)");
+    assert!(purple(pixel(&mut page, "rattle.place(0)")) && yellow(pixel(&mut page, "rattle.place(1)")));
+    assert!(yellow(pixel(&mut page, grown)), "it does not grow");
+
+    // The charts' cursors follow the time, and a press on a chart goes there.
+    for frame in [0, 5, 10] {
+        page.evaluate(&format!("rattle.seek({frame}); rattle.draw()"));
+        let cursors = page.evaluate("rattle.cursors()");
+        for chart in [0, 1] {
+            assert!(
+                (cursors[chart].as_f64().unwrap() - 0.1 * f64::from(frame)).abs() < 1e-3,
+                "{frame}: {cursors}"
+            );
+        }
+    }
+    let middle = "(() => { const r = document.querySelector('#charts canvas').getBoundingClientRect(); return [r.x + 0.55 * r.width, r.y + r.height / 2] })()";
+    let place = page.evaluate(middle);
+    page.mouse("mousePressed", place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    page.mouse("mouseReleased", place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
+    assert!([4, 5, 6].map(|frame| json!(frame)).contains(&page.evaluate("rattle.frame()")));
+
+    // A change of size is drawn before the browser shows it: an observer that comes after the page's own sees a full canvas.
+    page.evaluate(
+        "rattle.play(); window.seen = []; new ResizeObserver(() => { const copy = document.createElement('canvas'); \
+         [copy.width, copy.height] = [canvas.width, canvas.height]; const pen = copy.getContext('2d'); \
+         pen.drawImage(canvas, 0, 0); const { data } = pen.getImageData(0, 0, copy.width, copy.height); \
+         let full = 0; for (let i = 3; i < data.length; i += 4) full += data[i] > 0; seen.push([copy.width, full]) }) \
+         .observe(document.getElementById('stage'))",
+    );
+    for width in [800, 390, 640, 1120] {
+        page.resize(width, 720, false);
+        page.wait(&format!(
+            "seen.at(-1)?.[0] === canvas.width && innerWidth === {width} && Math.abs(canvas.clientWidth - canvas.width) < 1"
+        ));
+    }
+    let seen = page.evaluate("seen");
+    assert!(seen.as_array().unwrap().len() >= 4, "{seen}");
+    assert!(
+        seen.as_array().unwrap().iter().all(|size| size[1].as_u64() > Some(2000)),
+        "an empty picture: {seen}"
+    );
+
+    // Scales of colours, names and axes are words and colours over the picture.
+    let over = "(() => { rattle.draw(); const notes = document.getElementById('notes'); \
+                const { data } = notes.getContext('2d').getImageData(notes.width - 220, 0, 220, 50); \
+                const near = (i, rgb) => rgb.every((c, k) => Math.abs(data[i + k] - c) < 24); let ends = [0, 0]; \
+                for (let i = 0; i < data.length; i += 4) [[68, 1, 84], [253, 231, 37]].forEach((rgb, k) => ends[k] += near(i, rgb) && data[i + 3] > 250); \
+                return ends })()";
+    page.evaluate("rattle.pause()");
+    let ends = page.evaluate(over);
+    assert!(
+        ends[0].as_u64() > Some(20) && ends[1].as_u64() > Some(20),
+        "both ends of viridis on the scale: {ends}"
+    );
+
+    // A surface in colours: purple on the left, yellow on the right.
+    page.evaluate("rattle.show(1)");
+    keep(&mut page, "warm");
+    let [left, right] =
+        ["0", "1"].map(|body| pixel(&mut page, &format!("((a) => [a[0], a[1] - 14])(rattle.place({body}))")));
+    assert!(purple(left) && yellow(right), "{left:?} {right:?}");
+    let ends = page.evaluate(over);
+    assert!(ends[0].as_u64() > Some(20) && ends[1].as_u64() > Some(20), "{ends}");
+
+    // Of five hundred each says which it is.
+    page.evaluate("rattle.show(2)");
+    let at = page.evaluate("((a) => { const r = canvas.getBoundingClientRect(); return [a[0] + r.x, a[1] + r.y] })(rattle.place(317))");
+    page.mouse_over(at[0].as_f64().unwrap(), at[1].as_f64().unwrap());
+    assert_eq!(page.evaluate("rattle.pointed()"), 317);
+    keep(&mut page, "crowd");
+
+    // Trails are there when asked for.
+    let trails = [3, 4].map(|scene| {
+        page.evaluate(&format!("rattle.show({scene}); rattle.seek(2)"));
+        pixel(&mut page, "((a) => [a[0], a[1] + 120])(rattle.place(0))")[3]
+    });
+    assert!(trails[0] == 0 && trails[1] > 60, "{trails:?}");
+
+    // The buttons save a picture, and the film as an archive of pictures.
+    page.evaluate("rattle.show(0); rattle.seek(3)");
+    page.click("#photo");
+    let picture = browser::downloaded(&folder.path().join("machine-more.png"));
+    assert!(size(&picture)[0] > 1000, "stage and charts side by side: {:?}", size(&picture));
+    page.click("#film");
+    let film = browser::downloaded(&folder.path().join("machine-more.zip"));
+    let mut film = zip::ZipArchive::new(std::io::Cursor::new(film)).unwrap();
+    assert_eq!(film.len(), 11, "25 pictures a second for 0.4 s, and one at the start");
+    let mut frames = Vec::new();
+    for i in 0..film.len() {
+        let mut file = film.by_index(i).unwrap();
+        assert_eq!(file.name().unwrap(), format!("frame-{i:05}.png"));
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut file, &mut bytes).unwrap(); // its sum of bytes is checked
+        assert_eq!(size(&bytes), size(&picture));
+        frames.push(bytes);
+    }
+    assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "two pictures in a row are the same");
+    assert_eq!(frames[3], picture, "the film's picture of a time is that of the button");
+    assert_eq!(page.evaluate("rattle.frame()"), 3, "the film changed the time");
+    assert_eq!(page.complaints, Vec::<String>::new());
+}
+
+/// Width and height of a PNG, which codecs want even.
+fn size(png: &[u8]) -> [u32; 2] {
+    let reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let size = [reader.info().width, reader.info().height];
+    assert_eq!(size.map(|side| side % 2), [0, 0]);
+    size
+}
+
 #[test]
 fn without_webgl_the_page_says_so() {
     let Some(chromium) = browser::find() else { return };
@@ -252,6 +464,20 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("as one",    scene(&[1.0, 1.0 + 1e-12], &[path.to_vec()]),             "does not follow"),
         ("short",     scene(&[0.0, 1.0, 2.0], &[path.to_vec()]),                "body 0 has 2 positions for 3 times"),
         ("NaN",       scene(&[0.0, 1.0], &[path.to_vec(), vec![[0.0; 3], [0.0, f64::NAN, 0.0]]]), "body 1 is at [0.0, NaN, 0.0] at time 1"),
+        ("no body",   flight().rods([(0, 1)]),                                  "there is no body 1 for a rod"),
+        ("no place",  flight().rods([(0, [f64::NAN, 0.0, 0.0])]),               "coordinate NaN"),
+        ("no radius", flight().disc(0, [1.0, 0.0, 0.0], 0.0),                   "radius of a disc 0"),
+        ("no axis",   flight().disc(0, [0.0; 3], 1.0),                          "axis 0"),
+        ("no wall",   flight().wall([f64::INFINITY; 3], [[1.0; 3]; 2]),         "wall inf"),
+        ("sizes",     flight().sizes(&[[1.0, 2.0, 3.0]]),                       "3 sizes for 2 times (or one)"),
+        ("size",      flight().sizes(&[[-1.0]]),                                "size -1"),
+        ("colours",   flight().coloured_by("speed", &[[1.0], [2.0]]),           "2 speed for 1 bodies"),
+        ("colour",    flight().coloured_by("speed", &[[f64::NAN]]),             "speed NaN"),
+        ("names",     flight().names(["a", "b"]),                               "2 names for 1 bodies"),
+        ("heat",      flight().heat("curvature", [1.0]),                        "1 curvature for 0 vertices"),
+        ("chart",     flight().chart("Energy", [("E", [1.0])]),                 "1 E for 2 times"),
+        ("mirror",    flight().turning_box([1.0; 3], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]]), "box 0 at time 0 are no rotation"),
+        ("thin box",  flight().turning_box([1.0, 0.0, 1.0], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]), "side of a box 0"),
         ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
     ];
     for (name, scene, words) in cases {

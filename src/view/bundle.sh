@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes three.min.js, byte for byte: three.js as far as page.js uses it, in one file without imports.
+# Makes three.min.js, byte for byte: three.js as far as the page uses it, in one file without imports.
 # Needs node and npm. With --check it changes nothing and says whether the committed file is what it makes.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

@@ -9,13 +9,20 @@
 //!
 //! let times: Vec<f64> = (0..=100).map(|i| 0.1 * f64::from(i)).collect();
 //! let equator: Vec<[f64; 3]> = times.iter().map(|t| [t.cos(), t.sin(), 0.0]).collect();
-//! let scene = Scene3::new("Equator").surface(&mesh).bodies(&times, &[equator]).caption("One free body.");
+//! let scene = Scene3::new("Equator").surface(&mesh).bodies(&times, &[equator]).trail(50).caption("One free body.");
 //! Page::new("Motion on a sphere").scene(scene).write(&path)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod encode;
+mod error;
 mod mesh;
 mod page;
+mod scene;
+mod shapes;
 
+pub use error::PageError;
 pub use mesh::{Mesh, MeshError};
-pub use page::{Page, PageError, Scene3};
+pub use page::Page;
+pub use scene::Scene3;
+pub use shapes::End;

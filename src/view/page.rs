@@ -1,21 +1,28 @@
-//! One HTML file without a network: scenes with a surface and bodies that leave fading trails.
+//! One HTML file without a network: scenes to switch between, and what is needed to look at them.
 //!
 //! ```text
-//! page.html  ◀── page.css, three.min.js (made by bundle.sh), page.js
-//!            ◀── data: JSON; numbers as base64, little-endian: times f32, points u16 of a cube, normals i16
+//! page.html  ◀── page.css, three.min.js (made by bundle.sh), the page's own script (the files of page/)
+//!            ◀── data: JSON, as `encode.rs` writes it
 //! ```
-//!
-//! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with f32.
 
+use super::encode::{mesh_json, scene_json};
+use super::error::PageError;
 use super::mesh::Mesh;
-use crate::Trajectory;
-use base64::prelude::{BASE64_STANDARD, Engine};
+use super::scene::Scene3;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use std::{fs, io};
+use std::fs;
+use std::path::Path;
 
-/// Positions of all bodies of a scene that a page takes; every WebGL 2 has a texture that holds them.
-const MAX_POINTS: usize = 2048 * 2048;
+/// The page's own script, one module in parts.
+const SCRIPT: &str = concat!(
+    include_str!("page/data.js"),
+    include_str!("page/bodies.js"),
+    include_str!("page/motion.js"),
+    include_str!("page/notes.js"),
+    include_str!("page/charts.js"),
+    include_str!("page/export.js"),
+    include_str!("page/stage.js"),
+);
 
 /// A page with scenes to switch between.
 #[derive(Clone, Debug)]
@@ -53,7 +60,8 @@ impl Page {
     ///
     /// # Errors
     /// [`PageError::NoScene`], and for a scene [`PageError::NoMotion`], [`PageError::Times`], [`PageError::Length`],
-    /// [`PageError::NotFinite`] and [`PageError::TooMany`].
+    /// [`PageError::NotFinite`], [`PageError::TooMany`], [`PageError::NoBody`], [`PageError::Count`],
+    /// [`PageError::Number`] and [`PageError::Attitude`].
     ///
     /// ```
     /// use rattle::view::{Page, PageError, Scene3};
@@ -69,13 +77,14 @@ impl Page {
         let mut scenes = Vec::new();
         for scene in &self.scenes {
             scene.check()?;
-            let mesh = scene.surface.as_ref().map(|surface| {
+            let number = |surface| {
                 meshes.iter().position(|known| *known == surface).unwrap_or_else(|| {
                     meshes.push(surface);
                     meshes.len() - 1
                 })
-            });
-            scenes.push(scene.json(mesh));
+            };
+            let numbers: Vec<usize> = scene.surfaces.iter().map(|(_, surface)| surface).map(number).collect();
+            scenes.push(scene_json(scene, &numbers));
         }
         let meshes: Vec<Value> = meshes.into_iter().map(mesh_json).collect();
         let data = json!({ "meshes": meshes, "scenes": scenes }).to_string();
@@ -83,7 +92,7 @@ impl Page {
             "title" => escape(&self.title),
             "style" => include_str!("page.css").into(),
             "three" => include_str!("three.min.js").into(),
-            "script" => include_str!("page.js").into(),
+            "script" => SCRIPT.into(),
             "data" => data.replace('<', "\\u003c"), // no `</script>` in a title ends the data
             _ => unreachable!("page.html names only the above"),
         }))
@@ -109,229 +118,6 @@ impl Page {
     }
 }
 
-/// A scene of a [`Page`]: bodies, and the surface they move on if there is one.
-#[derive(Clone, Debug)]
-pub struct Scene3 {
-    title: String,
-    caption: String,
-    surface: Option<Mesh>,
-    times: Vec<f64>,
-    positions: Vec<Vec<[f64; 3]>>,
-    trail: usize,
-    seconds: f64,
-}
-
-impl Scene3 {
-    /// A scene that still lacks its bodies.
-    ///
-    /// ```
-    /// use rattle::view::{Page, PageError, Scene3};
-    /// let error = Page::new("Page").scene(Scene3::new("nothing moves")).to_html().unwrap_err();
-    /// assert!(matches!(error, PageError::NoMotion { .. }));
-    /// ```
-    pub fn new(title: impl Into<String>) -> Self {
-        Self {
-            title: title.into(),
-            caption: String::new(),
-            surface: None,
-            times: Vec::new(),
-            positions: Vec::new(),
-            trail: 100,
-            seconds: 30.0,
-        }
-    }
-
-    /// The surface, drawn softly lit; trails behind it shine through faintly.
-    ///
-    /// ```
-    /// use rattle::view::{Mesh, Page, Scene3};
-    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
-    /// let mesh = Mesh::of(sphere, [-1.2; 3], [1.2; 3], 12)?;
-    /// let scene = Scene3::new("at the pole").surface(&mesh).bodies(&[0.0, 1.0], &[[[0.0, 0.0, 1.0]; 2]]);
-    /// assert!(Page::new("Rest").scene(scene).to_html().is_ok());
-    /// # Ok::<(), rattle::view::MeshError>(())
-    /// ```
-    pub fn surface(mut self, mesh: &Mesh) -> Self {
-        self.surface = Some(mesh.clone());
-        self
-    }
-
-    /// The motion: increasing times, and for each body its position at each of them (arrays or nalgebra's
-    /// vectors). Bodies get colours around the hue circle in their order.
-    ///
-    /// ```
-    /// use nalgebra::{Vector3, vector};
-    /// let path: Vec<Vector3<f64>> = vec![vector![0.0, 0.0, 0.0], vector![1.0, 0.0, 0.0]];
-    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[path]);
-    /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html().is_ok());
-    /// ```
-    pub fn bodies<P, Q>(mut self, times: &[f64], positions: &[P]) -> Self
-    where
-        P: AsRef<[Q]>,
-        Q: Copy + Into<[f64; 3]>,
-    {
-        self.times = times.to_vec();
-        self.positions =
-            positions.iter().map(|path| path.as_ref().iter().map(|&point| point.into()).collect()).collect();
-        self
-    }
-
-    /// The bodies of a trajectory, after those there are: a run of many bodies, or several runs with the same times. Those in
-    /// the plane move at z = 0.
-    ///
-    /// ```
-    /// use rattle::prelude::*;
-    /// let start = State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).moving([0.0, 0.0, 1.0]);
-    /// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
-    /// let mut trajectory = Trajectory::of(&simulation);
-    /// simulation.observe(100, 2, &mut trajectory)?;
-    /// let scene = rattle::view::Scene3::new("two in flight").trajectory(&trajectory);
-    /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html().is_ok());
-    /// # Ok::<(), rattle::Error>(())
-    /// ```
-    ///
-    /// # Panics
-    /// If bodies have other than two or three coordinates.
-    #[track_caller]
-    pub fn trajectory(mut self, trajectory: &Trajectory) -> Self {
-        let [_, bodies, coordinates] = trajectory.shape();
-        assert!(
-            bodies == 0 || matches!(coordinates, 2 | 3),
-            "a page shows two or three coordinates, not {coordinates}"
-        );
-        if self.times.is_empty() {
-            self.times = trajectory.times().to_vec();
-        }
-        let place = |q: &[f64]| [q[0], q[1], q.get(2).copied().unwrap_or(0.0)];
-        let path = |body| trajectory.path(body).map(place).collect();
-        self.positions.extend((0..bodies).map(path));
-        self
-    }
-
-    /// Length of the trails in samples, at most the whole motion; 100 unless told.
-    ///
-    /// ```
-    /// let times: Vec<f64> = (0..60).map(f64::from).collect();
-    /// let path: Vec<[f64; 3]> = times.iter().map(|&t| [t, 0.0, 0.0]).collect();
-    /// let scene = rattle::view::Scene3::new("flight").bodies(&times, &[path]).trail(25);
-    /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html()?.contains(r#""trail":25"#));
-    /// # Ok::<(), rattle::view::PageError>(())
-    /// ```
-    pub fn trail(mut self, samples: usize) -> Self {
-        self.trail = samples.max(1);
-        self
-    }
-
-    /// How many seconds the whole motion takes on the page at speed 1; 30 unless told.
-    ///
-    /// ```
-    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]).seconds(10.0);
-    /// assert!(rattle::view::Page::new("Flight").scene(scene).to_html()?.contains(r#""seconds":10.0"#));
-    /// # Ok::<(), rattle::view::PageError>(())
-    /// ```
-    ///
-    /// # Panics
-    /// When `seconds` is not a positive number.
-    #[track_caller]
-    pub fn seconds(mut self, seconds: f64) -> Self {
-        assert!(seconds.is_finite() && seconds > 0.0, "a motion takes a positive time, not {seconds} s");
-        self.seconds = seconds;
-        self
-    }
-
-    /// A sentence or two under the title.
-    ///
-    /// ```
-    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
-    /// let html = rattle::view::Page::new("Flight").scene(scene.caption("Straight on.")).to_html()?;
-    /// assert!(html.contains("Straight on."));
-    /// # Ok::<(), rattle::view::PageError>(())
-    /// ```
-    pub fn caption(mut self, caption: impl Into<String>) -> Self {
-        self.caption = caption.into();
-        self
-    }
-
-    fn check(&self) -> Result<(), PageError> {
-        let scene = || self.title.clone();
-        if self.positions.is_empty() || self.times.len() < 2 {
-            return Err(PageError::NoMotion { scene: scene() });
-        }
-        // The page holds times as f32, and divides by their differences.
-        let single = |i: usize| self.times[i] as f32;
-        let increasing =
-            |&i: &usize| single(i - 1).is_finite() && single(i).is_finite() && single(i - 1) < single(i);
-        if let Some(frame) = (1..self.times.len()).find(|i| !increasing(i)) {
-            return Err(PageError::Times { scene: scene(), frame, time: self.times[frame] });
-        }
-        for (body, path) in self.positions.iter().enumerate() {
-            if path.len() != self.times.len() {
-                let (positions, times) = (path.len(), self.times.len());
-                return Err(PageError::Length { scene: scene(), body, positions, times });
-            }
-            let finite = |point: &[f64; 3]| point.iter().all(|&x| (x as f32).is_finite());
-            if let Some(frame) = path.iter().position(|point| !finite(point)) {
-                return Err(PageError::NotFinite { scene: scene(), body, frame, position: path[frame] });
-            }
-        }
-        let points = self.positions.len() * self.times.len();
-        if points > MAX_POINTS {
-            return Err(PageError::TooMany { scene: scene(), points });
-        }
-        Ok(())
-    }
-
-    fn json(&self, mesh: Option<usize>) -> Value {
-        json!({
-            "title": self.title,
-            "caption": self.caption,
-            "mesh": mesh,
-            "trail": self.trail.min(self.times.len()),
-            "seconds": self.seconds,
-            "particles": self.positions.len(),
-            "times": base64(self.times.iter().flat_map(|&time| (time as f32).to_le_bytes())),
-            "positions": points_json(self.positions.iter().flatten()),
-        })
-    }
-}
-
-/// A closed mesh is turned outwards, so that the page needs to draw front faces only: where a back face peeps out at
-/// the outline, its light would fray the edge.
-fn mesh_json(mesh: &Mesh) -> Value {
-    let closed = mesh.is_closed();
-    let inverted = closed && mesh.volume() < 0.0;
-    let sign = if inverted { -1.0 } else { 1.0 };
-    let wide = mesh.vertices.len() > usize::from(u16::MAX);
-    let indices = mesh.triangles.iter().flat_map(|&[a, b, c]| if inverted { [a, c, b] } else { [a, b, c] });
-    let normal = |&component: &f64| ((sign * component * f64::from(i16::MAX)).round() as i16).to_le_bytes();
-    json!({
-        "closed": closed,
-        "vertices": points_json(mesh.vertices.iter()),
-        "normals": base64(mesh.normals.iter().flatten().flat_map(normal)),
-        "wide": wide,
-        "triangles": if wide {
-            base64(indices.flat_map(u32::to_le_bytes))
-        } else {
-            base64(indices.flat_map(|i| (i as u16).to_le_bytes()))
-        },
-    })
-}
-
-/// Points as 16-bit fractions of the cube around them.
-fn points_json<'a>(points: impl Iterator<Item = &'a [f64; 3]> + Clone) -> Value {
-    let bound =
-        |i: usize, pick: fn(f64, f64) -> f64| points.clone().map(|p| p[i]).reduce(pick).unwrap_or(0.0);
-    let corner = [0, 1, 2].map(|i| bound(i, f64::min));
-    let size = (0..3).map(|i| bound(i, f64::max) - corner[i]).fold(f64::MIN_POSITIVE, f64::max);
-    let fraction = |i: usize, x: f64| ((x - corner[i]) / size * f64::from(u16::MAX)).round() as u16;
-    let bytes = points.clone().flat_map(|p| [0, 1, 2].map(|i| fraction(i, p[i]).to_le_bytes())).flatten();
-    json!({ "corner": corner, "size": size, "points": base64(bytes) })
-}
-
-fn base64(bytes: impl IntoIterator<Item = u8>) -> String {
-    BASE64_STANDARD.encode(bytes.into_iter().collect::<Vec<u8>>())
-}
-
 /// Replaces each `{{name}}` once; what is put in is not looked at again.
 fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut parts = template.split("{{");
@@ -346,69 +132,4 @@ fn fill(template: &str, value: impl Fn(&str) -> String) -> String {
 
 fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-/// What can go wrong with a page.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PageError {
-    /// The page has no scene.
-    #[error("the page has no scene")]
-    NoScene,
-    /// A scene has no body, or less than two times.
-    #[error("scene `{scene}`: nothing moves; give at least one body and two times")]
-    NoMotion {
-        /// The scene.
-        scene: String,
-    },
-    /// Times must be finite and increase, also as f32.
-    #[error("scene `{scene}`: time {frame} is {time}, which does not follow the one before")]
-    Times {
-        /// The scene.
-        scene: String,
-        /// The time's number.
-        frame: usize,
-        /// The time.
-        time: f64,
-    },
-    /// A body has not as many positions as there are times.
-    #[error("scene `{scene}`: body {body} has {positions} positions for {times} times")]
-    Length {
-        /// The scene.
-        scene: String,
-        /// The body.
-        body: usize,
-        /// Its positions.
-        positions: usize,
-        /// The times.
-        times: usize,
-    },
-    /// A position is NaN, infinite or beyond f32.
-    #[error("scene `{scene}`: body {body} is at {position:?} at time {frame}")]
-    NotFinite {
-        /// The scene.
-        scene: String,
-        /// The body.
-        body: usize,
-        /// The time's number.
-        frame: usize,
-        /// The position.
-        position: [f64; 3],
-    },
-    /// More positions than every graphics processor can hold.
-    #[error("scene `{scene}`: {points} positions, at most {MAX_POINTS}; take every second or tenth time")]
-    TooMany {
-        /// The scene.
-        scene: String,
-        /// Bodies × times.
-        points: usize,
-    },
-    /// The file can't be written.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
 }

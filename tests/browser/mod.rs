@@ -32,6 +32,17 @@ pub(crate) fn find() -> Option<PathBuf> {
     found
 }
 
+/// A file that a page saves, as soon as it is there whole: browsers write under another name first.
+#[allow(dead_code)]
+pub(crate) fn downloaded(path: &Path) -> Vec<u8> {
+    let end = Instant::now() + PATIENCE;
+    while !path.is_file() {
+        assert!(Instant::now() < end, "{} was not saved", path.display());
+        thread::sleep(Duration::from_millis(50));
+    }
+    std::fs::read(path).unwrap()
+}
+
 /// One browser with one page.
 pub(crate) struct Browser {
     child: Child,
@@ -167,6 +178,20 @@ impl Browser {
         let (x, y) = (x + width / 2.0, y + height / 2.0);
         self.mouse("mousePressed", x, y);
         self.mouse("mouseReleased", x, y);
+    }
+
+    /// The pointer without a button.
+    #[allow(dead_code)] // programs that draw pictures do not point
+    pub(crate) fn mouse_over(&mut self, x: f64, y: f64) {
+        self.call("Input.dispatchMouseEvent", json!({ "type": "mouseMoved", "x": x, "y": y }));
+    }
+
+    /// Files that the page saves go to the folder.
+    #[allow(dead_code)]
+    pub(crate) fn downloads(&mut self, folder: &Path) {
+        let session = std::mem::take(&mut self.session); // the whole browser is told
+        self.call("Browser.setDownloadBehavior", json!({ "behavior": "allow", "downloadPath": folder }));
+        self.session = session;
     }
 
     /// A key by its name and code, as in `KeyboardEvent`.
