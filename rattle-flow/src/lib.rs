@@ -23,13 +23,13 @@
 //! let flow = Flow::over(mesh, Resistance::Manning)
 //!     .terrain(|[x, _]| 0.05 * x)
 //!     .friction(|_| 0.1)
-//!     .rain(|_, t| if t < 60.0 { 1e-4 } else { 0.0 })
+//!     .rain(|_, t| if t <= 60.0 { 1e-4 } else { 0.0 })
 //!     .outlet(0.05, |[x, _]| x < 1e-9);
 //! let mut simulation = flow.simulate(dry, 1.0)?;
 //! simulation.run(120)?;
 //! let budget = simulation.budget();
-//! assert!((budget.rain - 0.4 * 60.0 * 1e-3).abs() < 1e-12);
-//! assert!(budget.outflow > 0.5 * budget.rain && budget.remainder().abs() < 1e-15);
+//! assert!((budget.rain - 4.0 * 60.0 * 1e-4).abs() < 1e-12);
+//! assert!(budget.outflow > 0.5 * budget.rain && budget.remainder().abs() < 1e-14);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

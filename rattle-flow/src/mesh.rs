@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// ```
 /// use rattle_flow::Mesh;
 /// let mesh = Mesh::new(vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], vec![[0, 1, 2], [0, 2, 3]])?;
-/// assert_eq!(mesh.area(), 1.0);
+/// assert!((mesh.area() - 1.0).abs() < 1e-15);
 /// assert_eq!(mesh.boundary().len(), 4);
 /// # Ok::<(), rattle_flow::MeshError>(())
 /// ```
