@@ -141,7 +141,7 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
 /// on: 0.1 of g, 0.2 where the
 /// slope at the guess is not known, 0.3 where three λ are extrapolated, whose errors change more from step to step. In chains a chord takes the slower of
 /// its last two contractions for its rate, which takes up to 0.8 evaluations
-/// more than the last one alone would; see `solve/stop.rs` of the core, and `tests/stopping.rs` for what the last one alone leaves.
+/// more than the last one alone would; see `solve/stop.rs` of the core, and `optimised/tests/stopping.rs` for what the last one alone leaves.
 #[test]
 fn evaluations() {
     println!("{:24} lemniscate, h = 0.02       0.01                  0.002", "");

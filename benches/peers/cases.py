@@ -113,7 +113,7 @@ def shells(k, h):
         None,
         potential=Z,
         program=("shells", k),
-        ours="tests/sheets.rs",
+        ours="optimised/tests/sheets.rs",
         units={"distance": gap / 4, "energy": 0.25},
     )
     case.truth = lambda t, q, v: {
@@ -136,7 +136,7 @@ def three_shells(gap=1e-3, h=0.2):
         None,
         potential=Z,
         program=("three shells", gap),
-        ours="tests/sheets.rs",
+        ours="optimised/tests/sheets.rs",
         units={"distance": gap / 4, "energy": 0.25},
     )
     case.truth = lambda t, q, v: {
@@ -161,7 +161,7 @@ def tube(minor, way, h):
         None,
         length=minor,
         program=("torus", minor),
-        ours="tests/hard_cases.rs, thin_tube_keeps_its_particle",
+        ours="optimised/tests/hard_cases.rs, thin_tube_keeps_its_particle",
         units={"distance": NEAR * minor, "energy": 0.05},
     )
 
@@ -474,7 +474,7 @@ CASES = [
         h=1.5,
         steps=20,
         path=0.1,
-        ours="tests/hard_cases.rs, sphere_up_to_the_solvability_limit",
+        ours="optimised/tests/hard_cases.rs, sphere_up_to_the_solvability_limit",
     ),
     sphere(
         "g times 1e-30",
@@ -484,7 +484,7 @@ CASES = [
         steps=1000,
         scale=1e-30,
         gravity=True,
-        ours="tests/hard_cases.rs, any_multiple_of_the_constraint_gives_the_same_motion",
+        ours="optimised/tests/hard_cases.rs, any_multiple_of_the_constraint_gives_the_same_motion",
     ),
     sphere(
         "g times 1e30",
@@ -494,7 +494,7 @@ CASES = [
         steps=1000,
         scale=1e30,
         gravity=True,
-        ours="tests/hard_cases.rs, any_multiple_of_the_constraint_gives_the_same_motion",
+        ours="optimised/tests/hard_cases.rs, any_multiple_of_the_constraint_gives_the_same_motion",
     ),
     sphere(
         "far away",
@@ -504,7 +504,7 @@ CASES = [
         steps=1000,
         centre=1e8,
         gravity=True,
-        ours="tests/hard_cases.rs, surfaces_through_the_origin_are_like_others",
+        ours="optimised/tests/hard_cases.rs, surfaces_through_the_origin_are_like_others",
     ),
     double_pendulum(
         "mass ratio 1e10",
@@ -515,7 +515,7 @@ CASES = [
         h=0.01,
         steps=1000,
         followed=True,
-        ours="tests/linked_laws.rs, light_tips",
+        ours="optimised/tests/linked_laws.rs, light_tips",
     ),
     same_rod_twice(),
     dead_point(),
@@ -528,7 +528,7 @@ CASES = [
         h=0.01,
         steps=100_000,
         followed=False,
-        ours="tests/linked_runs.rs",
+        ours="optimised/tests/linked_runs.rs",
     ),
     sphere(
         "long geodesic",
@@ -536,6 +536,6 @@ CASES = [
         "Drift from the surface and of the energy adds up over 100 000 steps.",
         h=0.05,
         steps=100_000,
-        ours="tests/long_runs.rs, rounding_grows_like_the_root_of_the_steps",
+        ours="optimised/tests/long_runs.rs, rounding_grows_like_the_root_of_the_steps",
     ),
 ]

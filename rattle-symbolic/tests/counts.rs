@@ -71,6 +71,20 @@ fn lemniscate_counts() {
     }
 }
 
+/// A factor is taken out of a sum where it divides all numbers to the last bit: 0.2/5 would be rounded.
+#[test]
+fn a_factor_divides_a_sum_exactly() {
+    let mut g = Graph::new();
+    let [x, y] = [0, 1].map(|i| g.input(Input::Variable(i)));
+    for (coefficient, number, factor) in
+        [(5.0, 10.0, 5.0), (5.0, 0.2, 1.0), (3.0, 0.75, 3.0), (3.0, 0.1, 1.0)]
+    {
+        let [x, y] = [x, y].map(|node| Scaled { factor: coefficient, node: Some(node) });
+        let sum = g.sum(&[x, y, Scaled::number(number)]);
+        assert_eq!(sum.factor, factor, "{coefficient} x + {coefficient} y + {number}");
+    }
+}
+
 /// Operations per call, from the generated documentation: value, value and Jacobian, Jacobian, Hessian·vector, jet,
 /// Hessian, weighted Hessian·vector, and kinks where there are some; then how many numbers the parameters settle.
 fn operations(expression: &str) -> String {

@@ -13,6 +13,7 @@ use rattle::prelude::*;
 pub use rattle::surfaces::{Lemniscate, Sphere, Torus, TorusByDistance};
 use std::collections::HashMap;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::Path;
 
 constraint! {
     /// A rod of this length about the origin, in the plane.
@@ -55,7 +56,10 @@ impl Row {
 
 /// The rows of a table in `tests/data`.
 pub fn table(name: &str) -> Vec<Row> {
-    let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+    let file = format!("tests/data/{name}.csv");
+    // The package is the workspace's first, or a folder of it.
+    let mut above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().map(|folder| folder.join(&file));
+    let path = above.find(|path| path.exists()).unwrap_or_else(|| panic!("no {file}"));
     let rows: Vec<_> =
         csv::Reader::from_path(path).unwrap().deserialize().map(|row| Row(row.unwrap())).collect();
     assert!(!rows.is_empty());

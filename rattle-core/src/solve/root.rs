@@ -10,8 +10,8 @@
 //!
 //! A root that is not trusted is followed from h = 0: the position equation is solved for parts of the step, which are
 //! halved until each root found is trusted. A root that no part of sensible length reaches has ended, or turns too
-//! sharply to tell. `tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces, and
-//! `tests/linked_roots.rs` of double pendulums: none ends on another root.
+//! sharply to tell. `optimised/tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces, and
+//! `optimised/tests/linked_roots.rs` of double pendulums: none ends on another root.
 
 use crate::number::real::{Mask, Real};
 

@@ -14,7 +14,7 @@
 //! | solved to the floor | 0.184 ε, 3.13 | 0.190 ε, 32.6 | 0.172 ε, 3.01 | 0.177 ε, 20.1 |
 //!
 //! On surfaces 40 000 steps each of the lemniscate, a torus and a gyroid end within 2.5, 9 and 1.5 ε of the surface, as many where
-//! each solve goes on to the floor: that is the rounding of g (`tests/stopping.rs`). What matters more than the sixteenth is that the
+//! each solve goes on to the floor: that is the rounding of g (`optimised/tests/stopping.rs`). What matters more than the sixteenth is that the
 //! estimate is no guess. On surfaces the normal where the solve ends, which is needed anyway, tells what is left; without it some
 //! steps ended 60 and 190 ε off, with 1/256 as with 1/16. In networks the slower of the last two contractions is taken; with the
 //! last one some steps ended 9 ε off instead of 3.

@@ -183,7 +183,6 @@ fn all_methods(seed: u64, runs: u32) -> [Outcome; 5] {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn each_step_stays_on_its_sheet() {
     for outcome in all_methods(100, 500) {
         assert!(outcome.wrong == 0 && outcome.steps >= 3000, "{outcome:?}");
@@ -192,7 +191,6 @@ fn each_step_stays_on_its_sheet() {
 
 /// Seeds and numbers of scenes whose steps once ended on another sheet in silence.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn scenes_that_were_wrong_are_not() {
     for (seed, runs) in
         [(1571, 27), (4441, 95), (4821, 142), (5021, 13), (5901, 135), (7241, 119), (10161, 177)]
@@ -221,7 +219,6 @@ fn scenes_that_were_wrong_are_not() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn each_step_of_lanes_stays_on_its_sheet() {
     let outcome = moves_in_lanes(200, 200);
     assert!(outcome.wrong == 0 && outcome.steps >= 20_000, "{outcome:?}");

@@ -11,6 +11,7 @@
 //!
 //! Edges of surfaces: `tests/kinks.rs`.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::*;
 use rattle::Error;
@@ -339,10 +340,10 @@ fn gas_keeps_its_energy(collisions: u64, bound: f64) {
 #[test]
 fn a_gas_of_beads_keeps_its_energy() {
     // Without optimisation a tenth of them.
-    gas_keeps_its_energy(if cfg!(debug_assertions) { 200 } else { 2000 }, 1e-13);
+    gas_keeps_its_energy(2000, 1e-13);
 }
 
-/// `cargo test --release --test events -- --ignored --nocapture`
+/// `cargo test --test events -- --ignored --nocapture`
 #[test]
 #[ignore = "takes minutes"]
 fn a_gas_of_beads_keeps_its_energy_for_long() {

@@ -70,7 +70,6 @@ fn ensembles<S: Method>(seed: u64, number: usize, method: impl Fn(f64) -> S) -> 
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn ensembles_stay_on_their_sheets() {
     ensembles(1, 24, Rattle::new).check(350);
     ensembles(2, 8, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(80);
@@ -144,7 +143,6 @@ fn gases(seed: u64, number: usize, bodies: usize) -> Outcome {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn particles_in_tiles_stay_on_their_sheets() {
     gases(5, 400, 9).check(100);
     gases(6, 40, 70).check(3);

@@ -2,10 +2,11 @@
 //! run always; the long ones by name:
 //!
 //! ```text
-//! cargo test --release --test long_runs -- --ignored --nocapture
-//! STEPS=10000 cargo test --release --test long_runs soak -- --ignored --nocapture      10⁴ trajectories; 10⁶ steps each if nothing is said
+//! cargo test --test long_runs -- --ignored --nocapture
+//! STEPS=10000 cargo test --test long_runs soak -- --ignored --nocapture      10⁴ trajectories; 10⁶ steps each if nothing is said
 //! ```
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::*;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
@@ -43,7 +44,6 @@ fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn rounding_grows_like_the_root_of_the_steps() {
     check_growth(FromState, Newton, &[1_000, 10_000, 60_000]);
 }
@@ -189,7 +189,6 @@ where
 
 /// Random roundings of 1e-17 leave 2e-17/n^{3/2}·n = 4e-20 of a slope in 2.5e5 steps.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn energy_does_not_drift_by_collocation() {
     check_drift::<5>(250_000, 1.5e-19);
     check_drift::<7>(250_000, 1.5e-19);

@@ -84,7 +84,6 @@ fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl 
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn chains_keep_their_distances() {
     stay(1, 1000, 1, 700, Rattle::new);
     stay(2, 500, 2, 290, Rattle::new);
@@ -92,7 +91,6 @@ fn chains_keep_their_distances() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn other_iterations_and_guesses_keep_them() {
     stay(4, 300, 3, 140, |h| Rattle::new(h).solved_by(Broyden));
     stay(5, 300, 3, 130, |h| Rattle::new(h).solved_by(Simplified));
@@ -102,7 +100,6 @@ fn other_iterations_and_guesses_keep_them() {
 
 /// What a guess is off by grows and shrinks with the steps of a composition, the distance of roots does not.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn compositions_keep_them() {
     stay(8, 300, 2, 200, |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h));
     stay(9, 300, 2, 140, |h| Composition::new(rattle::composition::YOSHIDA_1990_ORDER_4, h));
@@ -110,7 +107,6 @@ fn compositions_keep_them() {
 
 /// Methods that follow no root look inside their steps, and refuse those that end on another one.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn methods_without_a_guess_keep_them() {
     stay(20, 300, 2, 110, Lobatto::<3>::new);
     stay(21, 300, 3, 80, Lobatto::<5>::new);
@@ -119,7 +115,7 @@ fn methods_without_a_guess_keep_them() {
     stay(24, 300, 2, 80, Bdf2::new);
 }
 
-/// `cargo test --release --test sheets_linked many_chains -- --ignored`
+/// `cargo test --test sheets_linked many_chains -- --ignored`
 #[test]
 #[ignore = "some minutes"]
 fn many_chains_keep_them_by_methods_without_a_guess() {
@@ -152,7 +148,6 @@ constraint! {
 
 /// Where a guess lies beyond where an equation is a number, its root is followed in parts that do not.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_guess_beyond_the_domain_is_followed() {
     let mut followed = 0;
     for speed in [0.5, 1.0, 1.5, 2.0, 2.5] {

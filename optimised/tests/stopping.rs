@@ -1,5 +1,6 @@
 //! Solves end where rounding hides what is left, not earlier: see `solve/stop.rs` of the core.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::linked::*;
 use common::*;

@@ -1,5 +1,6 @@
 //! Long chains, cost, memory, restarts; constraints that move, and their work.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::linked::*;
 use common::*;
@@ -35,7 +36,6 @@ fn falling_chain(links: usize, h: f64, t: f64) -> (f64, f64, f64) {
 
 /// The numbers of the reference study; a tolerance that rounding cannot reach would take 16 corrections.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_chain_of_a_thousand_links() {
     let (energy, off, corrections) = falling_chain(1000, 2e-4, 2.0);
     println!("1000 links, h = 2e-4: |ΔE| {energy:.1e}, links {off:.1e}, {corrections:.3} corrections");

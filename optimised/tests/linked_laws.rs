@@ -1,5 +1,6 @@
 //! What linked bodies must obey in any words: linear algebra, scales, order, direction of time, masses.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::linked::*;
 use common::*;
@@ -19,7 +20,6 @@ constraint! {
 /// n₂ = n₁ + ε w with integers and ε a power of two: exact. Both are orthogonal to t = n₁ × w, so that of p only
 /// (p·t) t/t² is left. A basis loses ε_machine/ε, elimination its square.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn momenta_between_normals_at_a_small_angle() {
     let (n1, w, t) = ([3.0, 5.0, 7.0], [2.0, -1.0, 4.0], [27.0, 2.0, -13.0]);
     let exact = t.map(|t| 33.6 / 902.0 * t);
@@ -64,7 +64,6 @@ potential! {
 /// The circle has the closed discrete solution of angle asin(h|v|) a step. The direction of the force that
 /// holds the particle on it is known to ε_machine/ε only.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn motion_between_normals_at_a_small_angle() {
     let (epsilon, h, n) = (2.0_f64.powi(-27), 0.1, 200);
     let scene = Scene::on(Lens { epsilon }).with(Across { force: 0.7 });
@@ -135,7 +134,6 @@ fn start(
 
 /// Two ways to the same numbers: rounding, times the condition of the links and the chaos of half a unit of time.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn both_linear_algebras_give_the_same_motion() {
     let mut rng = StdRng::seed_from_u64(4);
     for (name, bodies, rods) in structures() {
@@ -170,7 +168,6 @@ fn both_linear_algebras_give_the_same_motion() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn surface_and_network_give_the_same_motion() {
     let angle = std::f64::consts::PI / 6.0;
     let on_torus = State::at([1.3, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()]);
@@ -193,7 +190,6 @@ constraint! {
 
 /// A power of two commutes with every rounding, so any absolute tolerance would show.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn scales_that_are_powers_of_two_change_no_bit() {
     for algebra in [Orthogonal, Elimination] {
         // c multiplies g; lengths, times and masses are in other units.
@@ -229,7 +225,6 @@ fn scales_that_are_powers_of_two_change_no_bit() {
 
 /// Named otherwise, summed otherwise: rounding.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_order_of_naming_does_not_matter() {
     let mut rng = StdRng::seed_from_u64(5);
     for (name, bodies, rods) in structures() {
@@ -259,7 +254,6 @@ fn the_order_of_naming_does_not_matter() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn linked_bodies_go_back_the_way_they_came() {
     let mut rng = StdRng::seed_from_u64(6);
     for (name, bodies, rods) in structures() {
@@ -322,7 +316,6 @@ fn symplectic_defect(map: impl Fn(State<2>) -> State<2>) -> f64 {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_step_of_a_double_pendulum_is_symplectic() {
     let scene = Scene::points(3)
         .link_each([(Rod { length: LENGTHS[0] }, [0, 1]), (Rod { length: LENGTHS[1] }, [1, 2])])
@@ -371,7 +364,6 @@ potential! {
 
 /// M = L Lᵀ and Q = Lᵀq: in Q masses are 1 and the motion is the same. L and its inverse are exact here.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn masses_are_a_change_of_variables() {
     let l = Matrix3::new(2.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.5, -1.0, 0.5);
     let (mass, w) = (l * l.transpose(), l.transpose().try_inverse().unwrap());
@@ -431,7 +423,6 @@ fn mass_ratio(ratio: f64, h: f64, t: f64) -> Result<(f64, f64, f64), Error> {
 
 /// A light tip is benign. The reference study found 3.8e-7 … 9.5e-6, |g| ≤ 7e-16 and 2.3 corrections.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn light_tips() {
     for exponent in [0, 3, 6, 9, 12] {
         let (energy, off, corrections) = mass_ratio(10.0_f64.powi(-exponent), 1e-3, 20.0).unwrap();
@@ -442,7 +433,6 @@ fn light_tips() {
 
 /// A light joint is stiff, ω² = m₂/m₁: an error or the right motion, never a silent jump.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn light_joints() {
     for exponent in [3, 6, 9, 12] {
         match mass_ratio(10.0_f64.powi(exponent), 1e-3, 20.0) {
@@ -459,7 +449,6 @@ fn light_joints() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn bad_masses_are_refused() {
     let rods = Scene::points(3).link(Rod { length: 1.0 }, chain(2)).pin(0, [0.0, 0.0]);
     let start = double_pendulum();

@@ -88,7 +88,6 @@ fn other_iterations_and_guesses_stay_on_theirs() {
 /// Steps of a composition differ in length: what a guess is off by grows and shrinks with h³, the distance of sheets
 /// does not.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn compositions_stay_on_theirs() {
     stays(6, 1000, 500, |h| Composition::new(SUZUKI_1990_ORDER_4, h));
     stays(7, 1000, 500, |h| Composition::new(YOSHIDA_1990_ORDER_4, h));

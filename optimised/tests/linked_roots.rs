@@ -1,5 +1,6 @@
 //! Steps that are too long never end on another root, and no input makes a panic.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::linked::*;
 use common::*;
@@ -112,7 +113,6 @@ impl Double {
 
 /// Either an error, or the root that is reached from h = 0. Where that root ends there may only be an error.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_long_step_is_an_error_or_the_right_root() {
     long_steps(Rattle::new);
     long_steps(|h| Rattle::new(h).solved_by(Symmetric));
@@ -155,7 +155,6 @@ fn long_steps<S: Method>(method: impl Fn(f64) -> S) {
 
 /// Long steps one after another, begun from what is remembered: each ends where one without a memory ends, or is an error as that is.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn guesses_do_not_mislead_long_steps() {
     remembering(|h| Rattle::new(h).guess(LastMultiplier));
     remembering(|h| Rattle::new(h).guess(Extrapolated));
@@ -237,7 +236,6 @@ fn mass(rng: &mut StdRng) -> Mass<2> {
 
 /// Any networks, any numbers: answers and errors, no panic; after an error everything is as it was.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn no_network_makes_a_panic() {
     let mut rng = StdRng::seed_from_u64(11);
     let (mut mistakes, mut starts, mut steps, mut runs, mut checked) = (0, 0, 0, 0, 0);

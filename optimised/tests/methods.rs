@@ -1,5 +1,6 @@
 //! Every method under the same laws: order, reversal, symplecticity, constraints and energy, from one table.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::symplectic::defect as symplectic_defect;
 use common::*;
@@ -551,7 +552,6 @@ fn energy_does_not_drift() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn energy_stays_bounded_in_chaos() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, start) = uneven_pendulum();

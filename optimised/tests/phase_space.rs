@@ -1,5 +1,6 @@
 //! Constraints on phase space: geometric RATTLE against 50-digit maps, solutions, laws, and other ways to the same motion.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::symplectic::defect;
 use common::*;
@@ -80,7 +81,6 @@ fn apart<const D: usize>(a: [[f64; D]; 2], b: [[f64; D]; 2]) -> f64 {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_discrete_map_agrees_with_50_digit_arithmetic() {
     let rows = table("golden_discrete_hopf");
     for row in &rows {
@@ -103,7 +103,6 @@ fn the_discrete_map_agrees_with_50_digit_arithmetic() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn high_orders_meet_the_solutions() {
     let mut compared = 0;
     for name in ["B", "C"] {
@@ -158,7 +157,6 @@ fn slope<C: rattle::scene::Hold<D>, const D: usize>(
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn orders_are_two_and_those_of_compositions() {
     let ((turning, spinning), (charge, charged), (wavy, waving)) = (turning(), charge(), wavy());
     // Steps until t = 2 in the coarsest of three runs. What is not quadratic comes to order 8 only at rounding.
@@ -185,7 +183,6 @@ fn orders_are_two_and_those_of_compositions() {
 
 /// The equations of motion themselves, by the classical Runge–Kutta method, with λ from derivatives by differences.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn motion_is_that_of_the_equations() {
     fn check<C: rattle::scene::Hold<D>, const D: usize>(
         name: &str,
@@ -268,7 +265,6 @@ fn one_step<C: rattle::scene::Hold<D>, const D: usize>(
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_step_is_symplectic_on_the_hidden_constraint() {
     let ((turning, spinning), (charge, charged), (wavy, waving)) = (turning(), charge(), wavy());
     for (name, defect) in [
@@ -284,7 +280,6 @@ fn a_step_is_symplectic_on_the_hidden_constraint() {
 
 /// There and back: rounding only, which grows with the number of steps, and for N near zero faster.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_step_back_undoes_a_step() {
     fn check<C: rattle::scene::Hold<D>, const D: usize>(
         name: &str,
@@ -310,7 +305,6 @@ fn a_step_back_undoes_a_step() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn energy_stays_and_constraints_hold() {
     let mut simulation = hopf().simulate(start("B"), Rattle::new(0.1)).unwrap();
     let (mut worst, mut g, mut hidden) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -334,7 +328,6 @@ fn energy_stays_and_constraints_hold() {
 
 /// Compensated sums: without them the energy of both runs is off by 3e-15 after 136 000 stages.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn rounding_does_not_add_up() {
     for name in ["B", "C"] {
         let method = Composition::new(KAHAN_LI_1997_ORDER_8, 0.05); // its own error is some 1e-16
@@ -347,7 +340,6 @@ fn rounding_does_not_add_up() {
 
 /// A step is a map of fibres: it does not see where on its fibre it starts.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn steps_from_all_points_of_a_fibre_arrive_together() {
     let from = start("C");
     let system = hopf().simulate(from.clone(), Rattle::new(0.1)).unwrap().system().clone();
@@ -367,7 +359,6 @@ fn steps_from_all_points_of_a_fibre_arrive_together() {
 
 /// Sliding along a fibre changes nothing but the place on it: it is taken back by `project`.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn fibres_are_slid_along_exactly() {
     let (scene, from) = (hopf(), start("B"));
     let (q, p) = (from.positions().next().unwrap(), from.momenta().next().unwrap());
@@ -410,7 +401,6 @@ potential! {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn constraints_on_positions_are_moved_by_rattle() {
     let (g, m, h) = (1.0, 2.0, 0.01);
     let here = State::at([1.0, 0.0, 1.0, 1.0]);
@@ -434,7 +424,6 @@ fn constraints_on_positions_are_moved_by_rattle() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn bodies_do_not_see_each_other_and_steps_do_not_allocate() {
     let scene = hopf().bodies(2);
     let (b, c) = (start("B"), start("C"));
@@ -462,7 +451,6 @@ phase_constraint! {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn what_makes_no_sense_is_refused_by_name() {
     let conjugate = Scene::in_phase_space(Conjugate {}, Falling { g: 0.3 });
     let error = conjugate.simulate(State::at([1.0, 0.0]), Rattle::new(0.1)).unwrap_err();
@@ -503,7 +491,6 @@ fn what_makes_no_sense_is_refused_by_name() {
 
 /// Start A of the reference runs into N = 0 at t = 2.58986 and has no motion beyond; other sheets are near.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn where_the_motion_ends_there_is_an_error() {
     let (q, s) = ([0.3_f64, 0.4], 1.040_765_8_f64);
     let p = [0.75_f64.sqrt() * 1.0_f64.cos(), 0.75_f64.sqrt() * 1.0_f64.sin()];
@@ -543,7 +530,6 @@ phase_constraint! {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn what_cannot_be_projected_says_so() {
     let nowhere = hopf().project(&State::at([0.0, 0.0])).unwrap_err();
     assert!(matches!(nowhere, Error::Start { cause: StartFailure::NoProjection { .. }, .. }), "{nowhere}");
@@ -560,7 +546,6 @@ fn what_cannot_be_projected_says_so() {
 /// Whatever the step, it arrives on the constraint, if short with about the energy it had, or it is an error and nothing
 /// has happened.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn steps_of_any_length_arrive_or_fail_cleanly() {
     fn check<C: rattle::scene::Hold<D>, const D: usize>(
         name: &str,

@@ -1,5 +1,6 @@
 //! Bodies of many links: the motion is that of an orthonormal basis, and costs are linear in the links.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::linked::{apart, coordinates, random};
 use common::*;
@@ -108,7 +109,6 @@ fn sceneries() -> Vec<Scenery> {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn hubs_move_as_by_a_basis() {
     for scenery in sceneries() {
         let check = |what: &str, hubs: (Vec<f64>, u64), basis: (Vec<f64>, u64)| {
@@ -133,7 +133,6 @@ fn hubs_move_as_by_a_basis() {
 
 /// What a basis is for: the same link twice, of few links and of many.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn dependent_equations_at_a_hub_are_found() {
     let mut twice = Scenery::new("twice", [star(40), vec![[0, 40]]].concat());
     twice.places[40] = [0.5, 0.0, 0.0];
@@ -173,7 +172,6 @@ fn dependent_equations_at_a_hub_are_found() {
 /// Bytes asked for by setting up and projecting, for each link, do not grow with their number; nor does a step ask for
 /// any.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn setting_up_is_linear_in_the_links() {
     type Family = (&'static str, fn(usize) -> Vec<[usize; 2]>, Vec<usize>);
     let families: [Family; 6] = [

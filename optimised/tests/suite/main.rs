@@ -1,8 +1,8 @@
 //! Hard cases as a table: a row says why naive code breaks there and what holds instead, and measures that.
 //!
 //! ```text
-//! cargo test --release --test suite -- --nocapture        prints the table
-//! cargo test --release --test suite page -- --ignored     writes docs/hard-cases.md
+//! cargo test --test suite -- --nocapture        prints the table
+//! cargo test --test suite page -- --ignored     writes docs/hard-cases.md
 //! ```
 //!
 //! To add a row: a `case` in the file of its area, then the page anew. Rows share few types of scenes, by parameters,
@@ -10,7 +10,7 @@
 
 #![allow(unreachable_pub, reason = "a test of several files")]
 
-#[path = "../common/mod.rs"]
+#[path = "../../../tests/common/mod.rs"]
 mod common;
 
 mod algebra;
@@ -50,11 +50,10 @@ fn measured() -> Vec<(&'static str, Vec<Row>)> {
 }
 
 fn page_on_disk() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("docs/hard-cases.md")
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs/hard-cases.md")
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn every_case_is_within_its_bound() {
     let mut beyond = Vec::new();
     for (area, rows) in measured() {
@@ -86,7 +85,7 @@ fn the_page_lists_the_rows_of_the_table() {
     let table: Vec<_> =
         areas().into_iter().flat_map(|area| area.cases.into_iter().map(row(area.name))).collect();
     let page = std::fs::read_to_string(page_on_disk()).unwrap();
-    let hint = "`cargo test --release --test suite page -- --ignored` writes the page anew";
+    let hint = "`cargo test --test suite page -- --ignored` writes the page anew";
     assert_eq!(case::listed(&page), table, "{hint}");
     assert_eq!(table.iter().collect::<BTreeSet<_>>().len(), table.len(), "names are different");
 }

@@ -23,6 +23,7 @@
 //! | turning point | path and push cancel | no failure |
 //! | rest in equilibrium, also unstable | the guess is exact, corrections are 0/0 | stays, to the last bit of z |
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::*;
 use nalgebra::{Vector3, vector};
@@ -266,7 +267,6 @@ fn follow_root<C: Constraint<3, 1>>(
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn huge_steps_never_land_on_another_sheet() {
     huge_steps(Rattle::new);
     huge_steps(|h| Rattle::new(h).solved_by(Symmetric));

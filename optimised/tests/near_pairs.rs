@@ -124,7 +124,6 @@ where
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn forces_are_those_of_a_plain_loop_to_the_bit() {
     let within = SCREENED.within(REACH).shifted();
     as_in_a_plain_loop::<_, _, 2>(500, SCREENED, Open, &within);
@@ -138,7 +137,6 @@ fn forces_are_those_of_a_plain_loop_to_the_bit() {
 
 /// Periods that are whole numbers, and coordinates of twenty bits: all differences are exact.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn whole_periods_change_nothing() {
     let (mut random, n) = (random(7), 300);
     let within = LJ.within(REACH).periodic([1.0, 2.0, 1.0]);
@@ -210,7 +208,6 @@ fn of_two(within: &Within<Screened>, r: f64) -> (f64, f64) {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn potentials_end_as_they_say() {
     let (reach, from) = (1.5, 1.0);
     let ends = [
@@ -253,7 +250,6 @@ fn potentials_end_as_they_say() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn positions_that_are_no_numbers_are_not_lost() {
     let acting = Effect::<3, BetweenNear>::acting::<f64>(&SCREENED.within(REACH));
     let (n, mut random) = (100, random(3));
@@ -276,7 +272,6 @@ fn positions_that_are_no_numbers_are_not_lost() {
 
 /// Forces and energies by kinds, each pair with its own strength and reach, against a loop over all pairs.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn kinds_have_potentials_of_their_own() {
     let (n, mut random) = (200, random(4));
     let places = vectors::<3>(n, 0.5, &mut random);
@@ -333,7 +328,6 @@ pair_potential! {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn distances_along_a_surface() {
     let r = 1.3;
     let square = Square {}.within(1.0).shifted().along(Sphere { r });
@@ -418,7 +412,6 @@ fn bits_of<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> Ve
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_gas_on_a_surface_that_repeats_itself() {
     // Second order, with the switch that is usual.
     let errors = [2e-4, 1e-4, 5e-5].map(|h| {
@@ -475,7 +468,7 @@ fn a_gas_on_a_surface_that_repeats_itself() {
     assert!(off < 2e-14, "{off:e}");
 }
 
-/// What each ending does to the energy in 10⁵ steps: `cargo test --release --test near_pairs -- --ignored --nocapture`.
+/// What each ending does to the energy in 10⁵ steps: `cargo test --test near_pairs -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement of half a minute"]
 fn drift_of_each_ending() {
@@ -511,7 +504,6 @@ fn drift_of_each_ending() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn what_makes_no_sense_is_refused_before_the_run() {
     let lj = LennardJones { epsilon: 1.0, sigma: 1.0 };
     let (within, infinity) = (|reach| lj.within(reach), f64::INFINITY);

@@ -1,5 +1,6 @@
 //! Curvatures against exact formulas, integrals over closed surfaces against Gauss and Bonnet.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 use common::{Gravity, PlanarGravity, order};
 use nalgebra::{SVector, vector};
@@ -123,7 +124,6 @@ fn hessian_adjugate(m: &nalgebra::Matrix3<f64>) -> nalgebra::Matrix3<f64> {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn surfaces_with_known_curvature() {
     check("sphere", &Sphere { r: 1.5 }, |_| (1.0 / 2.25, 1.0 / 1.5));
     check("cylinder", &Cylinder { r: 0.5 }, |_| (0.0, 1.0));
@@ -162,7 +162,6 @@ fn surfaces_with_known_curvature() {
 
 /// At both ends of a torus's tube: outside it is bent like a sphere, inside like a saddle.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn signs_on_a_torus() {
     let torus = Torus { major: 1.5, minor: 0.5 };
     let (along, around) = (vector![0.0, 0.0, 1.0], vector![0.0, 1.0, 0.0]);
@@ -177,7 +176,6 @@ fn signs_on_a_torus() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn curves_and_spheres_of_three_dimensions() {
     let (a, b) = (2.0_f64, 0.5_f64);
     let ellipse = Ellipse { a, b };
@@ -216,7 +214,6 @@ fn curves_and_spheres_of_three_dimensions() {
 
 /// Where there is no normal there is NaN, and not an endless iteration.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn singular_points_have_no_curvature() {
     let (cone, apex) = (Hyperboloid { a: 1.0, c: 1.0 }, Point::zeros());
     assert!(cone.principal_curvatures(&apex).iter().all(|(kappa, _)| kappa.is_nan()));
@@ -235,7 +232,6 @@ fn singular_points_have_no_curvature() {
 
 /// λ|∇g| = −(κ|v|² + n·f): what a simulation says its multiplier is, and what the curvature says.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_multiplier_is_curvature_and_pressure() {
     let surface = || common::SURFACE;
     let gravity = 0.7;
@@ -275,7 +271,6 @@ fn the_multiplier_is_curvature_and_pressure() {
 
 /// The κ in a step's error is this one, and 1/(κ|v|) its limit.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_longest_step_is_that_of_the_curvature() {
     let torus = || Torus { major: 1.5, minor: 0.5 };
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 3.0, 0.0]); // along the inner equator, κ = −1
@@ -315,7 +310,6 @@ fn check_measure(
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn areas_and_gauss_bonnet() {
     let eye = ([-1.3, -0.8, -0.5], [1.3, 0.8, 0.5]);
     let cube = |half: f64| ([-half; 3], [half; 3]);
@@ -351,7 +345,6 @@ fn areas_and_gauss_bonnet() {
 
 /// ∫ K dA/2π and V − E + F of a mesh: two ways to one integer, and they share nothing but g.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn the_integral_of_curvature_counts_like_a_mesh() {
     fn counted(name: &str, surface: &impl Constraint<3, 1>, half: f64, lines: usize, allowed: f64) -> isize {
         let value = |q: [f64; 3]| {
@@ -376,7 +369,6 @@ fn the_integral_of_curvature_counts_like_a_mesh() {
 
 /// Fourth order: root mean square over boxes that place the lines at random.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn integrals_converge_at_fourth_order() {
     let mut generator = StdRng::seed_from_u64(2);
     let sphere = Sphere { r: 1.0 };
@@ -403,7 +395,6 @@ fn integrals_converge_at_fourth_order() {
 
 /// Other integrals: the volume by Gauss's theorem, Minkowski's ∫ H (n·q) dA = area, closedness ∫ n dA = 0.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn integrals_of_functions() {
     let (a, b, c) = (1.0, 0.7, 0.5);
     let ellipsoid = Ellipsoid { a, b, c };
@@ -419,7 +410,6 @@ fn integrals_of_functions() {
 }
 
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn what_cannot_be_measured_is_an_error() {
     fn error(surface: &impl Constraint<3, 1>, low: [f64; 3], high: [f64; 3], lines: usize) -> IntegralError {
         match measure(surface, low, high, lines) {
@@ -472,7 +462,6 @@ fn what_cannot_be_measured_is_an_error() {
 
 /// Scaling g, or turning its sign, changes nothing but the normal.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn a_measure_belongs_to_the_surface() {
     constraint! { struct Scaled { s } |x, y, z| s * (x^2 + 2 * y^2 + 3 * z^2 - 1) }
     let of = |s| measure(&Scaled { s }, [-1.1; 3], [1.2; 3], 60).unwrap();

@@ -1,6 +1,7 @@
 //! Fekete points: twenty particles on a sphere that repel each other, slowed down by drag until they rest, against the
 //! reference of the test set for initial value problems. Solvers that reduce the index leave the sphere soon.
 
+#[path = "../../tests/common/mod.rs"]
 mod common;
 
 use rattle::curvature::points::uniform;
@@ -33,7 +34,6 @@ fn start() -> State<3> {
 /// extrapolated they are the reference, which was found at tolerances of 1e-12, to 1e-9. Energy goes into work, and
 /// particles stay on the sphere.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn twenty_particles_come_to_rest_where_the_reference_has_them() {
     let reference: Vec<[f64; 3]> =
         common::table("fekete").iter().map(|row| ["x", "y", "z"].map(|name| row.number(name))).collect();
@@ -70,7 +70,6 @@ fn twenty_particles_come_to_rest_where_the_reference_has_them() {
 
 /// From any start the energy falls to that of a minimum; it is the same as that of the reference or a little higher.
 #[test]
-#[cfg_attr(debug_assertions, ignore = "takes minutes without --release")]
 fn other_starts_come_to_rest_too() {
     let sphere = Sphere { r: 1.0 };
     let scene = Scene::on(sphere).bodies(20).with(Repulsion {}).with(LinearDrag::new(0.5));
