@@ -278,7 +278,7 @@ impl<const D: usize> Ensemble<D> {
     /// Those of the steps that are tried; where all trajectories have failed, the error of the first.
     pub fn bill(&self) -> Result<Bill, Error> {
         let moves = |group: &dyn Group<D>| group.moving().iter().take(group.len()).any(|&moves| moves);
-        match (self.groups.iter().find(|group| moves(&***group)), self.failures().next()) {
+        match (self.groups.iter().find(|group| moves(group.as_ref())), self.failures().next()) {
             (Some(group), _) => group.bill(),
             (None, Some((_, error))) => Err(error.clone()),
             (None, None) => Ok(Bill::nothing()),

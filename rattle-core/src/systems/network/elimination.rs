@@ -80,9 +80,9 @@ impl<const D: usize> Elimination<D> {
         let factored = chain.as_ref().map_or_else(Factored::default, |_| Factored::new(m));
         let blocks = vec![[0.0; D]; rows.blocks() + 1];
         let over_masses = rows.touched().iter().map(|&body| roots[body].over_masses()).collect();
-        let pair = |body: usize| match of(body) {
-            &[one] => Some([one, (one.0, rows.blocks())]),
-            &[one, two] => Some([one, two]),
+        let pair = |body: usize| match *of(body) {
+            [one] => Some([one, (one.0, rows.blocks())]),
+            [one, two] => Some([one, two]),
             _ => None,
         };
         let pairs = (0..rows.bodies.len()).map(pair).collect();
