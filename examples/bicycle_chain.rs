@@ -62,9 +62,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     println!("   t    mean speed   energy    work      energy error   |g|");
     let (mut times, mut shown) = (Vec::new(), vec![Vec::new(); LINKS]);
+    let (mut energies, mut speeds) = ([Vec::new(), Vec::new()], Vec::new());
     for frame in 0..=800 {
+        let speed = simulation.momenta().map(|p| p.norm()).sum::<f64>() / LINKS as f64;
         if frame % 80 == 0 {
-            let speed = simulation.momenta().map(|p| p.norm()).sum::<f64>() / LINKS as f64;
             println!(
                 "{:5.1} {speed:11.4} {:10.3} {:9.3} {:13.1e} {:9.0e}",
                 simulation.time(),
@@ -75,10 +76,20 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
         times.push(simulation.time());
+        speeds.push(speed);
+        energies[0].push(simulation.energy());
+        energies[1].push(simulation.work());
         shown.iter_mut().zip(simulation.positions()).for_each(|(shown, q)| shown.push([q.x, 0.0, q.y]));
         simulation.run(25)?;
     }
-    let shown = Scene3::new("Bicycle chain").bodies(&times, &shown).trail(4).seconds(40.0);
+    let shown = Scene3::new("Bicycle chain")
+        .bodies(&times, &shown)
+        .ring(0..LINKS)
+        .disc([-C, 0.0, 0.0], [0.0, 1.0, 0.0], 0.97 * R)
+        .disc([C, 0.0, 0.0], [0.0, 1.0, 0.0], 0.97 * R)
+        .chart("Mean speed of the links", [("", speeds)])
+        .chart("Energy", ["energy", "work"].into_iter().zip(energies))
+        .seconds(40.0);
     let caption = "Driven on the right, braked on the left.";
     Page::new("Bicycle chain").scene(shown.caption(caption)).write("out/bicycle_chain/index.html")?;
     println!("Written: out/bicycle_chain/index.html");

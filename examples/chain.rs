@@ -10,7 +10,7 @@
 //! 2. Two hundred links, whose momenta are made smaller again and again until they hang at rest. The shape of such a chain
 //!    is known exactly, and comes close to the catenary y = a cosh(x/a); so does the tension.
 //!
-//! Draws into `out/chain/`.
+//! Draws into `out/chain/`, and writes a page on which the long chain swings.
 
 use rattle::bodies::Many;
 use rattle::effect::Effects;
@@ -20,6 +20,7 @@ use rattle::network::Network;
 use rattle::plot::Chart;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
+use rattle::view::{Page, Scene3};
 use std::error::Error;
 
 /// Length of the chain; its supports are 1 apart.
@@ -62,7 +63,7 @@ fn swing() -> Result<(), Box<dyn Error>> {
         println!("{component}");
     }
     println!("\n   t     kinetic energy   energy error     |g|/ℓ²   corrections per step");
-    let mut snapshots = Vec::new();
+    let (mut snapshots, mut film) = (Vec::new(), Trajectory::of(&simulation));
     for _ in 0..=10 {
         println!(
             "{:5.2} {:15.5} {:15.1e} {:11.1e} {:14.2}",
@@ -74,7 +75,7 @@ fn swing() -> Result<(), Box<dyn Error>> {
         );
         let label = format!("t = {:.1}", simulation.time());
         snapshots.push((label, simulation.positions().map(|q| (q.x, q.y)).collect::<Vec<_>>()));
-        simulation.run(1000)?;
+        simulation.observe(1000, 50, &mut film)?;
     }
     Chart::new("A chain of 1000 links let go from a lopsided V")
         .x("x / distance of the supports")
@@ -82,7 +83,16 @@ fn swing() -> Result<(), Box<dyn Error>> {
         .equal_aspect()
         .family(snapshots)
         .save("out/chain/swing.svg")?;
+    let upright = upright(&film);
+    let shown =
+        Scene3::new("A chain of 1000 links").bodies(film.times(), &upright).chain(0..=n).seconds(20.0);
+    Page::new("A chain let go from a lopsided V").scene(shown).write("out/chain/index.html")?;
     Ok(())
+}
+
+/// The paths of a motion in the plane, with y upwards in space.
+fn upright(film: &Trajectory) -> Vec<Vec<[f64; 3]>> {
+    (0..film.shape()[1]).map(|body| film.path(body).map(|q| [q[0], 0.0, q[1]]).collect()).collect()
 }
 
 fn hang() -> Result<(), Box<dyn Error>> {
@@ -114,7 +124,7 @@ fn hang() -> Result<(), Box<dyn Error>> {
         .equal_aspect()
         .family(snapshots)
         .save("out/chain/hang.svg")?;
-    println!("\nWritten to out/chain: swing.svg, hang.svg, tension.svg");
+    println!("\nWritten to out/chain: swing.svg, hang.svg, tension.svg, index.html");
     Ok(())
 }
 

@@ -8,12 +8,14 @@
 //! 1. Mass ratios m₂/m₁ from 10⁻¹² to 1: energy, constraints and iterations do not mind.
 //! 2. Equal masses, released 30° above the horizontal: two starts 10⁻⁹ rad apart part visibly at t = 50.
 //!
-//! Draws the path of the lower mass and the angles of both starts into `out/double_pendulum/`.
+//! Draws the path of the lower mass and the angles of both starts into `out/double_pendulum/`, and writes a
+//! page on which both swing.
 
 use rattle::links::planar::Rod;
 use rattle::plot::Chart;
 use rattle::potentials::planar::weights;
 use rattle::prelude::*;
+use rattle::view::{Page, Scene3};
 use std::error::Error;
 
 const HANGER: usize = 0;
@@ -36,6 +38,7 @@ fn swing(masses: [f64; 2], angle: f64, h: f64, time: f64) -> Result<Swing, rattl
         let q: Vec<_> = now.positions().collect();
         let rod = q[2] - q[1];
         swing.lower.push((q[2].x, q[2].y));
+        swing.upper.push((q[1].x, q[1].y));
         swing.angle.push((now.time(), rod.x.atan2(-rod.y).to_degrees()));
         swing.energy_error = swing.energy_error.max(now.energy_error().abs());
         swing.residual = swing.residual.max(now.constraint_residual());
@@ -51,6 +54,7 @@ fn swing(masses: [f64; 2], angle: f64, h: f64, time: f64) -> Result<Swing, rattl
 #[derive(Default)]
 struct Swing {
     lower: Vec<(f64, f64)>,
+    upper: Vec<(f64, f64)>,
     /// Of the lower rod from the downward vertical, in degrees.
     angle: Vec<(f64, f64)>,
     /// Relative to the largest kinetic energy.
@@ -91,7 +95,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         .line("120°", unrolled(&one.angle))
         .line("120° + 10⁻⁹ rad", unrolled(&other.angle))
         .save("out/double_pendulum/parting.svg")?;
-    println!("\nWritten to out/double_pendulum: path.svg, parting.svg");
+    // Every tenth step; the second pendulum beside the first, so that both can be seen.
+    let thin =
+        |path: &[(f64, f64)], y: f64| path.iter().step_by(10).map(|p| [p.0, y, p.1]).collect::<Vec<_>>();
+    let paths =
+        [thin(&one.upper, 0.0), thin(&one.lower, 0.0), thin(&other.upper, 0.4), thin(&other.lower, 0.4)];
+    let times: Vec<f64> = one.angle.iter().step_by(10).map(|(t, _)| *t).collect();
+    let angles = [&one, &other]
+        .map(|swing| unrolled(&swing.angle).into_iter().step_by(10).map(|p| p.1).collect::<Vec<_>>());
+    let shown = Scene3::new("Two starts 10⁻⁹ rad apart")
+        .bodies(&times, &paths)
+        .names(["", "120°", "", "120° + 10⁻⁹ rad"])
+        .rods([(0, [0.0; 3]), (2, [0.0, 0.4, 0.0])])
+        .rods([(0, 1), (2, 3)])
+        .trail(60)
+        .chart("Angle of the lower rod / °", ["one", "other"].into_iter().zip(angles))
+        .seconds(60.0);
+    Page::new("Double pendulum").scene(shown).write("out/double_pendulum/index.html")?;
+    println!("\nWritten to out/double_pendulum: path.svg, parting.svg, index.html");
     Ok(())
 }
 

@@ -55,7 +55,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mesh = Mesh::of(surface, [-1.1; 3], [1.1; 3], 80)?;
     let caption = "They start at random places and repel each other; drag takes the energy, until they rest.";
-    let scene = Scene3::new("Twenty Fekete points").surface(&mesh).trajectory(&film).caption(caption);
+    let scene =
+        Scene3::new("Twenty Fekete points").surface(&mesh).trajectory(&film).trail(100).caption(caption);
     Page::new("Fekete points on a sphere").scene(scene).write("out/fekete/index.html")?;
     println!("\nWritten to out/fekete: index.html");
     Ok(())

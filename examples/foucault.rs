@@ -11,11 +11,13 @@
 //!
 //! The support does work on the bob, more than the swing has energy; energy less work is kept to second order.
 //!
-//! Draws the path on the ground, the direction of the swing, and energy and work into `out/foucault/`.
+//! Draws the path on the ground, the direction of the swing, and energy and work into `out/foucault/`, and
+//! writes a page as seen from the ground.
 
 use rattle::nalgebra::{Matrix3, Rotation3, Vector3};
 use rattle::plot::Chart;
 use rattle::prelude::*;
+use rattle::view::{Page, Scene3};
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -74,15 +76,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     println!("     h    turn of the plane   energy − work, largest error   ratio");
     let (mut last, mut path, mut directions) = (None, Vec::new(), Vec::new());
+    let mut bob = Vec::new();
     let (mut gain, mut work) = (Vec::new(), Vec::new());
     for h in [0.02, 0.01, 0.005] {
         let mut simulation = scene.simulate(start.clone(), Rattle::new(h))?;
         let (energy, mut worst) = (simulation.energy(), 0.0_f64);
+        bob.clear();
         [&mut path, &mut directions, &mut gain, &mut work].into_iter().for_each(Vec::clear);
         let mut see = |now: &Simulation<_, _, 3>| {
             let back = Rotation3::from_axis_angle(&Vector3::z_axis(), -RATE * now.time());
             let seen = ground.transpose() * (back * now.position() - support);
             path.push((seen.x, seen.y));
+            bob.push(<[f64; 3]>::from(seen));
             gain.push((now.time(), now.energy() - energy));
             work.push((now.time(), now.work()));
             worst = worst.max(now.energy_error().abs());
@@ -98,6 +103,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         last = Some(worst);
     }
 
+    let (times, bob): (Vec<f64>, Vec<[f64; 3]>) =
+        gain.iter().map(|(t, _)| *t).zip(bob).step_by(20).take((PI / expected / 0.1) as usize).unzip();
+    let shown = Scene3::new("seen from the ground")
+        .bodies(&times, &[bob])
+        .rods([(0, [0.0; 3])])
+        .trail(600)
+        .axes(["east", "north", "up"])
+        .seconds(60.0);
+    Page::new("Foucault's pendulum").scene(shown).write("out/foucault/index.html")?;
     Chart::new("Foucault's pendulum at 45° on a fast planet: the path on the ground, half a turn")
         .x("east / rod length")
         .y("north / rod length")

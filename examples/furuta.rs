@@ -55,7 +55,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut simulation = scene.simulate(start, Rattle::new(5e-4))?;
 
     println!(" t / s   height of the pendulum / l   energy / J   work / J   energy error / J   |g|");
-    let (mut times, mut places, mut highest) = (Vec::new(), vec![Vec::new(); 2 * BEADS], -1.0_f64);
+    let (mut times, mut places, mut highest) = (Vec::new(), vec![Vec::new(); 3], -1.0_f64);
+    let mut energies = [Vec::new(), Vec::new()];
     for frame in 0..=600 {
         let q: Vec<Vector3<f64>> = simulation.positions().collect();
         let height = (q[2].z - q[1].z) / LENGTH;
@@ -71,20 +72,21 @@ fn main() -> Result<(), Box<dyn Error>> {
             );
         }
         times.push(simulation.time());
-        for (bead, places) in places.iter_mut().enumerate() {
-            let (rod, share) = (bead / BEADS, (bead % BEADS + 1) as f64 / BEADS as f64);
-            places.push(<[f64; 3]>::from(q[rod] + share * (q[rod + 1] - q[rod])));
-        }
+        energies[0].push(simulation.energy());
+        energies[1].push(simulation.work());
+        places.iter_mut().zip(&q).for_each(|(places, q)| places.push(<[f64; 3]>::from(*q)));
         simulation.run(40)?;
     }
     println!("highest: {highest:.4} (1 is upright)");
-    let shown = Scene3::new("Furuta pendulum").bodies(&times, &places).trail(12).seconds(12.0);
+    let shown = Scene3::new("Furuta pendulum")
+        .bodies(&times, &places)
+        .chain(0..3)
+        .trail(40)
+        .chart("Energy / J", ["energy", "work"].into_iter().zip(energies))
+        .seconds(12.0);
     let caption =
         "A motor turns the arm, by the pendulum's energy, until the pendulum stands upright and falls again.";
     Page::new("Furuta pendulum").scene(shown.caption(caption)).write("out/furuta/index.html")?;
     println!("Written: out/furuta/index.html");
     Ok(())
 }
-
-/// Balls along each rod on the page.
-const BEADS: usize = 6;

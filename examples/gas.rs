@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     let g = |q: [f64; 3]| (sphere.value(&q.into())[0], sphere.jacobian(&q.into()).into());
     let mesh = Mesh::of(g, [-1.1 * r; 3], [1.1 * r; 3], 60)?;
-    let motion = Scene3::new("atoms on a sphere").surface(&mesh).trajectory(&trajectory).trail(1);
+    let motion = Scene3::new("atoms on a sphere").surface(&mesh).trajectory(&trajectory);
     std::fs::create_dir_all("out")?;
     Page::new("A gas").scene(motion).write("out/gas.html")?;
     Ok(())

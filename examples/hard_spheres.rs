@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         (g[0], gradient.row(0).transpose().into())
     };
     let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 120)?;
-    let beads = Scene3::new("Thirty beads").surface(&mesh).trajectory(&trajectory).trail(60);
+    let beads = Scene3::new("Thirty beads").surface(&mesh).trajectory(&trajectory).sizes(&[[DIAMETER / 2.0]]);
     Page::new("Beads that collide").scene(beads).write("out/hard_spheres/index.html")?;
     println!("\nWritten to out/hard_spheres/index.html; open it in a browser.");
     Ok(())

@@ -56,8 +56,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let mesh = Mesh::of(value, low, high, 160)?;
     let caption = "100 particles that attract each other a little, in a bath of kT = ½.";
-    let scene = Scene3::new("A gas in heat").surface(&mesh).trajectory(&watching.0).caption(caption);
-    Page::new("A gas at a temperature").scene(scene).write("out/heat/index.html")?;
+    let motion = Scene3::new("A gas in heat").surface(&mesh).trajectory(&watching.0).caption(caption);
+    // Where they are, in the mean over the second half of the time.
+    let places = watching.0.positions();
+    let (late, _) = places[places.len() / 6 * 3..].as_chunks::<3>();
+    let samples = late.len() as f64 / 100.0;
+    let density = mesh.density(late, 0.08).into_iter().map(|per_area| per_area / samples);
+    let dense = motion.clone().renamed("Mean density").heat("particles per area", density);
+    Page::new("A gas at a temperature").scene(motion).scene(dense).write("out/heat/index.html")?;
     println!("\nWritten to out/heat: index.html");
     Ok(())
 }

@@ -9,13 +9,14 @@
 //! gutter, and pinned at the two corners of one of its ends; it swings down. The first line says how the multipliers are
 //! found, the table what the steps cost and keep.
 //!
-//! Draws the net at four times into `out/net/`.
+//! Draws the net at four times into `out/net/`, and writes the page `out/net/index.html` on which it moves.
 
 use rattle::links::Rod;
 use rattle::nalgebra::Vector3;
 use rattle::plot::Chart;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
+use rattle::view::{Page, Scene3};
 use std::error::Error;
 
 /// Knots along a side; the sides have length 1.
@@ -32,8 +33,9 @@ fn knot(row: usize, column: usize) -> usize {
 fn main() -> Result<(), Box<dyn Error>> {
     let along = (0..N).flat_map(|i| (1..N).map(move |j| [knot(i, j - 1), knot(i, j)]));
     let across = (0..N).flat_map(|j| (1..N).map(move |i| [knot(i - 1, j), knot(i, j)]));
+    let rods: Vec<[usize; 2]> = along.chain(across).collect();
     let scene = Scene::points(N * N)
-        .link(Rod { length: LINK }, along.chain(across))
+        .link(Rod { length: LINK }, rods.iter().copied())
         .pin(knot(0, 0), [0.0, 0.0, 0.0])
         .pin(knot(0, N - 1), [FOLD.cos(), 0.0, 0.0])
         .with(Gravity { g: 1.0 });
@@ -51,7 +53,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!(
         "energies in units of the weight of a knot times the side\n\n   t    kinetic energy   energy error   |g|/ℓ²   corrections per step   derivatives per step"
     );
-    let mut snapshots = Vec::new();
+    let (mut snapshots, mut film) = (Vec::new(), Trajectory::of(&simulation));
     for _ in 0..=7 {
         let (steps, counts) = (simulation.steps().max(1) as f64, simulation.counts());
         println!(
@@ -64,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             counts.gradients as f64 / steps
         );
         snapshots.push((simulation.time(), threads(&simulation.positions().collect::<Vec<_>>())));
-        simulation.run(200)?;
+        simulation.observe(200, 20, &mut film)?;
     }
 
     // Side by side and drawn slantwise: what is further back is further up and to the right.
@@ -82,7 +84,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         .equal_aspect()
         .family(nets.collect::<Vec<_>>())
         .save("out/net/fall.svg")?;
-    println!("\nWritten to out/net: fall.svg");
+    let ends = rods.iter().map(|&[a, b]| (a, b));
+    let caption = "961 knots and 1860 rods, pinned at two corners.";
+    let shown = Scene3::new("Net").trajectory(&film).rods(ends).caption(caption).seconds(6.0);
+    Page::new("A net falls").scene(shown).write("out/net/index.html")?;
+    println!("\nWritten to out/net: fall.svg, index.html");
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 //! and reduced to three unknowns. All are the same discrete motion.
 //!
 //! ```text
-//! cargo run --release --example rigid_body        # then open out/rigid_body/*.svg
+//! cargo run --release --example rigid_body        # then open out/rigid_body/index.html and *.svg
 //! ```
 
 use rattle::bodies::One;
@@ -11,6 +11,7 @@ use rattle::nalgebra::{Matrix3, Rotation3, Vector3};
 use rattle::plot::Chart;
 use rattle::prelude::*;
 use rattle::system::System;
+use rattle::view::{Page, Scene3};
 
 constraint! {
     /// QᵀQ = 1, the mixed equations twice.
@@ -131,6 +132,20 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         |(_, q, _)| (q[(0, 2)], q[(1, 2)]),
     )
     .save("out/rigid_body/top.svg")?;
+    // Boxes with these moments of inertia; the top stands on its tip.
+    let times: Vec<f64> = free[2].1.path.iter().map(|(t, _, _)| *t).collect();
+    let turns = |runs: &[(&str, Run); 3]| runs[2].1.path.iter().map(|(_, q, _)| *q).collect::<Vec<_>>();
+    let middle = |runs: &[(&str, Run); 3]| runs[2].1.path.iter().map(|(_, _, m)| m.y).collect::<Vec<_>>();
+    let tumbling = Scene3::new("free body")
+        .times(&times)
+        .turning_box([1.0, 0.77, 0.45], &[[0.0; 3]], &turns(&free))
+        .chart("Angular momentum about the middle axis (green)", [("", middle(&free))]);
+    let centres: Vec<[f64; 3]> = turns(&top).iter().map(|q| (0.5 * q.column(2)).into()).collect();
+    let leaning = Scene3::new("heavy top")
+        .times(&times)
+        .turning_box([0.5, 0.5, 1.0], &centres, &turns(&top))
+        .wall([-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+    Page::new("Rigid bodies").scene(tumbling).scene(leaning).write("out/rigid_body/index.html")?;
     println!("\nout/rigid_body/free.svg and top.svg: the formulations lie on each other");
     Ok(())
 }

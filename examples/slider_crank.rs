@@ -15,12 +15,13 @@
 //! * Without the cross guide: until the crank stands upright. There b could stay at the middle while the rod turns on: the
 //!   mechanism branches, and the step is refused.
 //!
-//! Draws the mechanism and the multipliers into `out/slider_crank/`.
+//! Draws the mechanism and the multipliers into `out/slider_crank/`, and writes a page on which it turns.
 
 use rattle::links::planar::Rod;
 use rattle::plot::Chart;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
+use rattle::view::{Page, Scene3};
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -177,6 +178,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         .line("guide", pull(&six, 4))
         .line("guide, no crank", pull(&five, 4))
         .save("out/slider_crank/forces.svg")?;
-    println!("\nWritten to out/slider_crank: rod.svg, forces.svg");
+    let path =
+        |body: usize| six.places.iter().map(|q| [q[2 * body], 0.0, q[2 * body + 1]]).collect::<Vec<_>>();
+    let times: Vec<f64> = six.pulls.iter().map(|(t, _)| *t).collect();
+    let along = |equation: usize| six.pulls.iter().map(|(_, pulls)| pulls[equation]).collect::<Vec<_>>();
+    let shown = Scene3::new("Slider-crank")
+        .bodies(&times, &[0, 1, 2].map(path))
+        .names(["a", "b", "c"])
+        .rods([(0, [0.0; 3])])
+        .rods([(1, 0), (0, 2)])
+        .disc([0.0, 0.08, 0.0], [0.0, 1.0, 0.0], R)
+        .axes(["x / r", "", "y / r"])
+        .chart("Forces of crank and cross guide", [("crank", along(5)), ("guide", along(4))]);
+    Page::new("A slider-crank").scene(shown).write("out/slider_crank/index.html")?;
+    println!("\nWritten to out/slider_crank: rod.svg, forces.svg, index.html");
     Ok(())
 }

@@ -83,6 +83,33 @@ fn meshes_are_closed_and_lie_on_the_surface() {
     }
 }
 
+/// Points that are even on a sphere, by Archimedes' theorem on a lattice, are n / 4π everywhere; on one half twice that,
+/// and nothing on the other.
+#[test]
+fn densities_are_points_by_area() {
+    let mesh = Mesh::of(sphere, [-1.5; 3], [1.5; 3], 40).unwrap();
+    let n = 40_000;
+    let even = |top: f64| -> Vec<Point> {
+        let place = |i: usize| {
+            let z = top - (top + 1.0) * (i as f64 + 0.5) / n as f64;
+            let (sin, cos) = (2.399_963_229_728_653 * i as f64).sin_cos();
+            [(1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z]
+        };
+        (0..n).map(place).collect()
+    };
+    let whole = n as f64 / (4.0 * std::f64::consts::PI);
+    // The area within the radius is that of about a hundred vertices: off by those at its rim, √100 or so of them.
+    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(1.0), 0.35)) {
+        assert!((density / whole - 1.0).abs() < 0.1, "{vertex:?}: {density} for {whole}");
+    }
+    for (vertex, density) in mesh.vertices.iter().zip(mesh.density(&even(0.0), 0.35)) {
+        let expected = if vertex[2] < 0.0 { 2.0 * whole } else { 0.0 };
+        assert!(vertex[2].abs() < 0.36 || (density - expected).abs() < 0.2 * whole, "{vertex:?}: {density}");
+    }
+    // What lies elsewhere is not counted.
+    assert_eq!(mesh.density(&[[5.0; 3]], 0.3).iter().sum::<f64>(), 0.0);
+}
+
 #[test]
 fn boxes_and_numbers_that_cannot_serve_are_errors() {
     let nan: Surface = |[x, _, _]| ((x + 2.0).sqrt(), [0.0; 3]);

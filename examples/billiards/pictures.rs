@@ -86,10 +86,12 @@ fn page(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>>
         (g[0], gradient.row(0).transpose().into())
     };
     let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 160)?;
-    let fan = falling.iter().fold(Scene3::new("25 directions under gravity").surface(&mesh), |scene, run| {
-        scene.trajectory(&run.trajectory)
-    });
-    let crowd = Scene3::new("A gas of 21 particles").surface(&mesh).trajectory(&gas.trajectory);
+    let fan = falling
+        .iter()
+        .fold(Scene3::new("25 directions under gravity").surface(&mesh).trail(100), |scene, run| {
+            scene.trajectory(&run.trajectory)
+        });
+    let crowd = Scene3::new("A gas of 21 particles").surface(&mesh).trajectory(&gas.trajectory).trail(100);
     Page::new("Billiards on a surface of genus two")
         .scene(
             fan.caption(

@@ -8,8 +8,8 @@
 //! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with f32.
 
 use super::mesh::Mesh;
+use super::parts::{End, Moved, Strip};
 use super::scene::Scene3;
-use super::shapes::{End, Moved, Strip};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};
 use std::borrow::Borrow;

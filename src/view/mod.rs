@@ -14,15 +14,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod density;
 mod encode;
 mod error;
 mod mesh;
 mod page;
+mod parts;
 mod scene;
 mod shapes;
 
 pub use error::PageError;
 pub use mesh::{Mesh, MeshError};
 pub use page::Page;
+pub use parts::End;
 pub use scene::Scene3;
-pub use shapes::End;

@@ -2,10 +2,10 @@
 
 use super::error::{MAX_POINTS, PageError};
 use super::mesh::Mesh;
-use super::shapes::{Disc, End, Moved, Strip};
+use super::parts::{Disc, End, Moved, Strip};
 use crate::Trajectory;
 
-/// A scene of a [`Page`]: bodies, and the surface they move on if there is one.
+/// A scene of a [`Page`](super::Page): bodies, and the surface they move on if there is one.
 #[derive(Clone, Debug)]
 pub struct Scene3 {
     pub(super) title: String,
@@ -202,6 +202,19 @@ impl Scene3 {
     pub fn seconds(mut self, seconds: f64) -> Self {
         assert!(seconds.is_finite() && seconds > 0.0, "a motion takes a positive time, not {seconds} s");
         self.seconds = seconds;
+        self
+    }
+
+    /// Another title, for a scene that is made from one there is.
+    ///
+    /// ```
+    /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
+    /// let other = scene.clone().renamed("flight with trails").trail(2);
+    /// assert!(rattle::view::Page::new("Flights").scene(scene).scene(other).to_html()?.contains("with trails"));
+    /// # Ok::<(), rattle::view::PageError>(())
+    /// ```
+    pub fn renamed(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
         self
     }
 

@@ -7,6 +7,7 @@ mod diagnosis;
 mod flight;
 mod hold;
 pub(crate) mod kept;
+mod rates;
 mod room;
 mod series;
 mod sheets;

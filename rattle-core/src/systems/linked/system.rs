@@ -8,18 +8,16 @@ use crate::effect::moment::Moment;
 use crate::error::{EffectMistake, Error, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
-use crate::motion::capability::{Collocation, Rates, Series};
+use crate::motion::capability::{Collocation, Series};
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::motion::record::{Reading, Record};
 use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
-use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, sum, two_sum};
 use crate::solve::aim::{Aim, Pace};
-use crate::solve::nearing::Nearing;
 use crate::solve::root::Course;
-use crate::solve::stop::NOISE;
 use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
@@ -438,95 +436,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                 *rate = along(rows, i, blocks, &velocity) + bodies.kept.rates[row + i];
             }
         });
-    }
-}
-
-impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
-    fn evaluate_rates<W: Witness<f64>>(
-        &self,
-        bodies: &mut BodiesOf<F, N, D>,
-        rates: &mut [[f64; D]],
-        witness: &mut W,
-    ) -> f64 {
-        let shape = &*self.shape;
-        let Kept { force, power: driven, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
-        for (body, root) in shape.roots.iter().enumerate() {
-            rates[body] = force[body].components();
-            room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
-            room.push[body] = root.velocity(&rates[body]);
-        }
-        let mut power = if self.effects.changes_with_time() { *driven } else { 0.0 };
-        for (c, component) in shape.components.iter().enumerate() {
-            let (rows, solver, (row, block)) = (&component.rows, &mut solvers[c], component.first);
-            let m = rows.equations();
-            let (blocks, x) = (&blocks[block..block + rows.blocks()], &mut room.x[row..row + m]);
-            let (bends, turns) = (&mut room.g[..m], &mut room.dx);
-            shape.bends(c, bodies.time, bodies.q.as_ref(), &room.velocity, bends, turns);
-            for (i, bend) in bends.iter_mut().enumerate() {
-                *bend = -*bend - along(rows, i, blocks, &room.push);
-            }
-            solver.respond(rows, blocks, &shape.roots, bends, x);
-            solver.push(rows, &shape.roots, 1.0, x, rates);
-            if W::LISTENS || rows.moving {
-                solver.multipliers(x, &mut room.dx[..m]);
-                for (i, lambda) in room.dx[..m].iter().enumerate() {
-                    power -= lambda * moving[row + i];
-                    witness.position_multiplier(rows.equation(i), *lambda);
-                }
-            }
-        }
-        power
-    }
-
-    fn project(&self, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
-        let shape = &*self.shape;
-        for (body, root) in shape.roots.iter().enumerate() {
-            bodies.kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
-        }
-        for (c, component) in shape.components.iter().enumerate() {
-            let rows = &component.rows;
-            let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.room.velocity[body]));
-            let path = h.abs() * moves.fold(0.0, f64::max);
-            let long = NOISE * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
-            let mut nearing = Nearing::leaving(0.25); // from afar Newton's method goes half of the way each time
-            loop {
-                let (q, time) = (bodies.q.as_ref(), bodies.time);
-                let (sine, row) = bodies.kept.normals(shape, c, time, q);
-                // In roundings of the places alone: a velocity that has run away must not make up for the distance.
-                let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
-                let (arrived, lost) = nearing.look(distance, roundings <= 1.0, roundings <= long);
-                if arrived {
-                    self.check_rank(c, bodies, sine, row)?;
-                    break;
-                }
-                if lost {
-                    let body = shape.equation_at(c, worst).bodies[0];
-                    return Err(if distance.is_finite() {
-                        Failure { body, cause: StepFailure::NotProjected { distance, path } }
-                    } else {
-                        let position = bodies.q.as_ref()[body].to_vec();
-                        Failure { body, cause: StepFailure::ConstraintNotFinite { position } }
-                    });
-                }
-                let (m, (_, block)) = (rows.equations(), component.first);
-                let Kept { blocks, solvers, room, .. } = &mut bodies.kept;
-                let blocks = &blocks[block..block + rows.blocks()];
-                room.g[..m].iter_mut().for_each(|g| *g = -*g);
-                solvers[c].respond(rows, blocks, &shape.roots, &mut room.g[..m], &mut room.x[..m]);
-                rows.bodies.iter().for_each(|&body| room.lift[body] = [0.0; D]);
-                solvers[c].displace(rows, &shape.roots, &room.x[..m], &mut room.lift);
-                let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
-                for &body in &rows.bodies {
-                    (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &room.lift[body]));
-                }
-            }
-        }
-        self.evaluate_forces(bodies);
-        Ok(())
-    }
-
-    fn mass_product(&self, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.shape.roots[body].product(a, b)
     }
 }
 
