@@ -6,12 +6,10 @@
 //! ```
 //!
 //! Newton's method, from the first two terms of e in powers of h where e is short, and from the first elsewhere: a
-//! function of the momentum alone. A solve ends without another correction once the next one, s₃ ≤ s₂ (s₂/s₁) after
-//! corrections of sizes s₁, s₂, is [`SPARE`]. It converges quadratically, s₃ ≈ s₂ (s₂/s₁)², but to rely on that lets the energy
-//! of a needle drift by 4e-19 each step: s₂ may be small by chance.
+//! function of the momentum alone. A solve ends with a correction at the rounding floor, or one that no longer shrinks: where it ended
+//! with what the next correction was estimated to be, the energy of a needle drifted by 4e-19 of itself each step.
 
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::stop::SPARE;
 use std::array::from_fn;
 
 /// Newton steps after which the rotation of a step is given up; five suffice where there is one.
@@ -75,9 +73,8 @@ pub(super) fn rotation(inertia: &[f64; 3], target: &[f64; 3]) -> Option<(f64, [f
             return None;
         }
         let floor = f64::EPSILON * all;
-        let spare = size <= 0.25 * last && last.is_finite() && size * size <= SPARE * floor * last;
         let stalled = size >= 0.5 * last && size <= 1e-12 * all;
-        if size <= floor || spare || stalled {
+        if size <= floor || stalled {
             let square = 1.0 - dot(&e, &e);
             return (square > 0.0).then(|| (square.sqrt(), e));
         }
