@@ -94,8 +94,8 @@ fn sweep<C: Hold<3> + 'static, E: Effects<3> + 'static>(
 /// The ensembles that this program has, one of them in single precision, three of them sweeps …
 const ENSEMBLES: usize = 11;
 
-/// … and other loops: pair forces, the first and the second half of a step of particles, and their look around.
-const OTHERS: usize = 4;
+/// … and other loops: pair forces, the first and the second half of a step of particles, and their looks around.
+const OTHERS: usize = 5;
 
 #[test]
 fn entries_are_vectorised() {

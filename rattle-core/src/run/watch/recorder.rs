@@ -20,10 +20,10 @@ type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send 
 /// What is to be recorded, beside step, trajectory and time, which every row has.
 ///
 /// ```
-/// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows}};
+/// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows, Sight}};
 /// # let start = State::of([[0.0, 1.0], [0.0, 2.0]]).moving([1.0, 0.0]);
 /// let mut simulation = Scene::points(2).simulate(start, Rattle::new(0.1))?;
-/// let columns = Columns::new().positions().energies().quantity("height", |now| now.position().y);
+/// let columns = Columns::<2>::new().positions().energies().quantity("height", |now: &Sight<'_, 2>| now.positions[0][1]);
 /// let mut recorder = Recorder::of(&columns, Rows::default());
 /// simulation.observe(100, 10, &mut recorder)?;
 /// let rows = recorder.finish()?;
