@@ -174,7 +174,9 @@ fn balls_in_a_row_hand_a_blow_on() {
         row.run(5).unwrap();
         let speeds: Vec<f64> = (0..4).map(|i| p(&row, i)[0]).collect();
         if e == 1.0 {
-            assert_eq!(speeds, [0.0, 0.0, 0.0, 1.0]);
+            // Impulses have twice the digits.
+            let wrong = |(v, exact): (&f64, f64)| (v - exact).abs() > f64::EPSILON.powi(2);
+            assert!(!speeds.iter().zip([0.0, 0.0, 0.0, 1.0]).any(wrong), "{speeds:?}");
             assert_eq!(row.events(), 3);
             assert!((q(&row, 3)[0] - (2.0 - 0.8 + 2.3)).abs() < 4e-15);
         } else {
@@ -416,8 +418,8 @@ fn impacts_act_along_constraints() {
     let pendulum = scene.simulate(start, Rattle::new(0.05)).unwrap();
     let mut pendulum = pendulum.collide(Stop::above(Side { a: 1.0, b: 0.5, c: -0.3 })).unwrap();
     pendulum.run_while(100_000, |now| now.events() < 100).unwrap();
-    // The roundings of some thousand parts of steps.
-    assert!(pendulum.energy_error().abs() < 5e-14 && pendulum.cotangent_residual() < 1e-15);
+    // Some thousand roundings of 1e-17; the last bit of an impulse, the same at the same place, would make 1e-14 of them.
+    assert!(pendulum.energy_error().abs() < 2e-15 && pendulum.cotangent_residual() < 1e-15);
     assert!(pendulum.constraint_residual() < 1e-15 && p(&pendulum, 0) == [0.0; 2]);
     let (steps, [x, y]) = (pendulum.steps(), q(&pendulum, 1));
     assert!(x + 0.5 * y + 0.3 >= 0.0);
@@ -426,5 +428,5 @@ fn impacts_act_along_constraints() {
     let back = scene.simulate(turned, Rattle::new(0.05)).unwrap();
     let mut back = back.collide(Stop::above(Side { a: 1.0, b: 0.5, c: -0.3 })).unwrap();
     back.run(steps).unwrap();
-    assert!((q(&back, 1)[0] - 0.6).abs() < 5e-12 && back.events() == pendulum.events());
+    assert!((q(&back, 1)[0] - 0.6).abs() < 5e-13 && back.events() == pendulum.events());
 }

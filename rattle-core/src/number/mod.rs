@@ -7,5 +7,6 @@ pub mod lanes;
 pub(crate) mod linear;
 pub(crate) mod philox;
 pub mod real;
+pub(crate) mod twofold;
 pub(crate) mod vector;
 pub(crate) mod vectors;

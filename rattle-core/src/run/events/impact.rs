@@ -4,13 +4,15 @@
 //! again, until no gap closes any more: so a row of balls that touch hands a blow on. Other orders may lead
 //! elsewhere; Newton's laws do not decide.
 
-use crate::motion::capability::Rates;
+use crate::effect::interval::inverse_mass;
 use crate::motion::method::Method;
 use crate::motion::system::System;
-use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
+use crate::number::twofold::Twofold;
+use crate::number::vector::{add_scaled, sum, two_sum};
 use crate::run::events::meeting::{Meetings, Which};
 use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
+use std::array::from_fn;
 
 /// Takes all impacts at the present place, at most so many; says how many.
 pub(super) fn impacts<Y: System<f64, D>, S: Method, const D: usize>(
@@ -57,29 +59,39 @@ fn impact<Y: System<f64, D>, S: Method, const D: usize>(
         *p = sum(p, gradient);
     }
     system.settle(0.0, 1.0, bodies, &mut ())?;
-    let (mut along, mut square) = (0.0, 0.0);
+    // The same few places are met again and again: the last bit of an impulse would not average out.
+    let (mut along, mut square) = (Twofold::default(), Twofold::default());
+    let inertia = system.inertia();
     for body in 0..bodies.p.as_ref().len() {
         let mut w = bodies.p.as_ref()[body];
         if moves {
             let low = add_scaled(&bodies.p_low.as_ref()[body], -1.0, &before.p_low.as_ref()[body]);
             w = sum(&add_scaled(&w, -1.0, &before.p.as_ref()[body]), &low);
         }
-        let ones = [1.0; D];
-        if system.rates().is_ok_and(|masses| masses.mass_product(body, &ones, &ones) <= 0.0) {
-            w = [0.0; D]; // pinned
+        if inertia.is_pinned(body) {
+            w = [0.0; D];
         }
         bodies.p.as_mut()[body] = w;
-        let v = system.velocity(bodies, body);
-        along += dot(&before.p.as_ref()[body], &v) + dot(&before.p_low.as_ref()[body], &v);
-        square += dot(&w, &v);
+        let (p, p_low) = (before.p.as_ref()[body], before.p_low.as_ref()[body]);
+        for (i, column) in inverse_mass(inertia, body).iter().enumerate() {
+            let v = column.iter().zip(&w).fold(Twofold::default(), |v, (m, w)| v.plus_product(*m, *w));
+            along = along.plus_multiple(p[i], v).plus_product(p_low[i], v.high);
+            square = square.plus_multiple(w[i], v);
+        }
     }
     let e = meetings.kinds[which.kind].restitution();
-    let impulse = -(1.0 + e) * along / square;
+    let ratio = along.over(square);
+    let impulses = [ratio.high, e * ratio.high, ratio.low, e * ratio.low]; // their sum, turned round
     for body in 0..bodies.p.as_ref().len() {
-        let change = scaled(impulse, &bodies.p.as_ref()[body]);
         let (p, p_low) = (before.p.as_ref()[body], before.p_low.as_ref()[body]);
-        (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) = two_sum(&p, &sum(&p_low, &change));
+        let w = bodies.p.as_ref()[body];
+        let after: [Twofold; D] = from_fn(|i| {
+            let p = Twofold { high: p[i], low: p_low[i] };
+            impulses.iter().fold(p, |p, impulse| p.plus_product(-impulse, w[i]))
+        });
+        (bodies.p.as_mut()[body], bodies.p_low.as_mut()[body]) =
+            two_sum(&after.map(|p| p.high), &after.map(|p| p.low));
     }
-    bodies.work = before.work - 0.5 * (1.0 - e * e) * along * along / square;
+    bodies.work = before.work - 0.5 * (1.0 - e * e) * along.high * ratio.high;
     Ok(())
 }

@@ -262,8 +262,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
-            let x = &room.x[component.first.0..component.first.0 + rows.equations()];
-            solver.moves(rows, &shape.roots, 1.0 / h, x, |body, way, impulse| {
+            let m = rows.equations();
+            let x = &room.x[component.first.0..component.first.0 + m];
+            solver.moves(rows, &shape.roots, h, x, &mut room.dx[..m], |body, way, impulse| {
                 let lift = sum(&sum(&drift[body], &push[body]), way);
                 let change = sum(&force[body].add_to(p_low[body], kick), impulse);
                 (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));

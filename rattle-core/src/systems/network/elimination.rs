@@ -346,18 +346,21 @@ impl<const D: usize> Elimination<D> {
         self.combine(rows, &self.lifted, x, |body, blocks| see(body, blocks.add_to([0.0; D], 1.0)));
     }
 
-    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and `scale` GᵀΛ.
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and GᵀΛ/h. `impulses` is room for as many numbers as x
+    /// has.
     #[inline(always)]
     pub(crate) fn moves(
         &self,
         rows: &Rows,
-        scale: f64,
+        h: f64,
         x: &[f64],
+        impulses: &mut [f64],
         mut see: impl FnMut(usize, &[f64; D], &[f64; D]),
     ) {
+        impulses.iter_mut().zip(x).for_each(|(impulse, x)| *impulse = x / h);
         self.combine(rows, &self.lifted, x, |body, lifted| {
-            let normals = Blocks { blocks: &self.normals, ..lifted };
-            see(body, &lifted.add_to([0.0; D], 1.0), &normals.add_to([0.0; D], scale));
+            let normals = Blocks { blocks: &self.normals, x: impulses, ..lifted };
+            see(body, &lifted.add_to([0.0; D], 1.0), &normals.add_to([0.0; D], 1.0));
         });
     }
 

@@ -229,20 +229,21 @@ impl<const D: usize> Basis<D> {
         });
     }
 
-    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and `scale` GᵀΛ.
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and GᵀΛ/h.
     #[inline(always)]
     pub(crate) fn moves(
         &self,
         rows: &Rows,
         roots: &[Root<D>],
-        scale: f64,
+        h: f64,
         x: &[f64],
         mut see: impl FnMut(usize, &[f64; D], &[f64; D]),
     ) {
         self.combine(x, |body, part| {
             let place = rows.bodies[body];
             let root = &roots[place];
-            see(place, &root.halve_transposed(&part), &scaled(scale, &root.restore(&part)));
+            let impulse = root.restore(&part);
+            see(place, &root.velocity(&impulse), &impulse.map(|impulse| impulse / h));
         });
     }
 

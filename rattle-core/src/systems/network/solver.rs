@@ -219,19 +219,21 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    /// Calls `see` with the displacement M⁻¹GᵀΛ of each body, by its number in the scene, and the impulse `scale` GᵀΛ.
+    /// Calls `see` with the displacement M⁻¹GᵀΛ of each body, by its number in the scene, and the impulse GᵀΛ/h.
+    /// `impulses` is room for as many numbers as x has.
     #[inline(always)]
     pub(crate) fn moves(
         &self,
         rows: &Rows,
         roots: &[Root<D>],
-        scale: f64,
+        h: f64,
         x: &[f64],
+        impulses: &mut [f64],
         see: impl FnMut(usize, &[f64; D], &[f64; D]),
     ) {
         match self.by() {
-            By::Basis(basis) => basis.moves(rows, roots, scale, x, see),
-            By::Elimination(elimination) => elimination.moves(rows, scale, x, see),
+            By::Basis(basis) => basis.moves(rows, roots, h, x, see),
+            By::Elimination(elimination) => elimination.moves(rows, h, x, impulses, see),
         }
     }
 
