@@ -10,6 +10,8 @@ mod compositions;
 mod dop853;
 #[path = "../lobatto.rs"]
 mod lobatto;
+#[path = "../planted_faults.rs"]
+mod planted_faults;
 #[path = "../systems.rs"]
 mod systems;
 #[path = "../taylor.rs"]
