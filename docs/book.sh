@@ -14,8 +14,8 @@ cp docs/guide/*.md out/book-source/docs/guide
 cp benches/peers/README.md benches/peers/results.json out/book-source/benches/peers
 if [ -d docs/gallery ]; then cp -r docs/gallery out/book-source/docs; fi
 {
-    echo '[rattle](README.md)'
-    sed 's#](#](docs/#' docs/SUMMARY.md
+    printf '# Summary\n\n[rattle](README.md)\n'
+    sed '1d; s#](#](docs/#' docs/SUMMARY.md
     echo '- [Architecture](ARCHITECTURE.md)'
     echo '- [Contributing](CONTRIBUTING.md)'
     echo '- [Security](SECURITY.md)'

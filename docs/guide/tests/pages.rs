@@ -108,6 +108,80 @@ fn every_page_is_in_the_book_and_its_programs_are_tests() {
 }
 
 #[test]
+fn the_gallery_has_every_surface_and_example() {
+    let page = fs::read_to_string(root().join("docs/guide/gallery.md")).unwrap();
+    let names = |folder: &str, ending: &str| -> Vec<String> {
+        let entries = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        let wanted = entries.filter(|path| path.is_dir() || path.to_string_lossy().ends_with(ending));
+        wanted.map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect()
+    };
+    let (surfaces, examples) = (names("src/surfaces", ".html"), names("examples", ".rs"));
+    assert!(surfaces.len() >= 40 && examples.len() > 20);
+    for name in surfaces {
+        assert!(page.contains(&format!("/{name}.webp)")), "{name}: cargo run --release --example gallery");
+    }
+    for name in examples {
+        assert!(page.contains(&format!("| `{name}` |")), "{name}: cargo run --release --example gallery");
+    }
+}
+
+#[test]
+fn prose_is_at_most_120_columns_wide() {
+    let mut long = Vec::new();
+    let mut lines = 0;
+    for (ending, comment) in [(".md", ""), (".rs", "//")] {
+        for file in files(ending) {
+            if file.file_name().unwrap().to_string_lossy().starts_with("hard-cases") {
+                continue; // written by programs, mostly tables
+            }
+            let text = fs::read_to_string(&file).unwrap();
+            let mut fenced = false;
+            for (number, line) in text.lines().enumerate() {
+                let trimmed = line.trim_start();
+                if !trimmed.starts_with(comment) {
+                    fenced = false;
+                    continue;
+                }
+                let words = trimmed.trim_start_matches(['/', '!']).trim();
+                let fence = words.starts_with("```");
+                fenced ^= fence;
+                let prose = !fenced && !fence && !words.starts_with(['|', '#']) && words.contains(' ');
+                lines += usize::from(prose);
+                if prose && line.chars().count() > 120 {
+                    long.push(format!("{}:{}", file.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert!(lines > 10_000, "only {lines} lines of prose");
+    assert!(long.is_empty(), ".ci/wrap wraps these:\n{}", long.join("\n"));
+}
+
+#[test]
+fn words_that_people_search_lead_somewhere() {
+    let sources: String = files(".rs").iter().map(|path| fs::read_to_string(path).unwrap()).collect();
+    let words = [
+        "friction",
+        "thermostat",
+        "sample",
+        "uniform",
+        "dt",
+        "joint",
+        "hinge",
+        "motor",
+        "restart",
+        "timestep",
+        "noise",
+        "Langevin",
+        "contact",
+        "pendulum",
+    ];
+    for word in words {
+        assert!(sources.contains(&format!("#[doc(alias = \"{word}\")]")), "no page is found by {word}");
+    }
+}
+
+#[test]
 fn mistakes_are_listed_as_the_macros_tell_them() {
     let messages: String =
         files(".stderr").iter().map(|path| fs::read_to_string(path).unwrap()).collect::<Vec<_>>().join("\n");

@@ -27,6 +27,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and
     /// [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
     /// steps of their own length, rigid bodies and phase space.
+    #[doc(alias = "contact")]
+    #[doc(alias = "collision")]
     pub fn collide(mut self, contacts: impl Contacts<D>) -> Result<Self, Error> {
         self.takes_events()?;
         contacts.check(self.bodies())?;

@@ -41,6 +41,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The step size of the method.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     pub fn step_size(&self) -> f64 {
         self.method.step_size()
     }
