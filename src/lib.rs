@@ -137,5 +137,4 @@ pub mod prelude {
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
-#[doc = include_str!("../docs/programs.md")]
-struct Pages;
+struct Readme;

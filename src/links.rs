@@ -46,6 +46,9 @@ constraint! {
     /// let rod = Rod { length: 3.0 };
     /// assert_eq!(rod.value(&[0.0, 0.0, 0.0, 1.0, 2.0, 2.0].into())[0], 0.0);
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "bond")]
+    #[doc(alias = "pendulum")]
     pub struct Rod { length }
     |a: [f64; 3], b: [f64; 3]| sum(i in 0..3, (a[i] - b[i])^2) - length^2
 }
@@ -80,6 +83,8 @@ constraint! {
     ///
     /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 3.0, 1.0, 2.0, 2.5].into()).as_slice(), [0.0, 0.0, 0.5]);
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "hinge")]
     pub struct Coincident {}
     |a: [f64; 3], b: [f64; 3]| for i in 0..3 { a[i] - b[i] }
 }
@@ -170,6 +175,8 @@ constraint! {
     /// assert!((q.norm() - 0.5 * 0.6).abs() < 1e-12 && (q.x / q.z + 4.0 / 3.0).abs() < 1e-12);
     /// # Ok::<(), rattle::Error>(())
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "prismatic")]
     pub struct Slider { point: [f64; 3], direction: [f64; 3] }
     |q: [f64; 3]| {
         let n = direction / norm(direction);

@@ -20,7 +20,7 @@ fn is(numbers: &[f64], exact: f64, by_step: f64) {
     assert!((mean - exact).abs() < DEVIATIONS * sigma + by_step, "{mean} of {exact} ± {sigma:.1e}");
 }
 
-/// ⟨|Δr|²⟩ = 4Dt + 2(v/D_r)² (D_r t − 1 + e^{−D_r t}) and ⟨Δr·u(0)⟩ = (v/D_r)(1 − e^{−D_r t}) (C. Bechinger et al., Rev. Mod.
+/// `⟨|Δr|²⟩ = 4Dt + 2(v/D_r)² (D_r t − 1 + e^{−D_r t})` and `⟨Δr·u(0)⟩ = (v/D_r)(1 − e^{−D_r t})` (C. Bechinger et al., Rev. Mod.
 /// Phys. 88 (2016) 045006, equations 9 and 10), in the plane and on one in space. A step of h is off by (D_r h)²/12 of
 /// what persists.
 #[test]

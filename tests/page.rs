@@ -61,7 +61,7 @@ fn billiards() -> Page {
     Page::new("Billiards on a surface of <genus> two & more").scene(fan).scene(crowd)
 }
 
-/// RATTLE_PICTURES=folder keeps screenshots, to be looked at.
+/// `RATTLE_PICTURES=folder` keeps screenshots, to be looked at.
 fn keep(page: &mut Browser, name: &str) {
     if let Some(folder) = std::env::var_os("RATTLE_PICTURES") {
         fs::create_dir_all(&folder).unwrap();

@@ -1,4 +1,4 @@
-//! Which method moves which system: the table of `docs/methods.md` and of the reference, asked of every pair.
+//! Which method moves which system: the table of `docs/guide/methods.md` and of the reference, asked of every pair.
 
 use crate::common::*;
 use rattle::Error;
@@ -121,7 +121,8 @@ fn the_table_of_the_front_page() {
         ("`Taylor`", row(&Taylor::new(16, h))),
         ("`Bdf2`", row(&Bdf2::new(h))),
     ];
-    let pages = [include_str!("../docs/methods.md"), include_str!("../rattle-core/src/motion/method.rs")];
+    let pages =
+        [include_str!("../docs/guide/methods.md"), include_str!("../rattle-core/src/motion/method.rs")];
     for (row, page) in rows.iter().flat_map(|row| pages.map(|page| (row, page))) {
         let (name, found) = row;
         let row = format!("| {name} | {} |", found.each_ref().map(|(found, _)| *found).join(" | "));

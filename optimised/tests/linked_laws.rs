@@ -16,7 +16,7 @@ constraint! {
 }
 
 /// n₂ = n₁ + ε w with integers and ε a power of two: exact. Both are orthogonal to t = n₁ × w, so that of p only
-/// (p·t) t/t² is left. A basis loses ε_machine/ε, elimination its square.
+/// (p·t) t/t² is left. A basis loses `ε_machine/ε`, elimination its square.
 #[test]
 fn momenta_between_normals_at_a_small_angle() {
     let (n1, w, t) = ([3.0, 5.0, 7.0], [2.0, -1.0, 4.0], [27.0, 2.0, -13.0]);
@@ -60,7 +60,7 @@ potential! {
 }
 
 /// The circle has the closed discrete solution of angle asin(h|v|) a step. The direction of the force that
-/// holds the particle on it is known to ε_machine/ε only.
+/// holds the particle on it is known to `ε_machine/ε` only.
 #[test]
 fn motion_between_normals_at_a_small_angle() {
     let (epsilon, h, n) = (2.0_f64.powi(-27), 0.1, 200);

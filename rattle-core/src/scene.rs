@@ -147,6 +147,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// ```text
     /// Scene::points(1001).link(Rod { length: 1e-3 }, (0..1000).map(|i| [i, i + 1])).pin(0, [0.0; 3])
     /// ```
+    #[doc(alias = "joint")]
     pub fn link<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
         constraint: G,
@@ -171,6 +172,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     ///
     /// Such a constraint does work, see [`Simulation::work`](crate::run::simulation::Simulation::work); momenta must
     /// satisfy G v = −∂g/∂t.
+    #[doc(alias = "motor")]
     pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
         constraint: G,
@@ -200,6 +202,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// The same scene with a body held at a place.
+    #[doc(alias = "anchor")]
+    #[doc(alias = "fixed")]
     pub fn pin(self, body: usize, at: impl Coordinates<D>) -> Scene<Network<D>, E, N, D> {
         self.network(|mut network| {
             network.pins.push((body, at.coordinates()));
@@ -272,8 +276,11 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.effects.check(state.len())
     }
 
-    /// The state with momenta moved, by the forces at its positions, to where `method` takes them to be: a start for a
-    /// staggered method from momenta of the same time.
+    /// A start for a staggered method, such as [`Shake`](crate::methods::shake::Shake) or
+    /// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), from a state whose momenta belong to the time of its positions.
+    ///
+    /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at tₙ − h/2. The
+    /// momenta of the state are changed by the forces at its positions over that half step; positions stay.
     ///
     /// # Errors
     /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that

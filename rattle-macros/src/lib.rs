@@ -107,6 +107,7 @@ pub fn potential(input: TokenStream) -> TokenStream {
 /// components for each. It is what is added to ṗ; on a rigid body, of nine coordinates, the first three of nine
 /// components are the torque in the frame of the body, and the first three of nine velocities the angular velocity
 /// there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
+#[doc(alias = "motor")]
 #[proc_macro]
 pub fn force(input: TokenStream) -> TokenStream {
     expand(Macro::Force, input.into()).into()

@@ -23,6 +23,7 @@ pub enum Ended {
 }
 
 /// Where a run is saved, and when: at its end, and every so many steps or seconds if that is asked for.
+#[doc(alias = "restart")]
 #[derive(Debug, Clone)]
 #[must_use = "it says how to save, and saves when it runs something"]
 pub struct Saving {

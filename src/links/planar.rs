@@ -38,6 +38,9 @@ constraint! {
     ///
     /// assert_eq!(Rod { length: 5.0 }.value(&[0.0, 0.0, 3.0, 4.0].into())[0], 0.0);
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "bond")]
+    #[doc(alias = "pendulum")]
     pub struct Rod { length }
     |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
@@ -68,6 +71,8 @@ constraint! {
     ///
     /// assert_eq!(Coincident {}.value(&[1.0, 2.0, 1.0, 1.5].into()).as_slice(), [0.0, 0.5]);
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "hinge")]
     pub struct Coincident {}
     |a: [f64; 2], b: [f64; 2]| for i in 0..2 { a[i] - b[i] }
 }
@@ -164,6 +169,7 @@ constraint! {
     /// let angle = 3.0 * t + 0.5;
     /// assert!(crank.value(&[1.0 + 2.0 * angle.cos(), 2.0 * angle.sin(), t].into()).amax() < 1e-15);
     /// ```
+    #[doc(alias = "motor")]
     pub struct Crank { centre: [f64; 2], radius, omega, phase }
     |x, y, t| {
         let angle = omega * t + phase;

@@ -39,7 +39,7 @@ def tree(depth):
 
 rows = [tree(5) for _ in range(60)]
 with open("../macro_random/rows.rs", "w") as out:
-    out.write("//! Written by tests/data/random_expressions.py.\n\nuse super::*;\n\n")
+    out.write("//! Written by `tests/data/random_expressions.py`.\n\nuse super::*;\n\n")
     for i, (macro, _) in enumerate(rows):
         out.write(f"constraint! {{ #[doc = \"A row.\"] pub(super) struct Row{i} {{ a }} |x, y, z| x + y + z + a * ({macro}) }}\n")
     out.write("\npub(super) fn check_all() -> usize {\n    let mut agreed = 0;\n")

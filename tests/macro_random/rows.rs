@@ -1,4 +1,4 @@
-//! Written by tests/data/random_expressions.py.
+//! Written by `tests/data/random_expressions.py`.
 
 use super::*;
 

@@ -27,6 +27,7 @@ use crate::number::vector::add_scaled;
 /// assert!((sum / 500.0 - 0.5).abs() < 0.02);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "thermostat")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Andersen {
     /// ν, collisions per time.

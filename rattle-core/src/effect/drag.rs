@@ -27,6 +27,8 @@ use std::array::from_fn;
 /// assert!((simulation.velocity().x - (-1.0_f64).exp()).abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "friction")]
+#[doc(alias = "damping")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearDrag<const D: usize> {
     along: [f64; D],
@@ -93,6 +95,7 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// assert!((simulation.velocity().x - 0.2).abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "friction")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuadraticDrag {
     /// c, in the unit of mass over length: ½ρAC_D of a body of cross section A in a fluid of density ρ.

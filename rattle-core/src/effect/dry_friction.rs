@@ -36,6 +36,8 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// assert_eq!(simulation.position().norm(), 0.0);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "friction")]
+#[doc(alias = "Coulomb")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DryFriction {
     /// μ, a number.

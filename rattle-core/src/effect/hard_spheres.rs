@@ -22,6 +22,8 @@ use crate::number::vector::{add_scaled, dot, scaled};
 /// assert_eq!(cradle.events(), 2);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "contact")]
+#[doc(alias = "collision")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HardSpheres {
     diameter: f64,

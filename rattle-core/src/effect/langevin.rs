@@ -38,6 +38,9 @@ use crate::number::vector::{scaled, sum};
 /// assert!((sum / 500.0 - 0.5).abs() < 0.02);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "friction")]
+#[doc(alias = "thermostat")]
+#[doc(alias = "noise")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Langevin {
     /// γ: a rate, in the unit of 1/time; after 1/γ a momentum has forgotten half of itself and more.

@@ -37,6 +37,7 @@ use crate::number::vector::scaled;
 /// assert!((sum / 10_000.0 - 2.0).abs() < 0.1);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "thermostat")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityRescaling {
     /// τ, the time in which the kinetic energy forgets.

@@ -30,6 +30,9 @@ use std::fmt;
 /// assert!((ball.work() + 0.375).abs() < 1e-14); // three quarters of the energy went into the floor
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "contact")]
+#[doc(alias = "wall")]
+#[doc(alias = "joint limit")]
 #[derive(Clone)]
 pub struct Stop<X, const K: usize, const A: usize> {
     name: &'static str,

@@ -43,6 +43,8 @@ const CANDIDATES: usize = 10;
 ///
 /// # Errors
 /// [`PointsError::Box`] for a box without volume; [`PointsError::NotMet`] where too few lines meet the surface.
+#[doc(alias = "sample")]
+#[doc(alias = "random")]
 pub fn uniform<C: Constraint<D, 1>, const D: usize>(
     surface: &C,
     low: [f64; D],
@@ -59,6 +61,8 @@ pub fn uniform<C: Constraint<D, 1>, const D: usize>(
 ///
 /// # Errors
 /// As [`uniform`].
+#[doc(alias = "sample")]
+#[doc(alias = "uniform")]
 pub fn even<C: Constraint<D, 1>, const D: usize>(
     surface: &C,
     low: [f64; D],
@@ -85,6 +89,8 @@ pub fn even<C: Constraint<D, 1>, const D: usize>(
 ///
 /// # Errors
 /// As [`uniform`]; [`PointsError::Full`] where no room is left for the next point.
+#[doc(alias = "sample")]
+#[doc(alias = "uniform")]
 pub fn apart<C: Constraint<D, 1>, const D: usize>(
     surface: &C,
     low: [f64; D],

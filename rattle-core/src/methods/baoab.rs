@@ -38,6 +38,8 @@ use crate::number::real::Real;
 /// let method = Baoab::new(0.05);
 /// let on_curved_surfaces = Baoab::with_inner(2, 0.05); // twice two free steps of 0.0125
 /// ```
+#[doc(alias = "Langevin")]
+#[doc(alias = "thermostat")]
 pub type Baoab = Fixed<KickDriftHeat>;
 
 /// The map of [`Baoab`].

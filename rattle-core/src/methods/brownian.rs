@@ -41,6 +41,9 @@ use crate::number::real::Real;
 /// assert!((mean - 2.0 * (1.0 - (-0.5_f64).exp())).abs() < 0.1);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "noise")]
+#[doc(alias = "Langevin")]
+#[doc(alias = "overdamped")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brownian {
     friction: f64,

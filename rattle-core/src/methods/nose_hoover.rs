@@ -54,6 +54,7 @@ const WEIGHTS: [f64; 3] = [1.351_207_191_959_657_8, -1.702_414_383_919_315_5, 1.
 /// assert!((kept - energy).abs() < 1e-2);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "thermostat")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoseHoover {
     temperature: f64,

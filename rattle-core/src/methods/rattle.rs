@@ -46,6 +46,8 @@ pub struct Rattle<G = FromState, X = Newton> {
 
 impl Rattle {
     /// RATTLE with step size `h`, in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self { h, guess: FromState, iteration: Newton }
@@ -53,8 +55,11 @@ impl Rattle {
 }
 
 impl<G: Guess, X: Iteration> Rattle<G, X> {
-    /// The same method, its iteration begun with this [guess](crate::motion::guess) of the multipliers: the same motion to rounding,
-    /// for other evaluations. A state taken from a simulation carries what is remembered.
+    /// The same method with another [first guess](crate::motion::guess) of the multipliers.
+    ///
+    /// The motion is the same to rounding; how many values, gradients and second derivatives a step evaluates changes. What the
+    /// guess remembers of earlier steps is part of the [`State`](crate::motion::state::State) of a simulation, so a run that is
+    /// continued from a state goes on bit for bit.
     ///
     /// ```
     /// # use rattle::{guess::{Extrapolated, LastMultiplier}, Rattle};
@@ -66,8 +71,9 @@ impl<G: Guess, X: Iteration> Rattle<G, X> {
         Rattle { h: self.h, guess, iteration: self.iteration }
     }
 
-    /// The same method, its position equation solved in this [way](crate::motion::iteration): the same motion to rounding, for
-    /// other evaluations.
+    /// The same method with another [iteration](crate::motion::iteration) for its position equation.
+    ///
+    /// The motion is the same to rounding; how many values and gradients a step evaluates changes.
     ///
     /// ```
     /// # use rattle::{iteration::Broyden, Rattle};

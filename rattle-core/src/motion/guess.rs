@@ -1,18 +1,24 @@
-//! Where the iteration for the multipliers begins, and what has to be remembered for that.
+//! The first guess of the multipliers, from which the iteration of a step begins.
 //!
-//! The solution does not depend on it but in the last bits; the number of evaluations does. A guess that is off by more than
-//! a hundredth of the path is not followed; the step is then that of [`FromState`].
+//! | guess | λ begins as | order of its error | second derivatives of g |
+//! |---|---|---|---|
+//! | [`FromState`], the default | λ from g̈ = 0 at the start of the step | h | needed |
+//! | [`LastMultiplier`] | μ of the last step | h | not needed |
+//! | [`Extrapolated`] | λ continued from the last three steps | h³ | not needed |
+//!
+//! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is wrong by
+//! more than a hundredth of the path of the step, the step is made again from [`FromState`].
 
 use crate::number::real::Real;
 use std::fmt::Debug;
 
 /// A first guess of multipliers.
 pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// What is remembered from step to step.
+    /// The numbers that are remembered from step to step.
     type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
-    /// So many steps, of one length if more than one, come before the first guess.
+    /// How many steps must have been made before the first guess: of one length, if more than one.
     const STEPS: f64;
-    /// So many numbers are remembered of each equation of RATTLE.
+    /// How many numbers are remembered for each equation of RATTLE.
     const NUMBERS: usize;
 
     /// Room for so many numbers, all 0; none where nothing is remembered.
@@ -25,16 +31,17 @@ pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
     fn note_momentum<T: Real>(_numbers: &mut [T], _mu: T) {}
 }
 
-/// From g̈ = 0 at the start of the step: a step is a pure function of the state.
+/// λ from g̈ = 0 at the start of the step. Nothing is remembered, so a step depends on the present state alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FromState;
 
-/// μ of the last step, off by first order in h; needs no second derivative, and steps may differ in length.
+/// μ of the last step. Its error is of first order in h. No second derivative is evaluated, and steps may differ in length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LastMultiplier;
 
-/// From what the last steps lead to: RATTLE extends the parabola through its last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂, Lobatto methods
-/// the polynomial through the stages of the last step. Needs no second derivative either.
+/// λ extrapolated from earlier steps: RATTLE continues the parabola through its last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂; Lobatto methods
+/// continue the polynomial through the stages of the last step. No second derivative is evaluated. Until enough
+/// steps of one length have been made, a step begins as with [`FromState`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extrapolated;
 

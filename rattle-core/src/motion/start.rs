@@ -2,9 +2,15 @@
 
 use crate::error::StartFailure;
 
-/// A start may lie this far off the surface, relative to its largest coordinate or to the size of the surface if that
-/// is smaller, and its momentum this far off the tangent plane, as a sine: well above rounding, well below any error
-/// of a method.
+/// How far a start may be off its constraint: 1e-10.
+///
+/// ```text
+/// position    |g|/|∇g| ≤ START_TOLERANCE · L      L: the largest coordinate, or the size of the surface if that is smaller
+/// momentum    sin α ≤ START_TOLERANCE             α: the angle between the momentum and the tangent plane
+/// ```
+///
+/// The value is far above rounding (1e-16) and far below the error of any method. A start beyond it is refused;
+/// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraint.
 pub const START_TOLERANCE: f64 = 1e-10;
 
 /// A start whose normal is known to no more digits than this is too near to a singular point.

@@ -45,6 +45,7 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 /// let two = State::of([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]); // at rest
 /// assert_eq!((one.len(), two.len()), (1, 2));
 /// ```
+#[doc(alias = "restart")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
     pub(crate) bodies: Vec<Body<f64, D>>,

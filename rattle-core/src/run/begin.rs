@@ -48,6 +48,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     ///
     /// # Errors
     /// As [`simulate`](Self::simulate) for the places; [`Error::Effect`] for a temperature below 0 or not finite.
+    #[doc(alias = "sample")]
+    #[doc(alias = "temperature")]
+    #[doc(alias = "thermostat")]
     pub fn maxwell(&self, state: &State<D>, temperature: f64, seed: u64) -> Result<State<D>, Error> {
         let effect = "Maxwell's distribution";
         EffectMistake::unless_positive_or_zero("temperature", temperature)

@@ -118,6 +118,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.
+    #[doc(alias = "restart")]
     pub fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
         let mut reading = checkpoint.read();
         reading.expect("a simulation")?;

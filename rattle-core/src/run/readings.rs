@@ -1,4 +1,4 @@
-//! What can be read off a simulation: time, positions and momenta, energies, residuals, multipliers.
+//! Readings of a simulation: time, positions and momenta, energies, residuals, multipliers.
 
 use crate::effect::list::Forces;
 use crate::motion::bodies::{Alone, Body, Count};
@@ -20,7 +20,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.steps
     }
 
-    /// The time: that of the start, 0 if none was given, and steps times step size, or the sum of the steps where they
+    /// The time: the time of the start (0 if none was given) plus steps times step size; plus the sum of the steps, where they
     /// differ in length.
     pub fn time(&self) -> f64 {
         self.exact_time().0
@@ -41,6 +41,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The step size of the method.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     pub fn step_size(&self) -> f64 {
         self.method.step_size()
     }
@@ -75,14 +77,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         (0..self.bodies()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
-    /// What the method carries from step to step: no numbers of a one-step method.
+    /// The numbers that the method remembers from step to step; empty for a one-step method.
     pub fn memory(&self) -> &[f64] {
         self.memory.as_ref()
     }
 
-    /// What effects carry from step to step, such as the headings of
-    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): numbers of each of them in turn, none where nothing is
-    /// remembered.
+    /// The numbers that effects remember from step to step, such as the headings of
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): those of the first effect, then of the next. Empty where no effect
+    /// remembers anything.
     pub fn marks(&self) -> &[f64] {
         &self.bodies.marks
     }
@@ -108,15 +110,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.kinetic_energy(&self.bodies)
     }
 
-    /// The number of independent momenta: coordinates of bodies that are not pinned, less independent equations, as far
-    /// as the last normals show.
+    /// The number of independent momenta: the number of coordinates of bodies that are not pinned, minus the number of independent
+    /// equations (counted by the normals of the last step).
     pub fn freedom(&self) -> usize {
         self.system.freedom(&self.bodies)
     }
 
-    /// The temperature kT that the present momenta have, an energy: twice the kinetic energy for each of the
-    /// [independent momenta](Self::freedom). NaN where there are none, or no masses
-    /// (phase space). What links that move impose on the bodies is no heat, and not counted.
+    /// The temperature kT of the present momenta, an energy: 2K divided by the number of
+    /// [independent momenta](Self::freedom).
+    ///
+    /// NaN where there are no independent momenta, and in phase space, which has no masses. The motion that moving links impose on
+    /// bodies is no heat, and is left out of K.
     pub fn temperature(&self) -> f64 {
         if self.system.rates().is_err() {
             return f64::NAN;
@@ -146,9 +150,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Work done on the bodies since the start by constraints that move, −∫ λᵀ ∂g/∂t dt, and by potentials that change with
-    /// time, ∫ ∂U/∂t dt, both to the order of the method, by [flows](crate::effect::Flow) of momenta, and, negative, by [impacts](Self::collide) that are not elastic; 0
-    /// where there are none.
+    /// The work done on the bodies since the start, an energy; 0 where none of these is in the scene:
+    ///
+    /// * constraints that move, −∫ λᵀ ∂g/∂t dt, and potentials that change with time, ∫ ∂U/∂t dt, to the order of the method;
+    /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
+    /// * [impacts](Self::collide) that are not elastic: negative.
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
@@ -159,8 +165,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.events.as_ref().map_or(0, |events| events.number)
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done. Effects written by hand that change with
-    /// time do work that is booked if they tell their [power](crate::effect::Acting::power).
+    /// The energy now, minus the energy at the start, minus the [work](Self::work) done: the error of the method.
+    ///
+    /// The work of an effect that is written by hand and changes with time is part of that if the effect tells its
+    /// [power](crate::effect::Acting::power).
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }

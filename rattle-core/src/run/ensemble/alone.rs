@@ -1,4 +1,4 @@
-//! A trajectory that is moved by itself, as a simulation.
+//! A trajectory that is a simulation by itself, outside of lanes.
 
 use crate::error::Error;
 use crate::motion::method::Method;

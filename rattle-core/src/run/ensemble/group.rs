@@ -1,4 +1,4 @@
-//! Trajectories that are moved on together.
+//! Trajectories that take their steps together.
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
@@ -9,25 +9,25 @@ use crate::run::ensemble::look::{Onlooker, Watched};
 
 /// Some trajectories of an ensemble.
 pub trait Group<const D: usize>: Watched<D> + Send + Sync {
-    /// Takes so many steps, and shows the group to an onlooker when it is time; trajectories that fail rest where they were
-    /// before the step.
+    /// Takes `steps` steps, and shows the group to an onlooker after each multiple of its interval. A trajectory that fails
+    /// stays at the state before the failed step.
     fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
-    /// Takes steps that cannot be taken in 2, 4, … 2^`halvings` parts.
+    /// From now on a step that fails is made again in 2, 4, … 2^`halvings` parts.
     fn retry(&mut self, halvings: u32);
-    /// The state of one.
+    /// The state of one trajectory.
     fn state(&self, trajectory: usize) -> State<D>;
-    /// What a step of one that moves costs.
+    /// What a step of a trajectory that has not failed costs.
     ///
     /// # Errors
     /// Those of the steps that are tried.
     fn bill(&self) -> Result<Bill, Error>;
     /// Writes all that is needed to go on.
     fn record(&self, to: &mut Record);
-    /// The same group where another was.
+    /// This group, at the states that the record of another group holds.
     ///
     /// # Errors
     /// [`Error::Record`] where that was another group.
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error>;
-    /// Why one goes on no more.
+    /// Why a trajectory has failed.
     fn failure(&self, trajectory: usize) -> Option<&Error>;
 }

@@ -1,4 +1,4 @@
-//! What the trajectories of a block obey: all the same, or each with parameters of its own.
+//! The constraint and forces that the trajectories of a block obey: one set for all, or each trajectory with parameters of its own.
 
 use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;

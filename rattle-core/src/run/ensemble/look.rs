@@ -1,26 +1,26 @@
-//! What a group of trajectories shows of itself while it runs.
+//! How a group of trajectories is shown to an observer while it runs.
 
 use crate::number::instructions::InstructionSet;
 use crate::run::watch::seen::{Page, Seen};
 use crate::run::watch::sight::Source;
 
-/// Trajectories that can be looked at.
+/// Trajectories that can be shown.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
 pub trait Watched<const D: usize>: Source<D> {
-    /// How many there are.
+    /// The number of trajectories.
     fn len(&self) -> usize;
-    /// Bodies of each.
+    /// The number of bodies of each trajectory.
     fn bodies(&self) -> usize;
     /// Writes all of them.
     fn look(&self, page: Page<'_, D>, set: InstructionSet);
-    /// Of each, whether it goes on; there may be more numbers than trajectories.
+    /// For each trajectory, whether it has not failed. There may be more entries than trajectories.
     fn moving(&self) -> &[bool];
 }
 
-/// Who is shown a group after every so many steps.
+/// An observer of a group, and the steps after which it is shown the group.
 pub struct Onlooker<'a, const D: usize> {
-    /// The steps after which it is shown next, counted from the start of the ensemble. A stretch of steps that is gone
-    /// through again, because a lane fails in it, shows nothing twice.
+    /// The number of steps, counted from the start of the ensemble, after which the group is shown next. Where a stretch of
+    /// steps is repeated because a lane failed in it, this number keeps the observer from being shown anything twice.
     pub(crate) next: u64,
     pub(crate) every: u64,
     pub(crate) now: Seen<D>,

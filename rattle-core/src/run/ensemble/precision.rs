@@ -1,4 +1,4 @@
-//! The numbers that trajectories in lanes are made of.
+//! The numbers that trajectories in lanes are computed with.
 
 use crate::effect::list::Effects;
 use crate::kernel::functions::Constraint;
@@ -12,8 +12,10 @@ use crate::run::ensemble::laws::{Each, Same};
 use crate::run::ensemble::side_by_side::SideBySide;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
 
-/// Double precision; what rounding takes from a position is lost. The default. (On coordinates near 1, above which doubles are
-/// twice as far apart as below, rounding is biased: on a unit sphere the energy grows by 1e-17 of itself in each step.)
+/// Double precision without compensated sums; the default.
+///
+/// Each step loses the rounding of the position. On coordinates near 1 that loss is biased, since doubles above 1 are twice as far
+/// apart as those below: on a unit sphere the energy grows by 1e-17 of itself in each step. [`Compensated`] has no such drift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Double;
 
@@ -22,14 +24,16 @@ pub struct Double;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Compensated;
 
-/// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time (but tan, ∛, powers,
-/// log₂, log₁₀, erf and inverse functions are computed in double precision). What does not go in lanes is computed in double precision.
+/// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time.
+///
+/// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Trajectories that do not go in
+/// lanes are computed in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Single;
 
 /// What numbers in lanes are: [`Double`], [`Compensated`] or [`Single`].
 pub trait Precision: Copy {
-    /// The largest number that there is.
+    /// The largest finite number.
     const MOST: f64;
 
     /// A group of trajectories that obey the same; `EQUAL` says that a step is one stage.

@@ -1,4 +1,4 @@
-//! All trajectories of an ensemble, from time to time, for a consumer that works while the ensemble goes on.
+//! Snapshots of an ensemble for a consumer that works on another thread while the ensemble goes on.
 
 use crate::run::ensemble::trajectories::Ensemble;
 use crate::run::watch::seen::Page;
@@ -6,16 +6,17 @@ use nalgebra::SVector;
 use rayon::prelude::*;
 use std::sync::mpsc::sync_channel;
 
-/// An ensemble at a time.
+/// Positions and momenta of all trajectories of an ensemble after some step.
 #[derive(Debug, Clone, Default)]
 pub struct Snapshot<const D: usize> {
     /// Steps taken so far.
     pub steps: u64,
-    /// Times of the trajectories in turn: starts may have times of their own, and who failed rests at the time of that.
+    /// The time of each trajectory. Times differ where starts do, and where a trajectory has failed: its time stays that of its
+    /// last step.
     pub times: Vec<f64>,
-    /// Positions of all bodies of all trajectories in turn.
+    /// Positions: all bodies of the first trajectory, then of the second, and so on.
     pub positions: Vec<SVector<f64, D>>,
-    /// Momenta of the same.
+    /// Momenta, in the same order.
     pub momenta: Vec<SVector<f64, D>>,
 }
 
@@ -23,9 +24,10 @@ pub struct Snapshot<const D: usize> {
 const ON_THE_WAY: usize = 2;
 
 impl<const D: usize> Ensemble<D> {
-    /// Takes `steps` steps and gives a snapshot to `consume` after every `every` of them, on a thread of its own, while the
-    /// ensemble goes on; it waits only where `consume` is two snapshots behind. Trajectories that failed are where they
-    /// rest.
+    /// Takes `steps` steps, and gives a snapshot to `consume` after every `every` of them.
+    ///
+    /// `consume` runs on a thread of its own while the ensemble goes on. The ensemble waits where `consume` is two snapshots
+    /// behind, so memory does not grow. A trajectory that has failed appears in each snapshot at its last state.
     ///
     /// # Errors
     /// The first error of `consume`, after which no more steps are begun.

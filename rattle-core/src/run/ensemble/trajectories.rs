@@ -42,7 +42,7 @@ pub struct Ensemble<const D: usize> {
 }
 
 impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// Many trajectories of this scene, from these starts, by the same method; see [`Ensemble`].
+    /// An ensemble: one trajectory of this scene from each start, all by the same method; see [`Ensemble`].
     ///
     /// ```text
     /// let mut ensemble = scene.ensemble(starts, Rattle::new(0.01))?;
@@ -59,7 +59,7 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
         self.ensemble_in(Double, starts, method)
     }
 
-    /// The same with numbers of another [`Precision`] in lanes.
+    /// As [`ensemble`](Self::ensemble), with numbers of another [`Precision`] in lanes.
     ///
     /// # Errors
     /// As [`ensemble`](Self::ensemble).
@@ -74,8 +74,8 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
 }
 
 impl<const D: usize> Ensemble<D> {
-    /// Trajectories of one scene, with these instructions (or those that every processor has, if this one does not have
-    /// them); see [`Scene::ensemble`].
+    /// As [`Scene::ensemble`], with a chosen instruction set. Where the processor does not have it, the one that every
+    /// processor has is used.
     ///
     /// # Errors
     /// As [`Scene::ensemble`].
@@ -95,9 +95,11 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// A sweep over parameters: one trajectory of each scene, from a start of its own. Takes as long as one scene for
-    /// all, however much depends on parameters alone: parameters are kept in lanes, as trajectories are. (But those of
-    /// effects over members.)
+    /// A sweep over parameters: one trajectory of each scene, from a start of its own.
+    ///
+    /// The scenes are of one type and differ in parameters. A step takes as long as in an ensemble of one scene, since
+    /// parameters are kept in lanes beside the positions. (Parameters of effects `.over` members are not: reading them takes
+    /// longer.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
@@ -179,10 +181,11 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// The same ensemble, in which a step that a trajectory cannot take is taken in 2, 4, … 2^`halvings` equal parts,
-    /// that step of that trajectory alone, as [`Simulation::retry`](crate::run::simulation::Simulation::retry) does;
-    /// the others are not touched by it. Where no step fails nothing changes. In parts a step takes some microseconds,
-    /// as in a simulation.
+    /// The same ensemble, in which a step that fails is made again in 2, 4, … 2^`halvings` equal parts, as
+    /// [`Simulation::retry`](crate::run::simulation::Simulation::retry) does.
+    ///
+    /// That concerns the one step of the one trajectory that failed; the other trajectories are the same, bit for bit. A step
+    /// in parts takes some microseconds.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -197,7 +200,7 @@ impl<const D: usize> Ensemble<D> {
         self
     }
 
-    /// Takes `steps` steps with every trajectory that can be moved.
+    /// Takes `steps` steps of every trajectory that has not failed.
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
         match &mut self.groups[..] {
@@ -207,14 +210,16 @@ impl<const D: usize> Ensemble<D> {
         self.steps = self.steps.saturating_add(steps);
     }
 
-    /// Takes `steps` steps and shows each trajectory to an observer after every `every` of them; one that fails is not
-    /// shown again. Steps beyond the last multiple of `every` are taken and not shown. If an observer panics, groups of
-    /// trajectories are left at different times.
+    /// Takes `steps` steps, and shows each trajectory to an observer after every `every` of them.
     ///
-    /// To look at a trajectory in lanes takes as long as a step and a half, for its momentum is made whole, and what is
-    /// done with it comes on top: under gravity on the lemniscate, 1.5 ns a step, the [`Mean`](crate::run::watch::Mean)
-    /// of a height takes 1.9 steps where `every` is 1, 0.2 where it is 10, and 0.04 where it is 100; of the
-    /// [energy](crate::run::watch::Sight::energy) a step more.
+    /// `new` makes an observer for each group of trajectories; their results are joined in the order of the trajectories. A
+    /// trajectory that has failed is not shown again. Steps beyond the last multiple of `every` are taken and not shown. If an
+    /// observer panics, groups of trajectories are left at different times.
+    ///
+    /// **Cost.** To show a trajectory that goes in lanes takes the time of 1.5 steps, and the observer's work comes on top.
+    /// Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height takes the time of 1.9
+    /// steps per step where `every` is 1, of 0.2 where it is 10, and of 0.04 where it is 100; the mean of the
+    /// [energy](crate::run::watch::Sight::energy) one more each time that it is shown.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
@@ -256,9 +261,11 @@ impl<const D: usize> Ensemble<D> {
         all
     }
 
-    /// What a step of a trajectory costs on one thread, item by item: of the first group of trajectories that move,
-    /// those that go side by side in lanes, or one that goes as a simulation. A copy is run for some milliseconds, and its
-    /// parts are timed by themselves; the ensemble is not touched, and a run pays nothing.
+    /// What a step of a trajectory costs on one thread, item by item.
+    ///
+    /// The bill is that of the first group of trajectories in which one still moves: a group in lanes, or one simulation. A
+    /// copy of the group runs for some milliseconds, and its parts are timed one by one. The ensemble itself does not change, and
+    /// a run that asks for no bill pays nothing.
     ///
     /// ```
     /// # use rattle::potentials::Gravity;
@@ -285,8 +292,8 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// All that is needed to go on from here bit for bit, see [`crate::run::checkpoint`]. Of trajectories that failed
-    /// their words are kept, not their [`Error`].
+    /// A record of all numbers that are needed to go on bit for bit; see [`crate::run::checkpoint`]. Of a trajectory that has
+    /// failed the text of its error is kept, and not the [`Error`] as a value.
     #[must_use]
     pub fn checkpoint(&self) -> Record {
         let mut record = Record::default();
@@ -299,8 +306,8 @@ impl<const D: usize> Ensemble<D> {
         record
     }
 
-    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method; left as it is where that is
-    /// refused.
+    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method. Where the checkpoint is refused, the
+    /// ensemble is left as it is.
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.
@@ -352,8 +359,8 @@ impl<const D: usize> Ensemble<D> {
         self.h
     }
 
-    /// The present time of a trajectory: starts may have times of their own, and a trajectory that failed rests at its
-    /// last.
+    /// The present time of a trajectory. Trajectories may differ in time, since starts may, and since one that has failed
+    /// stays at the time of its last step.
     ///
     /// # Panics
     /// If there are not so many.
@@ -363,7 +370,7 @@ impl<const D: usize> Ensemble<D> {
         self.state(trajectory).time()
     }
 
-    /// The instructions of trajectories that go in lanes.
+    /// The instruction set that moves trajectories in lanes.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
@@ -374,7 +381,7 @@ impl<const D: usize> Ensemble<D> {
         (&*self.groups[group], trajectory - self.first[group])
     }
 
-    /// The present state of a trajectory; of one that failed, its last.
+    /// The present state of a trajectory; its last state, if it has failed.
     ///
     /// # Panics
     /// If there are not so many.
@@ -391,7 +398,7 @@ impl<const D: usize> Ensemble<D> {
         self.groups.iter().flat_map(|group| (0..group.len()).map(|own| group.state(own)))
     }
 
-    /// Why a trajectory goes on no more; none while it does.
+    /// Why a trajectory has failed; `None` while it has not.
     #[must_use]
     pub fn failure(&self, trajectory: usize) -> Option<&Error> {
         if trajectory >= self.len {
@@ -401,7 +408,7 @@ impl<const D: usize> Ensemble<D> {
         group.failure(own)
     }
 
-    /// The trajectories that go on no more, and why.
+    /// The trajectories that have failed, by number, and why.
     pub fn failures(&self) -> impl Iterator<Item = (usize, &Error)> + '_ {
         let groups = self.groups.iter().zip(&self.first);
         groups.flat_map(|(group, &first)| {

@@ -22,7 +22,7 @@ pub struct Each<F, O> {
 }
 
 impl<F: Fn() -> O, O> Each<F, O> {
-    /// With observers made so.
+    /// Observers that `new` makes, one for each trajectory.
     pub fn of(new: F) -> Self {
         Self { new, observers: BTreeMap::new() }
     }

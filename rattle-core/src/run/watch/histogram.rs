@@ -1,4 +1,4 @@
-//! How often a quantity fell where.
+//! Histograms of a quantity along runs.
 
 use crate::error::Error;
 use crate::run::watch::observer::Observer;
@@ -17,8 +17,8 @@ pub struct Histogram<Q> {
 }
 
 impl<Q> Histogram<Q> {
-    /// Of this quantity, in so many bins between two numbers. It is asked for once, and each group of trajectories is
-    /// given a copy:
+    /// A histogram of this quantity, in `bins` equal bins between `from` and `to`. For an ensemble make one, and give each group of
+    /// trajectories a clone:
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Histogram, Sight}};
@@ -53,7 +53,7 @@ impl<Q> Histogram<Q> {
         &self.counts
     }
 
-    /// Sights outside of all bins, and such that are not numbers.
+    /// The number of sights whose quantity was outside of all bins, or NaN.
     pub fn outside(&self) -> u64 {
         self.outside
     }

@@ -5,8 +5,8 @@ use crate::run::watch::sight::Sight;
 
 /// Number, mean and variance of a quantity over all sights.
 ///
-/// Those of 64 sights at a time are joined to the numbers before as Chan, Golub and LeVeque (1979) do; so are those of two
-/// groups. No sight waits for the one before.
+/// Sums are formed over 64 sights at a time, and joined by the formulas of Chan, Golub and LeVeque (1979); so are the sums of
+/// different groups of trajectories. So the processor need not wait for one sight before it adds the next.
 #[derive(Debug, Clone)]
 pub struct Mean<Q> {
     quantity: Q,
@@ -61,7 +61,7 @@ fn sum_of(all: &[f64], term: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl<Q> Mean<Q> {
-    /// Of this quantity.
+    /// The mean of this quantity, one number of each sight.
     pub fn of<const D: usize>(quantity: Q) -> Self
     where
         Q: Fn(&Sight<'_, D>) -> f64,
@@ -78,19 +78,19 @@ impl<Q> Mean<Q> {
         (self.all, self.number) = (self.moments(), 0);
     }
 
-    /// How many sights there were.
+    /// The number of sights.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of things")]
     pub fn number(&self) -> u64 {
         self.moments().number as u64
     }
 
-    /// The mean; NaN of none.
+    /// The mean; NaN if there was no sight.
     pub fn mean(&self) -> f64 {
         let Moments { number, mean, .. } = self.moments();
         if number == 0.0 { f64::NAN } else { mean }
     }
 
-    /// The mean square deviation from the mean, with n − 1 in the denominator; NaN of fewer than two.
+    /// The mean square deviation from the mean, with n − 1 in the denominator; NaN if there were fewer than two sights.
     pub fn variance(&self) -> f64 {
         let Moments { number, squares, .. } = self.moments();
         if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }

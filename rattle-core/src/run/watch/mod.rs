@@ -1,4 +1,4 @@
-//! Who watches: what is kept of a run, of one simulation or of an ensemble alike.
+//! Observers: what is kept of a run, of one simulation or of an ensemble.
 //!
 //! An [`Observer`] is shown a [`Sight`] of each trajectory after every so many steps. The same observers watch
 //! [a simulation](crate::run::simulation::Simulation::observe) and
@@ -12,7 +12,7 @@
 //! | [`ShadowEnergy`] | what RATTLE keeps to a higher order than the energy |
 //! | [`Recorder`] | a table of what is asked for, in memory or handed on to a file |
 //! | [`Each`] | one observer for each trajectory of an ensemble |
-//! | [`Progress`] | nothing: tells how far the run is |
+//! | [`Progress`] | nothing; it calls a closure that shows how far the run is |
 //! | `(A, B)`, `[A; N]` | what its members keep |
 //!
 //! ```

@@ -6,8 +6,8 @@ use nalgebra::SVector;
 
 /// A Poincaré section: where and when trajectories pass from s < 0 to s ≥ 0.
 ///
-/// Between two sights a body's way is the cubic through both places with the velocities there, for which momenta of unit
-/// mass are taken; the crossing is where s is zero on it.
+/// Between two sights the path of a body is taken to be the cubic through both places with the velocities there; momenta are taken
+/// for velocities, as those of unit masses are. The crossing is where s is zero on that path.
 #[derive(Debug, Clone)]
 pub struct Section<Q, const D: usize> {
     quantity: Q,
@@ -28,13 +28,13 @@ pub struct Crossing<const D: usize> {
 }
 
 impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
-    /// Where this quantity s is zero.
+    /// A section where this quantity s passes zero upwards.
     pub fn of(quantity: Q) -> Self {
         Self { quantity, crossings: Vec::new() }
     }
 
-    /// All crossings, of the first group of trajectories as they came, then of the next. [`return_times`](Self::return_times)
-    /// puts them in order.
+    /// All crossings: those of the first group of trajectories in the order in which they happened, then those of the next group.
+    /// [`return_times`](Self::return_times) sorts them by trajectory.
     pub fn crossings(&self) -> &[Crossing<D>] {
         &self.crossings
     }
@@ -67,7 +67,7 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
         crossing
     }
 
-    /// How long each trajectory took from one crossing to its next, with the number of the trajectory.
+    /// The times between successive crossings of one trajectory, each with the number of the trajectory.
     pub fn return_times(&self) -> Vec<(usize, f64)> {
         let mut order: Vec<&Crossing<D>> = self.crossings.iter().collect();
         order.sort_by(|a, b| {

@@ -1,9 +1,9 @@
-//! A trajectory at a time, as an observer is shown it.
+//! What an observer is shown: a trajectory at one time.
 
 use nalgebra::SVector;
 use std::fmt;
 
-/// Answers what a [`Sight`] is asked for beyond positions and momenta, evaluated when asked.
+/// Where a [`Sight`] gets energies, multipliers and forces from. They are evaluated when an observer asks for them.
 pub trait Source<const D: usize> {
     /// Kinetic and potential energy of this trajectory, which goes on, at a sight that may lie between two steps.
     fn energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> [f64; 2];
@@ -15,10 +15,10 @@ pub trait Source<const D: usize> {
     fn step_size(&self) -> f64;
 }
 
-/// A trajectory at a time: its bodies' positions and momenta.
+/// A trajectory at one time: number, steps, time, positions and momenta. Energies and multipliers are evaluated on request.
 #[derive(Clone, Copy)]
 pub struct Sight<'a, const D: usize> {
-    /// Which trajectory of the ensemble, counted from 0; 0 in a simulation.
+    /// The number of the trajectory in the ensemble, counted from 0; 0 in a simulation.
     pub trajectory: usize,
     /// Steps taken since the simulation or the ensemble was made.
     pub step: u64,
@@ -65,9 +65,9 @@ impl<const D: usize> Sight<'_, D> {
         kinetic + potential
     }
 
-    /// Multipliers λ of the equations in turn such that g̈ = 0, as
-    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers); evaluated when asked for, which
-    /// allocates, and at an earlier sight evaluates the constraints anew.
+    /// Multipliers λ of all equations, from g̈ = 0, as
+    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers). A call allocates. Asked of the sight before,
+    /// it also evaluates the constraints there.
     #[must_use]
     pub fn multipliers(&self) -> Vec<f64> {
         let (source, trajectory) = self.source;

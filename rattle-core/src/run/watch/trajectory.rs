@@ -1,4 +1,4 @@
-//! A run kept whole: times, positions and momenta, row by row.
+//! The whole of a run: times, positions and momenta, row by row.
 
 use crate::motion::method::Method;
 use crate::motion::system::System;
@@ -36,28 +36,28 @@ pub struct Trajectory {
 /// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
-    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN where no one told it:
-    /// in an ensemble.
+    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN in an ensemble, where observers are not
+    /// told multipliers.
     pub position: Vec<f64>,
     /// μ of the step that led to the row; in the first row λ(t₀) of the exact motion.
     pub momentum: Vec<f64>,
 }
 
 impl Trajectory {
-    /// Without rows; the first is where the trajectory was before it was first seen.
+    /// An empty trajectory. Its first row will be the state before the first observed step.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With the present state as its first row.
+    /// A trajectory whose first row is the present state of the simulation.
     pub fn of<Y: System<f64, D>, S: Method, const D: usize>(simulation: &Simulation<Y, S, D>) -> Self {
         let mut trajectory = Self::new();
         trajectory.row(simulation.time(), simulation.positions(), simulation.momenta());
         trajectory
     }
 
-    /// The same, keeping the multipliers λ and μ of every step as well.
+    /// As [`of`](Self::of), with the multipliers λ and μ of the step that led to each row.
     pub fn with_multipliers<Y: System<f64, D>, S: Method, const D: usize>(
         simulation: &Simulation<Y, S, D>,
     ) -> Self {

@@ -3,7 +3,7 @@
 use crate::kernel::series::Products;
 use crate::number::vector::{scaled, sum};
 
-/// SeriesRoom for the products of all functions and bodies, for forces, and for the series of m.
+/// Room for the products of all functions and bodies, for forces, and for the series of m.
 #[derive(Debug, Clone)]
 pub(super) struct SeriesRoom {
     pub(super) products: Products<f64>,

@@ -69,7 +69,7 @@ impl<T: Real, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
     }
 }
 
-/// SeriesRoom for the products of all functions, and of λ and n and of n and v; and the forces of the order under way.
+/// Room for the products of all functions, and of λ and n and of n and v; and the forces of the order under way.
 #[derive(Debug, Clone)]
 pub(crate) struct SeriesRoom<T, const D: usize> {
     pub(super) products: Products<T>,

@@ -1,0 +1,226 @@
+//! The gallery of the guide: every surface, pair potential and link with a picture, every example with what it writes.
+//!
+//! ```text
+//! cargo run --release --example gallery       writes docs/gallery/ and docs/guide/gallery.md
+//! ```
+//!
+//! Pictures of surfaces are those of the reference, which `surface_pictures` draws. Links are drawn as they move, from
+//! the state with rods to where the paths end.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use rattle::links::planar::*;
+use rattle::plot::Chart;
+use rattle::potentials::planar::Gravity;
+use rattle::potentials::{
+    Coulomb, Gaussian, HarmonicPair, LennardJones, Morse, Ricker, SoftSphere, Wca, Yukawa,
+};
+use rattle::prelude::*;
+use rattle::system::System;
+use std::error::Error;
+use std::fmt::Write;
+use std::fs;
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+fn main() -> Outcome {
+    fs::create_dir_all("docs/gallery")?;
+    let mut page = String::from(
+        "# Gallery\n\nMade by `cargo run --release --example gallery`.\n\n## Surfaces\n\nEach with geodesics from one place; \
+         formulas, parameters and costs are on their pages in `rattle::surfaces`.\n\n",
+    );
+    surfaces(&mut page)?;
+    page += "\n## Pair potentials\n\nWith parameters of one; formulas are on their pages in `rattle::potentials`.\n\n\
+             ![Pair potentials that attract](../gallery/attracting.svg)\n\n\
+             ![Pair potentials that repel](../gallery/repelling.svg)\n";
+    potentials()?;
+    page += "\n## Links\n\nPaths of bodies under gravity, from the state that is drawn with dots; in the plane \
+             (`rattle::links::planar`), those in space are alike.\n\n| | |\n|---|---|\n";
+    links(&mut page)?;
+    page += "\n## Examples\n\nEach is `cargo run --release --example NAME`, and writes into `out/`. A page opens in any browser.\n\n\
+             | example | shows | writes |\n|---|---|---|\n";
+    examples(&mut page)?;
+    fs::write("docs/guide/gallery.md", page)?;
+    println!("docs/guide/gallery.md, docs/gallery");
+    Ok(())
+}
+
+/// The pictures in the reference, in the order of their module, four in a row.
+fn surfaces(page: &mut String) -> Outcome {
+    let source = fs::read_to_string("src/surfaces.rs")?;
+    let pictures = source.split("include_str!(\"surfaces/").skip(1).filter_map(|rest| rest.split('.').next());
+    let names: Vec<&str> = pictures.collect();
+    *page += "| | | | |\n|---|---|---|---|\n";
+    for row in names.chunks(4) {
+        for name in row {
+            let html = fs::read_to_string(format!("src/surfaces/{name}.html"))?;
+            let data = html.split("base64,").nth(1).and_then(|rest| rest.split('"').next());
+            fs::write(
+                format!("docs/gallery/{name}.webp"),
+                STANDARD.decode(data.ok_or("no picture inside")?)?,
+            )?;
+            let words = name.replace('_', " ");
+            write!(page, "| ![{words}](../gallery/{name}.webp) {words} ")?;
+        }
+        *page += "|\n";
+    }
+    println!("{} surfaces", names.len());
+    Ok(())
+}
+
+fn potentials() -> Outcome {
+    let curve = |u: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+        let r = (1..=300).map(|i| 0.01 * f64::from(i));
+        r.map(|r| (r, u(r))).filter(|(_, u)| u.abs() <= 2.5).collect()
+    };
+    let chart = |title: &str| Chart::new(title).x("r").y("U");
+    chart("Pair potentials that attract")
+        .line("Lennard-Jones", curve(&|r| LennardJones { epsilon: 1.0, sigma: 1.0 }.value(r)))
+        .line("Morse", curve(&|r| Morse { depth: 1.0, alpha: 3.0, length: 1.0 }.value(r)))
+        .line("Ricker", curve(&|r| Ricker { depth: 1.0, radius: 1.0 }.value(r)))
+        .line("harmonic pair", curve(&|r| HarmonicPair { stiffness: 1.0, length: 1.0 }.value(r)))
+        .save("docs/gallery/attracting.svg")?;
+    chart("Pair potentials that repel")
+        .line("Coulomb", curve(&|r| Coulomb { strength: 1.0 }.value(r)))
+        .line("Yukawa", curve(&|r| Yukawa { strength: 1.0, kappa: 1.0 }.value(r)))
+        .line("WCA", curve(&|r| Wca { epsilon: 1.0, sigma: 1.0 }.value(r)))
+        .line("Gaussian", curve(&|r| Gaussian { height: 1.0, width: 1.0 }.value(r)))
+        .line("soft sphere", curve(&|r| SoftSphere { stiffness: 2.0, diameter: 1.0 }.value(r)))
+        .save("docs/gallery/repelling.svg")?;
+    Ok(())
+}
+
+/// Draws how the bodies of a simulation move for `time`, those of `chains` joined by rods where they start.
+fn draw<Y: System<f64, 2>>(
+    page: &mut String,
+    name: &str,
+    simulation: Result<Simulation<Y, Rattle, 2>, rattle::Error>,
+    time: f64,
+    chains: &[&[usize]],
+) -> Outcome {
+    let mut simulation = simulation?;
+    let places =
+        |now: &Simulation<Y, Rattle, 2>| -> Vec<(f64, f64)> { now.positions().map(|q| (q.x, q.y)).collect() };
+    let start = places(&simulation);
+    let mut paths = vec![Vec::new(); start.len()];
+    for _ in 0..=60 {
+        paths.iter_mut().zip(places(&simulation)).for_each(|(path, q)| path.push(q));
+        simulation.run_until(simulation.time() + time / 60.0)?;
+    }
+    let far = simulation.constraint_residual();
+    assert!(far < 1e-13, "{name}: {far:e} off");
+    let mut chart = Chart::new(name).x("x").y("y").equal_aspect();
+    for chain in chains {
+        chart = chart.marked("", chain.iter().map(|&i| start[i]));
+    }
+    for path in paths {
+        chart = chart.line("", path);
+    }
+    let file = name.to_lowercase().replace(' ', "_");
+    chart.save(format!("docs/gallery/{file}.svg"))?;
+    let ends = if page.ends_with("|\n") { "|" } else { "" };
+    write!(page, "{ends} ![{name}](../gallery/{file}.svg) |")?;
+    if ends.is_empty() {
+        *page += "\n";
+    }
+    Ok(())
+}
+
+fn links(page: &mut String) -> Outcome {
+    let heavy = Gravity { g: 1.0 };
+    let method = Rattle::new(0.01);
+    let rod = Rod { length: 1.0 };
+    let hung = |n| Scene::points::<2>(n).pin(0, [0.0, 0.0]);
+
+    let scene = hung(3).link(rod, [[0, 1], [1, 2]]).with(heavy);
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.6, 0.8]]);
+    draw(page, "Rod", scene.simulate(scene.project(&start)?, method), 2.5, &[&[0, 1, 2]])?;
+
+    let pendulum = Pendulum { length: 1.0, pivot: [0.0, 0.0] };
+    let scene = Scene::on(pendulum).with(heavy);
+    draw(page, "Pendulum", scene.simulate(State::at([0.8, 0.6]), method), 3.5, &[&[0]])?;
+
+    // Two rods, each with ends of its own, joined by a hinge.
+    let scene = hung(4).link(rod, [[0, 1], [2, 3]]).link(Coincident {}, [[1, 2]]).with(heavy);
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    draw(page, "Coincident", scene.simulate(start, method), 2.5, &[&[0, 1], &[2, 3]])?;
+
+    let scene = hung(3).link(rod, [[0, 1]]).link(Between { fraction: 0.5 }, [[0, 1, 2]]).with(heavy);
+    let start = State::of([[0.0, 0.0], [1.0, 0.0], [0.5, 0.0]]);
+    draw(page, "Between", scene.simulate(start, method), 3.0, &[&[0, 2, 1]])?;
+
+    // Three bodies stay on one line, the outer ones at any distance.
+    let scene = Scene::points::<2>(3).link(rod, [[0, 1]]).link(Collinear {}, [[0, 1, 2]]).with(heavy);
+    let start =
+        State::of([[0.0, 0.0], [1.0, 0.0], [1.5, 0.0]]).with_momenta([[0.0, 0.5], [0.0, 1.0], [0.4, 1.25]]);
+    draw(page, "Collinear", scene.simulate(scene.project(&start)?, method), 2.0, &[&[0, 1, 2]])?;
+
+    let right = Angle { angle: std::f64::consts::FRAC_PI_2 };
+    let scene = hung(3).link(rod, [[0, 1], [1, 2]]).link(right, [[0, 1, 2]]).with(heavy);
+    // The sign of a right angle is the order of its bodies: one of the two sides is right.
+    let angled = |y: f64| scene.simulate(State::of([[0.0, 0.0], [1.0, 0.0], [1.0, y]]), method);
+    draw(page, "Angle", angled(1.0).or_else(|_| angled(-1.0)), 3.0, &[&[0, 1, 2]])?;
+
+    // A rod between two guides.
+    let guide = |direction| Slider { point: [0.0, 0.0], direction };
+    let scene = Scene::points::<2>(2)
+        .link(rod, [[0, 1]])
+        .link(guide([1.0, 0.0]), [[0]])
+        .link(guide([0.0, 1.0]), [[1]])
+        .with(heavy);
+    draw(
+        page,
+        "Slider",
+        scene.simulate(State::of([[0.6, 0.0], [0.0, 0.8]]), Rattle::new(0.005)),
+        2.0,
+        &[&[0, 1]],
+    )?;
+
+    let crank = Crank { centre: [0.0, 0.0], radius: 0.5, omega: 2.0, phase: 0.0 };
+    let scene =
+        Scene::points::<2>(2).link_moving(crank, [[0]]).link(Rod { length: 1.0 }, [[0, 1]]).with(heavy);
+    let start = State::of([[0.5, 0.0], [0.5, -1.0]]).with_momenta([[0.0, 1.0], [0.0, 1.0]]);
+    draw(page, "Crank", scene.simulate(scene.project(&start)?, method), 3.0, &[&[0, 1]])?;
+
+    let scene = Scene::points::<2>(1).link_moving(TurningLine { omega: 1.0 }, [[0]]);
+    let start = State::at([0.3, 0.0]).moving([0.0, 0.3]);
+    draw(page, "Turning line", scene.simulate(start, method), 2.5, &[&[0]])?;
+    if !page.ends_with("|\n") {
+        *page += " |\n";
+    }
+    Ok(())
+}
+
+/// Every example by the first line of its documentation and the files that it names.
+fn examples(page: &mut String) -> Outcome {
+    let mut files: Vec<_> =
+        fs::read_dir("examples")?.map(|entry| entry.map(|entry| entry.path())).collect::<Result<_, _>>()?;
+    files.sort();
+    for path in files {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let folder = path.is_dir();
+        let source = fs::read_to_string(if folder { path.join("main.rs") } else { path })?;
+        let about: Vec<&str> = source
+            .lines()
+            .map_while(|line| line.strip_prefix("//!"))
+            .map(str::trim)
+            .take_while(|line| !line.is_empty())
+            .collect();
+        let mut written: Vec<&str> = source
+            .split(|c: char| c.is_whitespace() || "\"`;".contains(c))
+            .filter(|word| word.starts_with("out/") && word.len() > 4)
+            .map(|word| word.trim_end_matches([',', '.', ':', '/']))
+            .filter(|word| !word.contains('{'))
+            .collect();
+        written.sort_unstable();
+        written.dedup();
+        // A folder that is named beside files in it says nothing more.
+        let all = written.clone();
+        written.retain(|word| {
+            !all.iter().any(|other| other.len() > word.len() && other.starts_with(&format!("{word}/")))
+        });
+        let written = written.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ");
+        writeln!(page, "| `{name}` | {} | {written} |", about.join(" "))?;
+    }
+    Ok(())
+}
