@@ -1,5 +1,5 @@
-//! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against exact motions,
-//! references, and DOP853, which shares no recurrence with it.
+//! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against
+//! exact motions, references, and DOP853, which shares no recurrence with it.
 
 mod common;
 use common::linked::*;

@@ -277,10 +277,12 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// A start for a staggered method, such as [`Shake`](crate::methods::shake::Shake) or
-    /// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), from a state whose momenta belong to the time of its positions.
+    /// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), from a state whose momenta belong to the time of its
+    /// positions.
     ///
-    /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at tₙ − h/2. The
-    /// momenta of the state are changed by the forces at its positions over that half step; positions stay.
+    /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at
+    /// tₙ − h/2. The momenta of the state are changed by the forces at its positions over that half step; positions
+    /// stay.
     ///
     /// # Errors
     /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that

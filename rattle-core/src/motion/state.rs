@@ -35,8 +35,8 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
 /// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what
-/// rounding took from positions and momenta, and what method and effects remembered: a simulation started from it by the same
-/// method in the same scene goes on bit for bit. Other momenta, another method or another scene start anew.
+/// rounding took from positions and momenta, and what method and effects remembered: a simulation started from it by
+/// the same method in the same scene goes on bit for bit. Other momenta, another method or another scene start anew.
 ///
 /// ```
 /// use rattle::State;
@@ -119,8 +119,8 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same after so many steps since its first start, for [random numbers](crate::effect::Noise): a start from numbers that were
-    /// written down goes on with the noise of then. Else it begins with the first noise again.
+    /// The same after so many steps since its first start, for [random numbers](crate::effect::Noise): a start from
+    /// numbers that were written down goes on with the noise of then. Else it begins with the first noise again.
     #[must_use]
     pub fn after_steps(mut self, steps: u64) -> Self {
         self.steps = steps;

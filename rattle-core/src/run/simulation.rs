@@ -159,11 +159,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// After each step of size h the method takes a step of size −h from its end. The step fails where that leads to a
     /// place or momentum other than the one that the step began with: in any coordinate by more than `tolerance` times
-    /// the largest coordinate or momentum. A symmetric method comes back to about 1e-14. It does not come back where the
-    /// step and the way back found different solutions of the position equation, so the check finds such steps.
+    /// the largest coordinate or momentum. A symmetric method comes back to about 1e-14. It does not come back where
+    /// the step and the way back found different solutions of the position equation, so the check finds such steps.
     ///
-    /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in parts,
-    /// each of them checked. The check doubles the time of a step.
+    /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in
+    /// parts, each of them checked. The check doubles the time of a step.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -311,8 +311,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that can
-    /// watch no more.
+    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that
+    /// can watch no more.
     ///
     /// # Panics
     /// If `every` is 0.
