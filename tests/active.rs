@@ -1,10 +1,8 @@
 //! Active particles against exact laws: persistence in the plane, great circles and holonomy on the sphere; order,
 //! work, restarts and company. Bounds of means are 4.5 standard deviations, at fixed seeds.
 
-mod common;
-
-use common::order;
-use common::statistics::DEVIATIONS;
+use crate::common::order;
+use crate::common::statistics::DEVIATIONS;
 use rattle::effect::{DryFriction, Langevin, LinearDrag, MagneticField, SelfPropulsion};
 use rattle::links::Rod;
 use rattle::nalgebra::{SVector, Vector3};

@@ -263,3 +263,25 @@ fn what_needs_speed_has_it() {
         );
     }
 }
+
+/// Programs of tests are named in `Cargo.toml`: a file that none of them takes in would never run.
+#[test]
+fn every_test_is_in_a_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["tests", "optimised/tests"] {
+        let mut files = Vec::new();
+        sources(&root.join(folder).join("programs"), &mut files);
+        let mut taken: String = files.iter().map(|file| fs::read_to_string(file).unwrap()).collect();
+        taken += &fs::read_to_string(root.join("Cargo.toml"))
+            .unwrap()
+            .replace("name = ", "\"../")
+            .replace("../\"", "../");
+        for entry in fs::read_dir(root.join(folder)).unwrap() {
+            let name = entry.unwrap().file_name().into_string().unwrap();
+            let Some(stem) = name.strip_suffix(".rs") else { continue };
+            let alone = taken.contains(&format!("\"../{stem}\""));
+            let together = taken.contains(&format!("\"../{name}\"]\nmod {stem};"));
+            assert!(alone != together, "{folder}/{name} is in no program, or in two: see {folder}/programs");
+        }
+    }
+}

@@ -1,8 +1,7 @@
 //! BDF2: its equations hold as they are written, and what it cannot do is an error.
 
-mod common;
-use common::linked::{Rod, chain, double_pendulum, weights};
-use common::*;
+use crate::common::linked::{Rod, chain, double_pendulum, weights};
+use crate::common::*;
 use rattle::Error;
 use rattle::error::StepFailure;
 use rattle::links::planar::TurningLine;

@@ -1,9 +1,8 @@
 //! Checkpoints: what goes on from one is the run that was never stopped, in every bit of everything that is kept; and
 //! what is no checkpoint of it is refused by name. Every method and kind of system is asked in `systems`.
 
-mod common;
-use common::linked::{Rod, double_pendulum};
-use common::*;
+use crate::common::linked::{Rod, double_pendulum};
+use crate::common::*;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::checkpoint::{
     Checkpoint, CheckpointError, Data, Field, Record, Save, decode, encode, read, write,
@@ -303,7 +302,7 @@ fn no_changed_file_is_taken() {
     fuzz(500);
 }
 
-/// `cargo test --release --test checkpoints -- --ignored a_million_changed_files`
+/// `cargo test --release --test files checkpoints:: -- --ignored a_million_changed_files`
 #[test]
 #[ignore = "takes a minute"]
 fn a_million_changed_files() {

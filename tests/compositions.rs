@@ -1,7 +1,6 @@
 //! Coefficients of compositions: their order conditions in exact arithmetic, and what is stored of them.
 
-mod common;
-use common::*;
+use crate::common::*;
 use num_bigint::BigInt;
 use rattle::Error;
 use rattle::composition::{ALL, Coefficients};

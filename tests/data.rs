@@ -310,7 +310,7 @@ fn random_damage_is_an_array_or_an_error() {
 }
 
 /// ```text
-/// cargo test --release --test data -- --ignored --nocapture
+/// cargo test --release --test files data:: -- --ignored --nocapture
 /// ```
 #[test]
 #[ignore = "a minute"]

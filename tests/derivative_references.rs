@@ -8,10 +8,6 @@ use nalgebra::vector;
 use rattle::prelude::*;
 use rattle::surfaces::*;
 
-#[path = "common/catalogue.rs"]
-#[macro_use]
-mod list;
-
 constraint! {
     /// Functions that no surface of the catalogue has.
     pub struct Functions {}

@@ -1,8 +1,7 @@
 //! DOP853: its coefficients in exact arithmetic, its step control, and systems of every kind.
 
-mod common;
-use common::linked::{Rod, chain, double_pendulum};
-use common::*;
+use crate::common::linked::{Rod, chain, double_pendulum};
+use crate::common::*;
 use num_bigint::BigInt;
 use rattle::Error;
 use rattle::error::StepFailure;

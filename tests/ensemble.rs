@@ -1,7 +1,6 @@
 //! Ensembles: many trajectories in lanes and threads, each the same whatever goes beside it.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
 use rattle::error::StepFailure;

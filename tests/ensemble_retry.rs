@@ -1,7 +1,6 @@
 //! In ensembles too, a step that cannot be taken is taken in parts, if that is asked for; by its trajectory alone.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Error;
 use rattle::bodies::One;
 use rattle::composition::SUZUKI_1990_ORDER_4;

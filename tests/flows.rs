@@ -1,10 +1,8 @@
 //! Flows of momenta that are ready-made: drag, dry friction and magnetic fields, against exact motions; their order
 //! along curved constraints, their work, and what a magnetic field keeps.
 
-mod common;
-
-use common::order;
-use common::symplectic::defect_in;
+use crate::common::order;
+use crate::common::symplectic::defect_in;
 use rattle::effect::{DryFriction, Effects, Flow, LinearDrag, MagneticField, QuadraticDrag, SelfPropulsion};
 use rattle::links::Rod;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};

@@ -1,7 +1,6 @@
 //! Many bodies with forces between all pairs: forces against sums of one pair after the other, laws, and errors.
 
-mod common;
-use common::*;
+use crate::common::*;
 use nalgebra::{SVector, vector};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};

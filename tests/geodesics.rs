@@ -1,8 +1,6 @@
 //! Distances along surfaces: against great circles, helices and Bessel's integrals of the spheroid; as distances of a
 //! pair potential, whose forces are the gradient of its energy.
 
-mod common;
-
 use rattle::curvature::{GeodesicError, geodesic_distance, points};
 use rattle::nalgebra::{Vector3, vector};
 use rattle::prelude::*;
@@ -195,7 +193,7 @@ fn forces_are_the_gradient_of_the_energy() {
         most
     };
     let errors = [0.02, 0.01, 0.005].map(swing);
-    assert!((1.7..2.3).contains(&common::order(&errors)), "{errors:?}");
+    assert!((1.7..2.3).contains(&crate::common::order(&errors)), "{errors:?}");
 
     // Bodies that are a period away act as near ones do, on a cylinder that repeats itself.
     let pipe = Cylinder { r: 0.5 };

@@ -1,7 +1,6 @@
 //! The discrete maps themselves, step for step, against 40-digit arithmetic.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::One;
 use rattle::composition::*;
 use rattle::prelude::*;

@@ -1,7 +1,6 @@
 //! First guesses: the same motion whichever is made, and what each costs.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Counted;
 use rattle::links::planar::Rod;
 use rattle::prelude::*;

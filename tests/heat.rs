@@ -2,9 +2,7 @@
 //! is the same in any company. Bounds are from statistics, at fixed seeds: 4.5 standard deviations of what the law
 //! gives for so many samples.
 
-mod common;
-
-use common::statistics::{DEVIATIONS, fits};
+use crate::common::statistics::{DEVIATIONS, fits};
 use rattle::bodies::Many;
 use rattle::curvature::points;
 use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
@@ -177,7 +175,7 @@ fn averages_in_a_trap_are_what_theory_says() {
 }
 
 /// The table in the documentation of [`rattle::methods::baoab`]:
-/// `cargo test --release --test heat table -- --ignored --nocapture`.
+/// `cargo test --release --test effects heat::table -- --ignored --nocapture`.
 #[test]
 #[ignore = "some minutes"]
 fn table() {
@@ -298,7 +296,7 @@ fn a_bath_without_chance() {
         (most, sum / steps as f64, simulation)
     };
     let swings = [0.01, 0.005, 0.0025].map(|h| swing(h, 10.0).0[0]);
-    assert!((1.7..2.3).contains(&common::order(&swings)), "{swings:?}");
+    assert!((1.7..2.3).contains(&crate::common::order(&swings)), "{swings:?}");
     let ([first, second], mean, simulation) = swing(0.01, 400.0);
     assert!(second < 1.5 * first, "no drift: {first:.1e}, {second:.1e}");
     // Kinetic energies forget within the swing of the bath, some 1: 400 samples of 16 momenta.

@@ -1,8 +1,7 @@
 //! Ways to solve the position equation, and first guesses: the same motion by all of them, and what each costs.
 
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rattle::guess::{FromState, Guess};
 use rattle::iteration::Iteration;
 use rattle::network::{LinearAlgebra, Network};

@@ -8,8 +8,7 @@
 //! | potentials abs(x) | the force jumps | goes on, energy to first order |
 //! | octahedron, roof, `over_kinks` | the same | the straight line on the net laid out in the plane, energy, to rounding |
 
-mod common;
-use common::*;
+use crate::common::*;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;

@@ -1,8 +1,7 @@
 //! The method over several lanes: the same step source, every lane bit for bit its own scalar run.
 
-mod common;
-use common::lanes::Four;
-use common::*;
+use crate::common::lanes::Four;
+use crate::common::*;
 use rattle::bodies::{Body, One};
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
 use rattle::need::Need;

@@ -1,7 +1,6 @@
 //! What every step must obey, whatever the scene.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::composition::Coefficients;
 use rattle::error::StepFailure;
 use rattle::prelude::*;

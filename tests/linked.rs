@@ -1,8 +1,7 @@
 //! Linked bodies against solutions known to 30 digits, and the same mechanics in other words.
 
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rattle::links::RotationMatrix;
 use rattle::network::{LinearAlgebra, Mass};
 use rattle::prelude::*;

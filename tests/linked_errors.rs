@@ -1,8 +1,7 @@
 //! What cannot be is an error that says which body, which number and what to try, and leaves the simulation as it was.
 
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rattle::error::{NetworkMistake, Passing, StartFailure, StepFailure};
 use rattle::linked::Linked;
 use rattle::network::LinearAlgebra::Elimination;

@@ -1,7 +1,6 @@
 //! Lobatto IIIA–IIIB on surfaces: coefficients, the discrete map, orders, structure.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::links::planar::Rod;
 use rattle::prelude::*;
 use rattle::table::{Table, Tabulated};

@@ -1,7 +1,6 @@
 //! What a method remembers: carried from step to step, put back with a failed step, cloned, and taken on by a restart.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
 use rattle::need::Steps;

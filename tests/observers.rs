@@ -1,8 +1,7 @@
 //! What is kept of ensembles that are not stored: means, histograms, sections; and snapshots for a consumer beside.
 
-mod common;
-use common::linked::Rod;
-use common::*;
+use crate::common::linked::Rod;
+use crate::common::*;
 use rattle::ensemble::Ensemble;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;

@@ -1,8 +1,7 @@
 //! Many particles, each on its own copy of a surface, go several at a time where the processor fuses multiply-add: as
 //! each would go alone, whatever the number, and with the same errors.
 
-mod common;
-use common::*;
+use crate::common::*;
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::Effects;

@@ -4,8 +4,7 @@
 //! the library's; wrong, the laws named in the table must notice. Energy alone is not enough: without the projection of
 //! the momentum, or after a single iteration of Newton, it looks as it should.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::nalgebra::{SVector, Vector3};
 use rattle::prelude::*;
 

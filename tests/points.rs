@@ -1,8 +1,6 @@
 //! Points on surfaces: uniform in area, even, apart; and momenta of a temperature.
 
-mod common;
-
-use common::statistics::fits;
+use crate::common::statistics::fits;
 use rattle::curvature::points::{PointsError, apart, even, uniform};
 use rattle::curvature::{integrate, measure};
 use rattle::prelude::*;

@@ -3,12 +3,11 @@
 //! a panic, and never more work than steps take.
 //!
 //! ```text
-//! cargo test --release --test random_input                             500 inputs of each kind of scene
-//! cargo test --release --test random_input -- --ignored --nocapture    10⁶
+//! cargo test --release --test files random_input::                             500 inputs of each kind of scene
+//! cargo test --release --test files random_input:: -- --ignored --nocapture    10⁶
 //! ```
 
-mod common;
-use common::linked::Rod;
+use crate::common::linked::Rod;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::error::StartFailure;
 use rattle::links::planar::Pendulum;
@@ -224,12 +223,12 @@ fn go<Y: System<f64, D>, S: Method, const D: usize>(
         }
     };
     for _ in 0..STEPS {
-        let before = common::bits(&simulation.state());
+        let before = crate::common::bits(&simulation.state());
         let motion = |now: &Simulation<Y, S, D>| now.positions().zip(now.velocities()).collect::<Motion<D>>();
         let from = motion(&simulation);
         if let Err(error) = simulation.step() {
             check_error(&error, bodies);
-            assert_eq!(before, common::bits(&simulation.state()), "after {error}");
+            assert_eq!(before, crate::common::bits(&simulation.state()), "after {error}");
             return Outcome { ended: 1, ..Outcome::default() };
         }
         let finite = |v: SVector<f64, D>| v.iter().all(|x| x.is_finite());

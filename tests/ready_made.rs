@@ -1,10 +1,6 @@
 //! Every ready-made potential and link: the formula against one written by hand, derivatives against differences, known
 //! limits, runs that keep what they must, and that all of them, and surfaces, go to a file and back.
 
-#[path = "common/catalogue.rs"]
-#[macro_use]
-mod list;
-
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::links::{self, planar};
 use rattle::nalgebra::{SVector, Vector2, Vector3};

@@ -1,8 +1,7 @@
 //! Recorders: what they keep is what a look at the run would have told; files are what others read; what cannot be
 //! written ends the run and leaves it as it was.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Error;
 use rattle::prelude::*;
 use rattle::record::{NpzParts, Stream, Vtu, Writer, Xyz};
@@ -241,7 +240,7 @@ fn most_memory() -> u64 {
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
-/// `cargo test --release --test recorders -- --ignored a_billion_steps --nocapture`
+/// `cargo test --release --test files recorders:: -- --ignored a_billion_steps --nocapture`
 #[test]
 #[ignore = "takes minutes"]
 fn a_billion_steps_in_flat_memory() {
@@ -259,7 +258,7 @@ fn a_billion_steps_in_flat_memory() {
     assert!(after - before < 1024);
 }
 
-/// `cargo test --release --test recorders -- --ignored throughput --nocapture`: no test, a measurement.
+/// `cargo test --release --test files recorders:: -- --ignored throughput --nocapture`: no test, a measurement.
 #[test]
 #[ignore = "measures time"]
 fn throughput() {

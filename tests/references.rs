@@ -1,7 +1,6 @@
 //! Motion against solutions known to 30 digits: the error falls like the order says, and is as small as it says.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::prelude::*;
 
 /// The final position for each number of steps.

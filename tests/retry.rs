@@ -1,7 +1,6 @@
 //! A step that cannot be taken is taken in parts, if that is asked for.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::error::StepFailure;
 use rattle::prelude::*;
 use rattle::{Counted, Error, Geodesic};

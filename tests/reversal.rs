@@ -1,7 +1,6 @@
 //! Steps taken back: on request after every step, and over long ways.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
 use rattle::need::Kicks;

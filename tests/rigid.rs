@@ -1,7 +1,6 @@
 //! Rigid bodies in three formulations: nine equations, six, and none.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::One;
 use rattle::links::RotationMatrix;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};

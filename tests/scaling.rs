@@ -1,7 +1,6 @@
 //! c·g = 0 is the same surface as g = 0: for a power of two, bit for bit, whatever the method.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::prelude::*;
 use rattle::{Dop853, Geodesic, Variable};
 

@@ -1,12 +1,7 @@
 //! Power series of the macros' functions along curves: every function against Cauchy's integral, polynomials exactly.
 
-#[path = "common/complex.rs"]
-mod complex;
-#[path = "common/lanes.rs"]
-mod lanes;
-
-use complex::{Complex, cauchy};
-use lanes::Four;
+use crate::common::lanes::Four;
+use crate::complex::{Complex, cauchy};
 use rattle::bodies::Body;
 use rattle::capability::Series;
 use rattle::kernel::{Constraint, ConstraintKernel, PairKernel, PairPotential, Potential, PotentialKernel};

@@ -1,7 +1,6 @@
 //! Shadow energies: kept to their order, and what they catch.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::{Bodies, Count};
 use rattle::effect::Effects;
 use rattle::links::planar::Rod;

@@ -10,8 +10,7 @@
 //! | a lane that fails at an apex, or where a force is no number | | rests where a simulation does |
 //! | long steps, twisted strips, starts from rest, springs | | no error |
 
-mod common;
-use common::distance;
+use crate::common::distance;
 use rattle::Error;
 use rattle::bodies::One;
 use rattle::effect::Effects;

@@ -1,11 +1,6 @@
 //! Every ready-made surface: derivatives against differences, a known point, and that it is a surface.
 
-#[path = "common/lanes.rs"]
-mod four;
-#[path = "common/catalogue.rs"]
-#[macro_use]
-mod list;
-use four::Four;
+use crate::common::lanes::Four;
 use nalgebra::{SMatrix, SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::constraint;

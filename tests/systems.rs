@@ -1,7 +1,6 @@
 //! Which method moves which system: the table of `docs/guide/methods.md` and of the reference, asked of every pair.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Error;
 use rattle::checkpoint::{decode, encode};
 use rattle::composition::SUZUKI_1990_ORDER_4;

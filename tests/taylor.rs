@@ -1,7 +1,6 @@
 //! Taylor's method: the series of every function, tolerances, and what it cannot do.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Error;
 use rattle::error::StepFailure;
 use rattle::prelude::*;

@@ -1,9 +1,8 @@
 //! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against
 //! exact motions, references, and DOP853, which shares no recurrence with it.
 
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rattle::LinearAlgebra::{Automatic, Elimination, Orthogonal};
 use rattle::bodies::Many;
 use rattle::effect::Effects;

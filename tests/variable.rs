@@ -1,7 +1,6 @@
 //! Reversible variable steps: order, the way back, and energy where a naive choice of steps loses it.
 
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::bodies::{Body, One};
 use rattle::capability::Rates;
 use rattle::error::StepFailure;

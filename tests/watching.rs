@@ -1,9 +1,8 @@
 //! Who watches and who runs: observers see the same in simulations and in ensembles; runs end when they are told to; a
 //! boxed simulation is the same simulation.
 
-mod common;
-use common::linked::Rod;
-use common::*;
+use crate::common::linked::Rod;
+use crate::common::*;
 use rattle::effect::{Acting, Effect, Moment};
 use rattle::lanes::Lane;
 use rattle::prelude::*;

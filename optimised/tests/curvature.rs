@@ -1,8 +1,6 @@
 //! Curvatures against exact formulas, integrals over closed surfaces against Gauss and Bonnet.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::{Gravity, PlanarGravity, order};
+use crate::common::{Gravity, PlanarGravity, order};
 use nalgebra::{SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::curvature::{Curvature, IntegralError, Measure, integrate, measure};
@@ -233,7 +231,7 @@ fn singular_points_have_no_curvature() {
 /// λ|∇g| = −(κ|v|² + n·f): what a simulation says its multiplier is, and what the curvature says.
 #[test]
 fn the_multiplier_is_curvature_and_pressure() {
-    let surface = || common::SURFACE;
+    let surface = || crate::common::SURFACE;
     let gravity = 0.7;
     let mut generator = StdRng::seed_from_u64(8);
     let (mut seen, mut signs) = (0, [0; 2]);
@@ -264,7 +262,7 @@ fn the_multiplier_is_curvature_and_pressure() {
     assert!(seen > 200 && signs[0] > 20 && signs[1] > 20, "{seen} {signs:?}");
 
     // A pendulum in the plane: the tension of its rod is −λ|∇g|, speed²/length + weight.
-    let rod = Scene::on(common::Pendulum { length: 2.0 }).with(PlanarGravity { g: 3.0 });
+    let rod = Scene::on(crate::common::Pendulum { length: 2.0 }).with(PlanarGravity { g: 3.0 });
     let simulation = rod.simulate(State::at([0.0, -2.0]).moving([4.0, 0.0]), Rattle::new(0.01)).unwrap();
     assert_eq!(-simulation.multiplier() * 2.0 * 2.0, 16.0 / 2.0 + 3.0);
 }

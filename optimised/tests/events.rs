@@ -11,9 +11,7 @@
 //!
 //! Edges of surfaces: `tests/kinks.rs`.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::Error;
 use rattle::bodies::Many;
 use rattle::composition::SOFRONIOU_SPALETTA_2005_ORDER_10;
@@ -345,7 +343,7 @@ fn a_gas_of_beads_keeps_its_energy() {
     gas_keeps_its_energy(2000, 1e-13);
 }
 
-/// `cargo test --test events -- --ignored --nocapture`
+/// `cargo test --test motion events:: -- --ignored --nocapture`
 #[test]
 #[ignore = "takes minutes"]
 fn a_gas_of_beads_keeps_its_energy_for_long() {

@@ -1,9 +1,6 @@
 //! Fekete points: twenty particles on a sphere that repel each other, slowed down by drag until they rest, against the
 //! reference of the test set for initial value problems. Solvers that reduce the index leave the sphere soon.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-
 use rattle::curvature::points::uniform;
 use rattle::effect::LinearDrag;
 use rattle::prelude::*;
@@ -35,8 +32,10 @@ fn start() -> State<3> {
 /// particles stay on the sphere.
 #[test]
 fn twenty_particles_come_to_rest_where_the_reference_has_them() {
-    let reference: Vec<[f64; 3]> =
-        common::table("fekete").iter().map(|row| ["x", "y", "z"].map(|name| row.number(name))).collect();
+    let reference: Vec<[f64; 3]> = crate::common::table("fekete")
+        .iter()
+        .map(|row| ["x", "y", "z"].map(|name| row.number(name)))
+        .collect();
     let scene = Scene::on(Sphere { r: 1.0 }).bodies(20).with(Repulsion {}).with(LinearDrag::new(0.5));
     let rest = |h: f64| {
         let mut simulation = scene.simulate(start(), Rattle::new(h)).unwrap();
@@ -50,11 +49,11 @@ fn twenty_particles_come_to_rest_where_the_reference_has_them() {
     };
     let [coarse, middle, fine] = [0.02, 0.01, 0.005].map(rest);
     let off = |places: &[[f64; 3]]| {
-        let distances = places.iter().zip(&reference).map(|(a, b)| common::distance(*a, *b));
+        let distances = places.iter().zip(&reference).map(|(a, b)| crate::common::distance(*a, *b));
         distances.fold(0.0, f64::max)
     };
     let errors = [&coarse, &middle, &fine].map(|places| off(places));
-    let order = common::order(&errors);
+    let order = crate::common::order(&errors);
     assert!((1.9..2.1).contains(&order) && errors[2] < 1e-4, "{errors:?}");
     // h² and h⁴ taken away.
     let extrapolated: Vec<[f64; 3]> = (0..20)
@@ -74,8 +73,10 @@ fn other_starts_come_to_rest_too() {
     let sphere = Sphere { r: 1.0 };
     let scene = Scene::on(sphere).bodies(20).with(Repulsion {}).with(LinearDrag::new(0.5));
     let lowest = {
-        let reference: Vec<[f64; 3]> =
-            common::table("fekete").iter().map(|row| ["x", "y", "z"].map(|name| row.number(name))).collect();
+        let reference: Vec<[f64; 3]> = crate::common::table("fekete")
+            .iter()
+            .map(|row| ["x", "y", "z"].map(|name| row.number(name)))
+            .collect();
         let at_rest = scene.project(&State::of(reference)).unwrap();
         scene.simulate(at_rest, Rattle::new(0.01)).unwrap().energy()
     };

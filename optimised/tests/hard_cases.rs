@@ -23,9 +23,7 @@
 //! | turning point | path and push cancel | no failure |
 //! | rest in equilibrium, also unstable | the guess is exact, corrections are 0/0 | stays, to the last bit of z |
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::*;
+use crate::common::*;
 use nalgebra::{Vector3, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::error::{StartFailure, StepFailure};

@@ -1,9 +1,7 @@
 //! Bodies of many links: the motion is that of an orthonormal basis, and costs are linear in the links.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::linked::{apart, coordinates, random};
-use common::*;
+use crate::common::linked::{apart, coordinates, random};
+use crate::common::*;
 use nalgebra::Matrix3;
 use rand::{SeedableRng, rngs::StdRng};
 use rattle::Error;

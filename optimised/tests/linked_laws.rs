@@ -1,9 +1,7 @@
 //! What linked bodies must obey in any words: linear algebra, scales, order, direction of time, masses.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use nalgebra::{Matrix2, Matrix3, Matrix4, SMatrix, Vector2, Vector3, Vector4, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::error::StartFailure;

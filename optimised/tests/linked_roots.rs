@@ -1,9 +1,7 @@
 //! Steps that are too long never end on another root, and no input makes a panic.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use nalgebra::{Matrix2, Vector2, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::bodies::Many;

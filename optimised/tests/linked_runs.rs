@@ -1,9 +1,7 @@
 //! Long chains, cost, memory, restarts; constraints that move, and their work.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rattle::links::planar::TurningLine;
 use rattle::network::LinearAlgebra::{self, Elimination, Orthogonal};
 use rattle::prelude::*;

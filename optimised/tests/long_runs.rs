@@ -2,13 +2,11 @@
 //! run always; the long ones by name:
 //!
 //! ```text
-//! cargo test --test long_runs -- --ignored --nocapture
-//! STEPS=10000 cargo test --test long_runs soak -- --ignored --nocapture      10⁴ trajectories; 10⁶ steps each if nothing is said
+//! cargo test --test motion long_runs:: -- --ignored --nocapture
+//! STEPS=10000 cargo test --test motion long_runs::soak -- --ignored --nocapture      10⁴ trajectories; 10⁶ steps each if nothing is said
 //! ```
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::*;
+use crate::common::*;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::guess::{FromState, Guess};
 use rattle::iteration::Iteration;

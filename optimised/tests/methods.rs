@@ -1,9 +1,7 @@
 //! Every method under the same laws: order, reversal, symplecticity, constraints and energy, from one table.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::symplectic::defect as symplectic_defect;
-use common::*;
+use crate::common::symplectic::defect as symplectic_defect;
+use crate::common::*;
 use rattle::bodies::{Bodies, Count, Many};
 use rattle::composition::*;
 use rattle::effect::Effects;

@@ -468,7 +468,7 @@ fn a_gas_on_a_surface_that_repeats_itself() {
     assert!(off < 2e-14, "{off:e}");
 }
 
-/// What each ending does to the energy in 10⁵ steps: `cargo test --test near_pairs -- --ignored --nocapture`.
+/// What each ending does to the energy in 10⁵ steps: `cargo test --test motion near_pairs:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement of half a minute"]
 fn drift_of_each_ending() {

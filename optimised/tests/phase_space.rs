@@ -1,10 +1,8 @@
 //! Constraints on phase space: geometric RATTLE against 50-digit maps, solutions, laws, and other ways to the same
 //! motion.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::symplectic::defect;
-use common::*;
+use crate::common::symplectic::defect;
+use crate::common::*;
 use rattle::bodies::{Body, One};
 use rattle::composition::*;
 use rattle::error::{PhaseMistake, StartFailure, StepFailure};

@@ -116,7 +116,7 @@ fn methods_without_a_guess_keep_them() {
     stay(24, 300, 2, 80, Bdf2::new);
 }
 
-/// `cargo test --test sheets_linked many_chains -- --ignored`
+/// `cargo test --test networks sheets_linked::many_chains -- --ignored`
 #[test]
 #[ignore = "some minutes"]
 fn many_chains_keep_them_by_methods_without_a_guess() {

@@ -1,9 +1,7 @@
 //! Solves end where rounding hides what is left, not earlier: see `solve/stop.rs` of the core.
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-use common::linked::*;
-use common::*;
+use crate::common::linked::*;
+use crate::common::*;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::kernel::{Constraint, ConstraintKernel};
 use rattle::prelude::*;

@@ -1,9 +1,9 @@
 //! Masses apart by twelve digits, dependent and contradictory equations, mechanisms that branch, chains and hubs.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::linked::Rod;
 use crate::common::table;
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::error::{StartFailure, StepFailure};

@@ -85,8 +85,8 @@ Where naive code breaks, what holds here instead, and what was measured. The sui
 a number is beyond its bound:
 
 ```sh
-cargo test --test suite -- --nocapture          # measures all rows
-cargo test --test suite page -- --ignored       # writes this page
+cargo test --test cases suite:: -- --nocapture          # measures all rows
+cargo test --test cases suite::page -- --ignored       # writes this page
 ```
 
 Lengths, times and masses are of size one where a case says nothing else. ε is 2.2e-16. A bound of 0 is met bit for

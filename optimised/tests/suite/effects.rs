@@ -1,7 +1,7 @@
 //! Stiff springs, close encounters, masses apart by twelve digits, forces that are no numbers.
 
-use crate::case::{Case, Kind, Measured};
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::error::{StartFailure, StepFailure};

@@ -1,8 +1,8 @@
 //! Lanes: other numbers, other neighbours, trajectories that fail, parameters of all sizes.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::distance;
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::prelude::*;
 

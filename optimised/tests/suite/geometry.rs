@@ -1,8 +1,8 @@
 //! Thin, sharp, pinched, pointed and many-layered surfaces.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::{billiard, distance};
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
 use rattle::error::{StartFailure, StepFailure};

@@ -1,7 +1,7 @@
 //! What nobody means: an error that says what, where and how much, and never a panic or a silent repair.
 
-use crate::case::{Case, Kind, Measured};
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::error::{StartFailure, StepFailure};
 use rattle::prelude::*;

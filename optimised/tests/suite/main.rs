@@ -1,17 +1,14 @@
 //! Hard cases as a table: a row says why naive code breaks there and what holds instead, and measures that.
 //!
 //! ```text
-//! cargo test --test suite -- --nocapture        prints the table
-//! cargo test --test suite page -- --ignored     writes docs/hard-cases.md
+//! cargo test --test cases suite:: -- --nocapture        prints the table
+//! cargo test --test cases suite::page -- --ignored     writes docs/hard-cases.md
 //! ```
 //!
 //! To add a row: a `case` in the file of its area, then the page anew. Rows share few types of scenes, by parameters,
 //! as each pair of a scene and a method takes a second of compiling.
 
 #![allow(unreachable_pub, reason = "a test of several files")]
-
-#[path = "../../../tests/common/mod.rs"]
-mod common;
 
 mod algebra;
 mod case;
@@ -85,7 +82,7 @@ fn the_page_lists_the_rows_of_the_table() {
     let table: Vec<_> =
         areas().into_iter().flat_map(|area| area.cases.into_iter().map(row(area.name))).collect();
     let page = std::fs::read_to_string(page_on_disk()).unwrap();
-    let hint = "`cargo test --test suite page -- --ignored` writes the page anew";
+    let hint = "`cargo test --test cases suite::page -- --ignored` writes the page anew";
     assert_eq!(case::listed(&page), table, "{hint}");
     assert_eq!(table.iter().collect::<BTreeSet<_>>().len(), table.len(), "names are different");
 }

@@ -1,8 +1,8 @@
 //! Scales of g, of lengths, of speeds and of time; far from the origin; units; turning points and rest.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::distance;
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::error::StartFailure::OutOfScale;
 use rattle::error::StepFailure;

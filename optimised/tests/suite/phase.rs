@@ -1,8 +1,8 @@
 //! Constraints on phase space: the sphere |q|² + |p|² = r², whose fibres are those of Hopf.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::{distance, table};
-use crate::scenes::{E, apart, ends, larger, largest, unless};
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::{E, apart, ends, larger, largest, unless};
 use rattle::Error;
 use rattle::composition::SOFRONIOU_SPALETTA_2005_ORDER_10;
 use rattle::error::{PhaseMistake, StartFailure, StepFailure};

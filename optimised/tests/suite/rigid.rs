@@ -1,8 +1,8 @@
 //! Rigid bodies: flips about the middle axis, equal and nearly equal moments, needles, tops, steps too long.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::table;
-use crate::scenes::{E, ends, larger, largest, relative_energy, unless};
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::{E, ends, larger, largest, relative_energy, unless};
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::error::StepFailure;

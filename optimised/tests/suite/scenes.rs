@@ -1,8 +1,8 @@
 //! The few scenes that all rows share, and what rows ask of a run.
 
-use crate::case::Measured;
 use crate::common::linked::Rod;
 pub use crate::common::{Gravity, Lemniscate, SURFACE, Torus, TorusByDistance};
+use crate::suite::case::Measured;
 use rattle::Error;
 use rattle::nalgebra::Vector3;
 use rattle::potentials::planar::weights;

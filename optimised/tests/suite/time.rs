@@ -1,8 +1,8 @@
 //! Steps very short, very long, very many, backwards, of changing length; constraints that move.
 
-use crate::case::{Case, Kind, Measured};
 use crate::common::{billiard_45, distance};
-use crate::scenes::*;
+use crate::suite::case::{Case, Kind, Measured};
+use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::error::StepFailure;

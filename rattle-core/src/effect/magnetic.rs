@@ -19,7 +19,7 @@ use std::array::from_fn;
 /// symplectic: its positions are those of a discrete action with the vector potential B′ × q/2, B′ = tan(4 arctan(ω
 /// h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints momenta are turned while places stand still, which is reversible
 /// and keeps volume and energy, but symplectic to second order only, as the motion is
-/// (`cargo test --release --test flows`). Accurate steps resolve the turning: h ω below ½.
+/// (`cargo test --release --test effects flows::`). Accurate steps resolve the turning: h ω below ½.
 ///
 /// A field that changes with place is a [`Flow`] of one's own, by the same formula. In the plane, of two coordinates,
 /// only the third component of B counts.

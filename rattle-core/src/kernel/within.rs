@@ -10,7 +10,7 @@ use crate::kernel::space::{Open, Periodic};
 ///
 /// **How it ends.** A symplectic method keeps energy without drift where forces are smooth. 120 atoms of Lennard-Jones
 /// on a gyroid, of a kinetic energy of 120 ε, reach 2.5 σ, steps of 0.005 σ √(m/ε); energy errors in ε, means over the
-/// last 5 000 of so many steps (`cargo test --test near_pairs -- --ignored --nocapture`):
+/// last 5 000 of so many steps (`cargo test --test motion near_pairs:: -- --ignored --nocapture`):
 ///
 /// | ending | 25 000 | 50 000 | 75 000 | 100 000 steps |
 /// |---|---|---|---|---|

@@ -4,7 +4,9 @@
 //!
 //! What would make them tens of times slower without a word: a function that is not inlined, a number read through
 //! memory that the loop may write, a condition that is a branch.
-#![cfg(all(target_arch = "x86_64", target_os = "linux", not(debug_assertions)))]
+//!
+//! `cargo test --test vectorised`, with or without `--release`.
+#![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 use rattle::bodies::One;
 use rattle::effect::Effects;

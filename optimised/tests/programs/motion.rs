@@ -1,0 +1,18 @@
+//! Long runs, orders and laws of every method.
+
+#[path = "../../../tests/common/mod.rs"]
+mod common;
+#[path = "../curvature.rs"]
+mod curvature;
+#[path = "../events.rs"]
+mod events;
+#[path = "../fekete.rs"]
+mod fekete;
+#[path = "../long_runs.rs"]
+mod long_runs;
+#[path = "../methods.rs"]
+mod methods;
+#[path = "../near_pairs.rs"]
+mod near_pairs;
+#[path = "../phase_space.rs"]
+mod phase_space;

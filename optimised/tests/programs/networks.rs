@@ -1,0 +1,14 @@
+//! Linked bodies.
+
+#[path = "../../../tests/common/mod.rs"]
+mod common;
+#[path = "../hubs.rs"]
+mod hubs;
+#[path = "../linked_laws.rs"]
+mod linked_laws;
+#[path = "../linked_roots.rs"]
+mod linked_roots;
+#[path = "../linked_runs.rs"]
+mod linked_runs;
+#[path = "../sheets_linked.rs"]
+mod sheets_linked;

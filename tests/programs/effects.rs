@@ -1,0 +1,24 @@
+//! Effects, alone and between bodies.
+
+#[path = "../active.rs"]
+mod active;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../effects_room.rs"]
+mod effects_room;
+#[path = "../effects_time.rs"]
+mod effects_time;
+#[path = "../flows.rs"]
+mod flows;
+#[path = "../gas.rs"]
+mod gas;
+#[path = "../geodesics.rs"]
+mod geodesics;
+#[path = "../heat.rs"]
+mod heat;
+#[path = "../pair_potentials.rs"]
+mod pair_potentials;
+#[path = "../particles.rs"]
+mod particles;
+#[path = "../points.rs"]
+mod points;

@@ -1,0 +1,16 @@
+//! Ensembles and what watches runs.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../ensemble.rs"]
+mod ensemble;
+#[path = "../ensemble_retry.rs"]
+mod ensemble_retry;
+#[path = "../lanes.rs"]
+mod lanes;
+#[path = "../lanes_splittings.rs"]
+mod lanes_splittings;
+#[path = "../observers.rs"]
+mod observers;
+#[path = "../watching.rs"]
+mod watching;

@@ -1,0 +1,16 @@
+//! Files, pages, charts and whatever is read.
+
+#[path = "../checkpoints.rs"]
+mod checkpoints;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../data.rs"]
+mod data;
+#[path = "../page.rs"]
+mod page;
+#[path = "../plot.rs"]
+mod plot;
+#[path = "../random_input.rs"]
+mod random_input;
+#[path = "../recorders.rs"]
+mod recorders;

@@ -1,0 +1,18 @@
+//! Linked and rigid bodies.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../driven.rs"]
+mod driven;
+#[path = "../linked.rs"]
+mod linked;
+#[path = "../linked_ends.rs"]
+mod linked_ends;
+#[path = "../linked_errors.rs"]
+mod linked_errors;
+#[path = "../memory.rs"]
+mod memory;
+#[path = "../rigid.rs"]
+mod rigid;
+#[path = "../scaling.rs"]
+mod scaling;

@@ -1,0 +1,20 @@
+//! Methods of every order.
+
+#[path = "../bdf2.rs"]
+mod bdf2;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../compositions.rs"]
+mod compositions;
+#[path = "../dop853.rs"]
+mod dop853;
+#[path = "../lobatto.rs"]
+mod lobatto;
+#[path = "../planted_faults.rs"]
+mod planted_faults;
+#[path = "../systems.rs"]
+mod systems;
+#[path = "../taylor.rs"]
+mod taylor;
+#[path = "../taylor_linked.rs"]
+mod taylor_linked;

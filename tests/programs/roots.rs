@@ -1,0 +1,26 @@
+//! Which root a step ends at, how it is found, and what happens where there is none.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../golden.rs"]
+mod golden;
+#[path = "../guesses.rs"]
+mod guesses;
+#[path = "../iterations.rs"]
+mod iterations;
+#[path = "../kinks.rs"]
+mod kinks;
+#[path = "../laws.rs"]
+mod laws;
+#[path = "../references.rs"]
+mod references;
+#[path = "../retry.rs"]
+mod retry;
+#[path = "../reversal.rs"]
+mod reversal;
+#[path = "../shadow.rs"]
+mod shadow;
+#[path = "../singular_points.rs"]
+mod singular_points;
+#[path = "../variable.rs"]
+mod variable;
