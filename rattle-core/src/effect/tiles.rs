@@ -1,7 +1,7 @@
 //! Forces between all pairs of bodies, several pairs at a time.
 //!
-//! Bodies are taken in tiles, coordinate by coordinate. Those of a tile meet each other in a ring: body l meets body l
-//! + k, for all l at once, k = 1, 2, … up to half of the tile. Every body beyond meets all of the tile at once. Each
+//! Bodies are taken in tiles, coordinate by coordinate. Those of a tile meet each other in a ring: body l meets body
+//! l + k, for all l at once, k = 1, 2, … up to half of the tile. Every body beyond meets all of the tile at once. Each
 //! pair is evaluated once: the force on one is the opposite of that on the other.
 //!
 //! Distances, slopes of the potential, and forces have a loop each, which a compiler vectorises. In one loop, with its
