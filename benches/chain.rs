@@ -4,8 +4,8 @@
 //! cargo bench --bench chain
 //! ```
 //!
-//! A chain of total length and mass 1 falls from the horizontal; its step is a fifth of the time that a wave needs for a link,
-//! so that chains of all lengths are equally accurate. Times are medians of several runs; the slope is that of
+//! A chain of total length and mass 1 falls from the horizontal; its step is a fifth of the time that a wave needs for
+//! a link, so that chains of all lengths are equally accurate. Times are medians of several runs; the slope is that of
 //! log(time per step) over log(links), fitted. Allocations are counted over the timed steps.
 
 use rattle::links::planar::Rod;

@@ -6,11 +6,11 @@
 //!
 //! Instructions are those of callgrind (Debian: `apt-get install valgrind`), per step, from the difference
 //! of two runs of this program with different numbers of steps, so that set-up cancels. The yardsticks are
-//! the same method written by hand for this one surface, with nothing that a free particle does not need: once without any
-//! check, and once with those that a scene makes, which are when a solve has ended, by third derivatives; whether the root
-//! found is the one that the motion continues on, by slopes and by what guesses were off before; whether momenta are
-//! numbers. Where a check asks for a look inside the step, it looks; where that asks for the root to be followed, the
-//! loop goes on without.
+//! the same method written by hand for this one surface, with nothing that a free particle does not need: once without
+//! any check, and once with those that a scene makes, which are when a solve has ended, by third derivatives; whether
+//! the root found is the one that the motion continues on, by slopes and by what guesses were off before; whether
+//! momenta are numbers. Where a check asks for a look inside the step, it looks; where that asks for the root to be
+//! followed, the loop goes on without.
 
 use rattle::Counted;
 use rattle::bodies::{Bodies, One};
@@ -142,7 +142,8 @@ fn instructions_per_step(program: usize) -> Option<f64> {
     Some((total(many)? - total(few)?) / (many - few) as f64)
 }
 
-/// RATTLE for a free particle on this surface, compensated, as one would write it by hand; with the checks of a scene, or without.
+/// RATTLE for a free particle on this surface, compensated, as one would write it by hand; with the checks of a scene,
+/// or without.
 fn by_hand<const CHECKED: bool>(steps: u64) -> [f64; 3] {
     let (a2, r2) = (SURFACE.a * SURFACE.a, SURFACE.r * SURFACE.r);
     let value = |[x, y, z]: [f64; 3]| {

@@ -7,9 +7,9 @@
 //!
 //! A line is `what/function/numbers  time: [low estimate high]`: of one evaluation at one point, or of one step of one
 //! trajectory, with the ends of an interval of 95 % confidence.
-//! `f64` goes point by point, as a simulation does. `lanes` goes 64 side by side, as ensembles do, with the widest instructions of this
-//! processor, and is the time of one of them; `lanes of f32` in single precision. Evaluations are measured one after the other without waiting for
-//! results, so that a step takes longer than what it is made of.
+//! `f64` goes point by point, as a simulation does. `lanes` goes 64 side by side, as ensembles do, with the widest
+//! instructions of this processor, and is the time of one of them; `lanes of f32` in single precision. Evaluations are
+//! measured one after the other without waiting for results, so that a step takes longer than what it is made of.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};

@@ -5,10 +5,10 @@
 //! gₖ = |qₖ₊₁ − qₖ|² − ℓ²,  k = 0 … n−1,   q₀ and qₙ pinned,   total mass 1
 //! ```
 //!
-//! 1. A thousand links, let go from a lopsided V: energy, iterations, and where the chain is from time to time. The work
-//!    for a step grows with the number of links, not with its cube.
-//! 2. Two hundred links, whose momenta are made smaller again and again until they hang at rest. The shape of such a chain
-//!    is known exactly, and comes close to the catenary y = a cosh(x/a); so does the tension.
+//! 1. A thousand links, let go from a lopsided V: energy, iterations, and where the chain is from time to time. The
+//!    work for a step grows with the number of links, not with its cube.
+//! 2. Two hundred links, whose momenta are made smaller again and again until they hang at rest. The shape of such a
+//!    chain is known exactly, and comes close to the catenary y = a cosh(x/a); so does the tension.
 //!
 //! Draws into `out/chain/`, and writes a page on which the long chain swings.
 
@@ -101,8 +101,8 @@ fn hang() -> Result<(), Box<dyn Error>> {
     let mut state = scene.project(&lopsided(n))?;
     let mut snapshots = Vec::new();
     let curve = |state: &State<2>| state.positions().map(|q| (q.x, q.y)).collect::<Vec<_>>();
-    // Five steps, then a little of every momentum away: about as much as makes the slowest swing die out soonest. Longer
-    // rounds would meet some fast vibration always at its turning point, and never damp it.
+    // Five steps, then a little of every momentum away: about as much as makes the slowest swing die out soonest.
+    // Longer rounds would meet some fast vibration always at its turning point, and never damp it.
     for round in 0..4000 {
         if round <= 160 && round % 40 == 0 {
             snapshots.push((format!("t = {:.1}", f64::from(round) * 0.01), curve(&state)));

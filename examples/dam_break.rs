@@ -6,8 +6,8 @@
 //! cargo run --release --example dam_break -- 0.0625           # another length of the edges
 //! ```
 //!
-//! 1920 steps of 1/32 s on edges of 1/8, as in Shapero's notebook, which took 502 s, kept the volume to 1.3 % and found a
-//! mean flux of 266.5 cm²/s. Charts of volume, flux and depth are beside the page.
+//! 1920 steps of 1/32 s on edges of 1/8, as in Shapero's notebook, which took 502 s, kept the volume to 1.3 % and found
+//! a mean flux of 266.5 cm²/s. Charts of volume, flux and depth are beside the page.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use rattle::plot::Chart;

@@ -9,8 +9,8 @@
 //! between is stored. The dots fill what the energy allows of the three parts of the plane that lie on the surface, as
 //! chaos does; streaks are what is left of the first swing, which starts from a line.
 //!
-//! Prints time per step and trajectory, with the bill of it, and energy errors; draws into `out/ensemble`: the section (`section.svg`) and how
-//! long trajectories take to come back to it (`returns.svg`).
+//! Prints time per step and trajectory, with the bill of it, and energy errors; draws into `out/ensemble`: the section
+//! (`section.svg`) and how long trajectories take to come back to it (`returns.svg`).
 
 use indicatif::ProgressBar;
 use rattle::ensemble::Precision;

@@ -7,7 +7,8 @@
 //!
 //! A planet with a radius of 50 rods turns once while the pendulum swings some 50 times. Everything is computed among
 //! the fixed stars; only the picture turns with the ground. There the plane of the swing turns by Ω sin φ, with φ the
-//! latitude that a plumb line shows, but for the part 3/8 of the squared amplitude (the same that a spherical pendulum has).
+//! latitude that a plumb line shows, but for the part 3/8 of the squared amplitude (the same that a spherical pendulum
+//! has).
 //!
 //! The support does work on the bob, more than the swing has energy; energy less work is kept to second order.
 //!
@@ -137,7 +138,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// When the path is furthest out, and in which direction, counted on without jumps; opposite ends count as one direction.
+/// When the path is furthest out, and in which direction, counted on without jumps; opposite ends count as one
+/// direction.
 fn outermost(path: &[(f64, f64)], h: f64) -> Vec<(f64, f64)> {
     let square = |(x, y): (f64, f64)| x * x + y * y;
     let mut found = Vec::new();

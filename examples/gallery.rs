@@ -35,7 +35,7 @@ fn main() -> Outcome {
              ![Pair potentials that repel](../gallery/repelling.svg)\n";
     potentials()?;
     page += "\n## Links\n\nPaths of bodies under gravity, from the state that is drawn with dots; in the plane \
-             (`rattle::links::planar`), those in space are alike.\n\n| | |\n|---|---|\n";
+             (`rattle::links::planar`); those in\nspace are alike.\n\n| | |\n|---|---|\n";
     links(&mut page)?;
     page += "\n## Examples\n\nEach is `cargo run --release --example NAME`, and writes into `out/`. A page opens in any browser.\n\n\
              | example | shows | writes |\n|---|---|---|\n";

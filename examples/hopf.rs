@@ -4,13 +4,13 @@
 //! cargo run --release --example hopf
 //! ```
 //!
-//! A point falls while |q|² + |p|² = 1 holds: on the three-sphere, whose fibres are the circles of the Hopf fibration. The
-//! constraint pushes along them, the motion is where the energy is stationary along the fibre: {g, H} = 0. (O. Verdier,
-//! *Geometric generalisation of SHAKE and RATTLE*, talk, Toronto 2012.) Some starts come to where that no longer says where
-//! to go, and end.
+//! A point falls while |q|² + |p|² = 1 holds: on the three-sphere, whose fibres are the circles of the Hopf fibration.
+//! The constraint pushes along them, the motion is where the energy is stationary along the fibre: {g, H} = 0. (O.
+//! Verdier, *Geometric generalisation of SHAKE and RATTLE*, talk, Toronto 2012.) Some starts come to where that no
+//! longer says where to go, and end.
 //!
-//! Prints how well constraints and energy are kept; draws into `out/hopf`: the motion across its fibres (`fibres.svg`), the
-//! energy along fibres (`along.svg`), and its error (`energy.svg`).
+//! Prints how well constraints and energy are kept; draws into `out/hopf`: the motion across its fibres (`fibres.svg`),
+//! the energy along fibres (`along.svg`), and its error (`energy.svg`).
 
 use rattle::plot::Chart;
 use rattle::prelude::*;
@@ -36,8 +36,8 @@ fn turned([x, y, px, py]: Point, angle: f64) -> Point {
     [x * cos + px * sin, y * cos + py * sin, px * cos - x * sin, py * cos - y * sin]
 }
 
-/// The three-sphere in space, projected from the pole q_x = 1, and that seen from the side and above. Fibres are circles,
-/// every two of them linked.
+/// The three-sphere in space, projected from the pole q_x = 1, and that seen from the side and above. Fibres are
+/// circles, every two of them linked.
 fn seen([x, y, px, py]: Point) -> (f64, f64) {
     let scale = 1.0 / (1.0 - x);
     let [a, b, c] = [y * scale, py * scale, px * scale];

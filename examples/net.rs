@@ -6,8 +6,8 @@
 //! ```
 //!
 //! 31 × 31 knots in space: 1860 equations that share one component. At first the net is at rest, folded once into a
-//! gutter, and pinned at the two corners of one of its ends; it swings down. The first line says how the multipliers are
-//! found, the table what the steps cost and keep.
+//! gutter, and pinned at the two corners of one of its ends; it swings down. The first line says how the multipliers
+//! are found, the table what the steps cost and keep.
 //!
 //! Draws the net at four times into `out/net/`, and writes the page `out/net/index.html` on which it moves.
 

@@ -1,5 +1,5 @@
-//! The pendulum three ways: by its angle, with a multiplier by RATTLE, and with a multiplier by BDF2. And once more, with a
-//! multiplier that acts on x alone.
+//! The pendulum three ways: by its angle, with a multiplier by RATTLE, and with a multiplier by BDF2. And once more,
+//! with a multiplier that acts on x alone.
 //!
 //! ```text
 //! cargo run --release --example pendulum_three_ways
@@ -9,13 +9,13 @@
 //! ```
 //!
 //! The first two equations are one motion, and the three ways come together like h². BDF2 is what general solvers of
-//! differential-algebraic equations do: it loses energy in every swing, and from 0.9 π, where a little energy changes the
-//! period much, it soon runs ahead. RATTLE keeps energy at the same step. λ is positive where the rod pushes outwards; texts that
-//! write the force as −λ∇c have the tension −λ of here, and that is drawn. The third is not mechanics: the mass falls
-//! freely in y, and at the bottom no force along x can hold the rod: the error says so.
+//! differential-algebraic equations do: it loses energy in every swing, and from 0.9 π, where a little energy changes
+//! the period much, it soon runs ahead. RATTLE keeps energy at the same step. λ is positive where the rod pushes
+//! outwards; texts that write the force as −λ∇c have the tension −λ of here, and that is drawn. The third is not
+//! mechanics: the mass falls freely in y, and at the bottom no force along x can hold the rod: the error says so.
 //!
-//! Draws φ(t) and the tension as texts on multipliers do, energy errors, and the fall with a multiplier on x alone, into
-//! `out/pendulum_three_ways/`.
+//! Draws φ(t) and the tension as texts on multipliers do, energy errors, and the fall with a multiplier on x alone,
+//! into `out/pendulum_three_ways/`.
 
 use rattle::plot::Chart;
 use rattle::potentials::planar::Gravity;

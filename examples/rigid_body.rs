@@ -1,5 +1,5 @@
-//! A free body and a heavy top, each in three formulations: QᵀQ = 1 as six equations, as nine of which three are redundant,
-//! and reduced to three unknowns. All are the same discrete motion.
+//! A free body and a heavy top, each in three formulations: QᵀQ = 1 as six equations, as nine of which three are
+//! redundant, and reduced to three unknowns. All are the same discrete motion.
 //!
 //! ```text
 //! cargo run --release --example rigid_body        # then open out/rigid_body/index.html and *.svg

@@ -5,15 +5,15 @@
 //! crank |a| = r     rod b = 2a − c, |b − c| = 2r     slider b_y = 0     cross guide c_x = 0
 //! ```
 //!
-//! The crank turns the middle a of a rod twice its length, whose end b slides along x; then the other end c runs along y by
-//! itself. Six equations between six coordinates leave one freedom: one equation is redundant. With unit masses
+//! The crank turns the middle a of a rod twice its length, whose end b slides along x; then the other end c runs along
+//! y by itself. Six equations between six coordinates leave one freedom: one equation is redundant. With unit masses
 //! the inertia is constant, and the angle of the crank obeys 5 r φ̈ = −3 g cos φ: that is the reference.
 //!
 //! * All six: rank 5, and the motion is right. Of all multipliers that fit, those are given that are smallest together,
 //!   as forces λ|∇g|.
 //! * Without the crank: the same motion and the same force on every body, from five equations.
-//! * Without the cross guide: until the crank stands upright. There b could stay at the middle while the rod turns on: the
-//!   mechanism branches, and the step is refused.
+//! * Without the cross guide: until the crank stands upright. There b could stay at the middle while the rod turns on:
+//!   the mechanism branches, and the step is refused.
 //!
 //! Draws the mechanism and the multipliers into `out/slider_crank/`, and writes a page on which it turns.
 

@@ -5,9 +5,9 @@
 //! cargo run --release --example valley -- heights.asc   # heights of one's own, metres, as an ASCII grid of ESRI
 //! ```
 //!
-//! Without a file the valley is made up: slopes towards a winding channel, a hollow that fills before it spills, and some
-//! roughness. 40 mm fall in the first half hour, 10 mm/h can seep away, friction is Manning's with n = 0.05. Where the
-//! southern edge is low the water leaves. `out/valley/valley.pvd` is for ParaView.
+//! Without a file the valley is made up: slopes towards a winding channel, a hollow that fills before it spills, and
+//! some roughness. 40 mm fall in the first half hour, 10 mm/h can seep away, friction is Manning's with n = 0.05. Where
+//! the southern edge is low the water leaves. `out/valley/valley.pvd` is for ParaView.
 
 use rattle::plot::Chart;
 use rattle_flow::{Flow, Page, Raster, Resistance, vtu};

@@ -36,8 +36,8 @@
 //! Killed and started again as often as may be, this ends with the same bits. See `examples/checkpoint.rs` for Ctrl-C.
 //!
 //! A file appears whole or not at all: it is written beside its place as `run.rattle.part`, synced and renamed, and
-//! the folder synced. So a crash or a full disk leaves the last checkpoint as it was. One program writes a checkpoint at a
-//! time.
+//! the folder synced. So a crash or a full disk leaves the last checkpoint as it was. One program writes a checkpoint
+//! at a time.
 //!
 //! # The file
 //!

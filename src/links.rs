@@ -1,8 +1,8 @@
 //! Ready-made constraints on and between bodies: what mechanisms are made of.
 //!
-//! Each is a plain [`constraint!`](crate::constraint); its page shows the formula, the gradient and the number of operations. To
-//! vary one, copy its line into a macro of your own. A scene takes a link with the bodies that each copy of it ties together:
-//! `.link(Rod { length: 1.0 }, [[0, 1], [1, 2]])`.
+//! Each is a plain [`constraint!`](crate::constraint); its page shows the formula, the gradient and the number of
+//! operations. To vary one, copy its line into a macro of your own. A scene takes a link with the bodies that each copy
+//! of it ties together: `.link(Rod { length: 1.0 }, [[0, 1], [1, 2]])`.
 //!
 //! | bodies | which |
 //! |---|---|
@@ -14,8 +14,8 @@
 //! These are of bodies in space; [`planar`] has those of bodies in the plane, by the same names where both exist.
 //! [`surfaces`](crate::surfaces) are links of one body in space.
 //!
-//! The multiplier of a link is a force or a torque times the factor that each page tells; it is positive where the link pushes
-//! along the gradient of g. `simulation.constraint_forces()` are forces on bodies, whatever the formula.
+//! The multiplier of a link is a force or a torque times the factor that each page tells; it is positive where the link
+//! pushes along the gradient of g. `simulation.constraint_forces()` are forces on bodies, whatever the formula.
 //!
 //! ```
 //! use rattle::links::Rod;
@@ -108,8 +108,8 @@ constraint! {
 constraint! {
     /// The angle at body b between the directions to bodies a and c.
     ///
-    /// `angle` and g are in radians, 0 < angle < π; the multiplier is the torque that opens the angle. A straight or closed
-    /// angle has no gradient: there [`Between`] and [`Rod`] serve.
+    /// `angle` and g are in radians, 0 < angle < π; the multiplier is the torque that opens the angle. A straight or
+    /// closed angle has no gradient: there [`Between`] and [`Rod`] serve.
     ///
     /// ```
     /// use rattle::links::Angle;
@@ -132,8 +132,8 @@ constraint! {
     /// The torsion (dihedral angle) of four bodies: by how much the bond c–d is turned against a–b about the axis b–c.
     ///
     /// `angle` is in radians, positive if, seen from b to c, the nearer bond must be turned clockwise to cover the
-    /// farther one; zero where a and d lie on the same side (IUPAC 1974). g is the turn that is missing, between −π and π; the
-    /// multiplier is the torque about the axis. Bodies a, b, c or b, c, d on a straight line have no torsion.
+    /// farther one; zero where a and d lie on the same side (IUPAC 1974). g is the turn that is missing, between −π and
+    /// π; the multiplier is the torque about the axis. Bodies a, b, c or b, c, d on a straight line have no torsion.
     ///
     /// ```
     /// use rattle::links::Torsion;
@@ -159,8 +159,8 @@ constraint! {
 constraint! {
     /// A body on a fixed straight line through `point` along `direction`: a bead on a wire, a slider in its guide.
     ///
-    /// Two equations: the distances from the line along two normals of it, by the formula of Duff and others (2017). The
-    /// direction may have any length but zero.
+    /// Two equations: the distances from the line along two normals of it, by the formula of Duff and others (2017).
+    /// The direction may have any length but zero.
     ///
     /// ```
     /// use rattle::links::Slider;

@@ -194,8 +194,8 @@ impl Chart {
         self.single(label.into(), points, Style::Bars(width))
     }
 
-    /// The region between a lower and an upper curve, (x, low, high) from left to right: a deviation, a confidence. It has the
-    /// colour of the curve that comes next.
+    /// The region between a lower and an upper curve, (x, low, high) from left to right: a deviation, a confidence. It
+    /// has the colour of the curve that comes next.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -219,8 +219,8 @@ impl Chart {
         self
     }
 
-    /// Numbers on a rectangle as colours, with their scale: rows of equal length from low y to high y, each from low x to high
-    /// x. A chart has one map, under all its curves.
+    /// Numbers on a rectangle as colours, with their scale: rows of equal length from low y to high y, each from low x
+    /// to high x. A chart has one map, under all its curves.
     ///
     /// ```
     /// # use rattle::plot::Chart;

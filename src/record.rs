@@ -1,4 +1,5 @@
-//! Recorders into files: rows are written by a thread of its own, as they come, so memory stays flat however long the run.
+//! Recorders into files: rows are written by a thread of its own, as they come, so memory stays flat however long the
+//! run.
 //!
 //! ```
 //! use rattle::prelude::*;
@@ -17,8 +18,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Of an ensemble the same: `ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink())).finish()?`. Blocks of rows then
-//! come in any order, and say their steps and trajectories.
+//! Of an ensemble the same: `ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink())).finish()?`.
+//! Blocks of rows then come in any order, and say their steps and trajectories.
 //!
 //! | writer | file | read by |
 //! |---|---|---|
@@ -27,8 +28,8 @@
 //! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times | ParaView |
 //!
 //! Where a writer fails, for a full disk or a closed pipe, the run ends at the next block of rows with
-//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step (an ensemble runs on; its recorder says so at
-//! the end), and [`Stream::finish`] says how many rows were written.
+//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step (an ensemble runs on; its recorder says so
+//! at the end), and [`Stream::finish`] says how many rows were written.
 
 mod stream;
 mod vtu;

@@ -1,5 +1,5 @@
-//! Active particles against exact laws: persistence in the plane, great circles and holonomy on the sphere; order, work,
-//! restarts and company. Bounds of means are 4.5 standard deviations, at fixed seeds.
+//! Active particles against exact laws: persistence in the plane, great circles and holonomy on the sphere; order,
+//! work, restarts and company. Bounds of means are 4.5 standard deviations, at fixed seeds.
 
 use crate::common::order;
 use crate::common::statistics::DEVIATIONS;
@@ -20,9 +20,9 @@ fn is(numbers: &[f64], exact: f64, by_step: f64) {
     assert!((mean - exact).abs() < DEVIATIONS * sigma + by_step, "{mean} of {exact} ± {sigma:.1e}");
 }
 
-/// `⟨|Δr|²⟩ = 4Dt + 2(v/D_r)² (D_r t − 1 + e^{−D_r t})` and `⟨Δr·u(0)⟩ = (v/D_r)(1 − e^{−D_r t})` (C. Bechinger et al., Rev. Mod.
-/// Phys. 88 (2016) 045006, equations 9 and 10), in the plane and on one in space. A step of h is off by (D_r h)²/12 of
-/// what persists.
+/// `⟨|Δr|²⟩ = 4Dt + 2(v/D_r)² (D_r t − 1 + e^{−D_r t})` and `⟨Δr·u(0)⟩ = (v/D_r)(1 − e^{−D_r t})` (C. Bechinger et al.,
+/// Rev. Mod. Phys. 88 (2016) 045006, equations 9 and 10), in the plane and on one in space. A step of h is off by (D_r
+/// h)²/12 of what persists.
 #[test]
 fn persistence_in_the_plane() {
     const N: usize = 1500;
@@ -63,8 +63,8 @@ fn persistence_in_the_plane() {
     is(&turned, (-turning * simulation.time()).exp(), 0.0);
 }
 
-/// With inertia: without noise of momenta ⟨v·u⟩ = F/(γ + D_r) in the end (H. Löwen, J. Chem. Phys. 152 (2020) 040901), by methods that push
-/// at the ends of a step or in its middle.
+/// With inertia: without noise of momenta ⟨v·u⟩ = F/(γ + D_r) in the end (H. Löwen, J. Chem. Phys. 152 (2020) 040901),
+/// by methods that push at the ends of a step or in its middle.
 #[test]
 fn inertia_lags_behind_the_heading() {
     fn check(method: impl Method) {

@@ -1,7 +1,7 @@
 //! The house: no circle between files, and no import that runs up from a lower floor to a higher one.
 //!
-//! Read off the `use` lines and paths of the sources. `ARCHITECTURE.md` shows the same floors. Documentation may name what
-//! stands higher; tests inside a file may import anything.
+//! Read off the `use` lines and paths of the sources. `ARCHITECTURE.md` shows the same floors. Documentation may name
+//! what stands higher; tests inside a file may import anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

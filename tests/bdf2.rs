@@ -130,7 +130,8 @@ fn a_step_that_is_too_long_is_an_error() {
 }
 
 constraint! {
-    /// A rod from the origin whose equation has a slope of 1, so that g is known to a rounding of the coordinates, no better.
+    /// A rod from the origin whose equation has a slope of 1, so that g is known to a rounding of the coordinates, no
+    /// better.
     struct Reach { length }
     |x, y| sqrt(x^2 + y^2) - length
 }

@@ -1,5 +1,5 @@
-//! Checkpoints: what goes on from one is the run that was never stopped, in every bit of everything that is kept; and what
-//! is no checkpoint of it is refused by name. Every method and kind of system is asked in `systems`.
+//! Checkpoints: what goes on from one is the run that was never stopped, in every bit of everything that is kept; and
+//! what is no checkpoint of it is refused by name. Every method and kind of system is asked in `systems`.
 
 use crate::common::linked::{Rod, double_pendulum};
 use crate::common::*;
@@ -253,8 +253,8 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// Changes a file in some places, cuts it, or adds to it; one time in two its check sum is made to fit again, so that what
-/// stands behind it is tried. No such file is taken for what it was, none takes a simulation with it.
+/// Changes a file in some places, cuts it, or adds to it; one time in two its check sum is made to fit again, so that
+/// what stands behind it is tried. No such file is taken for what it was, none takes a simulation with it.
 fn fuzz(times: u32) {
     let (whole, mut random) = (encode(&small()), StdRng::seed_from_u64(16));
     let mut simulation = Scene::on(SURFACE).simulate(billiard_45(), Bdf2::new(0.01)).unwrap();

@@ -175,7 +175,8 @@ fn errors_follow_the_tolerance() {
     }
 }
 
-/// Two bodies on a line that attract each other like 1/r², and fall together from rest: at t = π/4 from a distance of 1.
+/// Two bodies on a line that attract each other like 1/r², and fall together from rest: at t = π/4 from a distance of
+/// 1.
 #[test]
 fn a_collision_is_an_error_and_the_state_stays() {
     potential! {

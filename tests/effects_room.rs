@@ -1,5 +1,6 @@
-//! Effects with room of their own: a list of near pairs, made before the first step and renewed when a body has moved by
-//! half of its skin, against the same force between all pairs. Forces do not depend on room, so all is equal to the bit.
+//! Effects with room of their own: a list of near pairs, made before the first step and renewed when a body has moved
+//! by half of its skin, against the same force between all pairs. Forces do not depend on room, so all is equal to the
+//! bit.
 
 use rattle::effect::{Acting, Effect, Moment};
 use rattle::lanes::Lane;

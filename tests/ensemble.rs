@@ -41,8 +41,8 @@ fn off<P: Precision, S: Method>(precision: P, method: &S, steps: u64) -> f64 {
     worst
 }
 
-/// Neighbouring trajectories part like e^(2.3 t) on this surface, the worst by 1e2 until t = 1 and by 1e5 until t = 5. What
-/// they start from is the rounding of some steps, of 1e-16 to 1e-15.
+/// Neighbouring trajectories part like e^(2.3 t) on this surface, the worst by 1e2 until t = 1 and by 1e5 until t = 5.
+/// What they start from is the rounding of some steps, of 1e-16 to 1e-15.
 #[test]
 fn lanes_are_simulations_to_rounding() {
     let rattle = Rattle::new(0.01);
@@ -158,8 +158,8 @@ potential! {
     |x, y, z| depth * (cos(3 * x) + sin(3 * y)) + z
 }
 
-/// Waves, bells and steps: near the simulation, whose functions are the system's; the same bits with every instruction set,
-/// and alone.
+/// Waves, bells and steps: near the simulation, whose functions are the system's; the same bits with every instruction
+/// set, and alone.
 #[test]
 fn elementary_functions_in_lanes() {
     fn check<C: rattle::scene::Hold<3> + 'static, E: rattle::effect::Effects<3>>(
@@ -247,8 +247,8 @@ fn laws_hold_in_lanes() {
     println!(
         "off the surface by {off_surface:e}, off the tangent plane by {off_tangent:e}, energy {energy:e}"
     );
-    // Coordinates up to 1.1 round by 1.1e-16 each. The gradient is a product with a difference of numbers up to 1.5 that is
-    // no larger than r = 1/6, and so rounds by some 1e-15; twice, here and there.
+    // Coordinates up to 1.1 round by 1.1e-16 each. The gradient is a product with a difference of numbers up to 1.5
+    // that is no larger than r = 1/6, and so rounds by some 1e-15; twice, here and there.
     assert!(off_surface < 6e-16 && off_tangent < 1e-14);
     assert!((6e-3..1.4e-2).contains(&energy), "{energy:e}");
 }
@@ -289,8 +289,8 @@ fn other_scenes_go_in_lanes_too() {
     }
 }
 
-/// Speeds for which the step becomes too long somewhere on the way end there, with the error of a simulation; the others
-/// are not touched by it.
+/// Speeds for which the step becomes too long somewhere on the way end there, with the error of a simulation; the
+/// others are not touched by it.
 #[test]
 fn who_fails_rests_and_the_others_go_on() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
@@ -520,8 +520,8 @@ fn a_sweep_over_members_and_pairs_is_its_scenes() {
     assert_eq!(check_sweep(Double, &trajectories, &Rattle::new(0.01), 100), 0);
 }
 
-/// A lane whose trajectory has ended goes on as a copy of another, with the other's parameters: with its own, by which every
-/// third trajectory falls too fast, the copy would end too, and the other with it.
+/// A lane whose trajectory has ended goes on as a copy of another, with the other's parameters: with its own, by which
+/// every third trajectory falls too fast, the copy would end too, and the other with it.
 #[test]
 fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
     let heavy = |t: f64| (70.0 * t).round() % 3.0 == 0.0; // the first one too, of which empty lanes are copies
@@ -544,8 +544,8 @@ fn who_fails_in_a_sweep_rests_and_the_others_go_on() {
 /// sums lose less.
 #[test]
 fn compensated_sums_lose_less() {
-    // Not of radius 1: doubles above 1 are twice as far apart as those below, so that rounding of |q|² is biased, and the
-    // energy grows by 1.3e-17 of itself in each step.
+    // Not of radius 1: doubles above 1 are twice as far apart as those below, so that rounding of |q|² is biased, and
+    // the energy grows by 1.3e-17 of itself in each step.
     let scene = Scene::on(Sphere { r: 1.3 });
     let start = || (0..64).map(|i| State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0 + f64::from(i) / 64.0, 0.0]));
     fn drift(mut ensemble: Ensemble<3>) -> f64 {
@@ -628,8 +628,8 @@ fn long_steps_end_where_those_of_a_simulation_end() {
     }
 }
 
-/// On great circles guesses are all but exact, so that normals are those of the places: what adds up over 1e5 steps is less
-/// than half an ulp of each.
+/// On great circles guesses are all but exact, so that normals are those of the places: what adds up over 1e5 steps is
+/// less than half an ulp of each.
 #[test]
 fn a_steady_motion_keeps_its_speed() {
     let ball = Scene::on(Sphere { r: 1.0 });

@@ -19,8 +19,8 @@ fn gap<Y: System<f64, 3, Count = One>, S: Method>(
     distance(q, alone.position()).max(distance(p, alone.momentum()))
 }
 
-/// Of the trajectories that fail in lanes and as simulations in the same step of the first 40: by which factor that step,
-/// in parts, leads both farther apart than they were, or than `rounding`; and how many there were.
+/// Of the trajectories that fail in lanes and as simulations in the same step of the first 40: by which factor that
+/// step, in parts, leads both farther apart than they were, or than `rounding`; and how many there were.
 fn off<P: Precision, S: Method>(precision: P, method: &S, rounding: f64) -> (f64, usize) {
     let (mut worst, mut number) = (0.0_f64, 0);
     for i in 0..60 {
@@ -53,8 +53,8 @@ fn off<P: Precision, S: Method>(precision: P, method: &S, rounding: f64) -> (f64
     (worst, number)
 }
 
-/// In a step near the longest that can be taken the normal turns by half a right angle and more, and neighbours part by a
-/// factor of some 10.
+/// In a step near the longest that can be taken the normal turns by half a right angle and more, and neighbours part by
+/// a factor of some 10.
 #[test]
 fn lanes_are_simulations_that_retry() {
     let rattle = Rattle::new(0.015);

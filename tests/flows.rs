@@ -220,8 +220,9 @@ fn sliding_on_a_slope() {
     }
 }
 
-/// Sticking weighs what all forces give, and N is of all of them: potentials, `force!` and self-propulsion, however they
-/// are named. At 98 % of μN nothing moves to the last bit; at twice μN a body is faster by h (f − μN) in each step.
+/// Sticking weighs what all forces give, and N is of all of them: potentials, `force!` and self-propulsion, however
+/// they are named. At 98 % of μN nothing moves to the last bit; at twice μN a body is faster by h (f − μN) in each
+/// step.
 #[test]
 fn friction_weighs_all_forces() {
     force! {

@@ -24,7 +24,8 @@ fn places<const D: usize>(n: usize) -> Vec<[f64; D]> {
     (0..n).map(|_| from_fn(|_| random.random_range(-1.0..1.0))).collect()
 }
 
-/// Each force against the sum of its pairs, of functions of the system's library; the error in units of the sum of sizes.
+/// Each force against the sum of its pairs, of functions of the system's library; the error in units of the sum of
+/// sizes.
 fn forces_off<P: PairPotential, const D: usize>(potential: &P, n: usize) -> [f64; 2] {
     let places = places::<D>(n);
     let mut forces = vec![[0.0; D]; n];
@@ -60,7 +61,8 @@ fn forces_are_those_of_the_pairs_and_add_up_to_nothing() {
             forces_off::<_, 5>(&screened, n),
         ];
         for off in rows {
-            // A pair rounds by some ε, and sums of n numbers in n/8 + 3 or n steps by as many halves at most, in practice √n.
+            // A pair rounds by some ε, and sums of n numbers in n/8 + 3 or n steps by as many halves at most, in
+            // practice √n.
             assert!(off[0] < 1e-14 && off[1] < 1e-15, "{n} bodies: {off:?}");
             worst = from_fn(|k| worst[k].max(off[k]));
         }
@@ -97,7 +99,8 @@ fn laws_hold() {
         let (before, steps) = (turning(&simulation), (2.0 / h) as u64);
         let mut energy = 0.0_f64;
         simulation.run_with(steps, |now| energy = energy.max(now.energy_error().abs())).unwrap();
-        // Pairs pull along the line between them, the sphere along its radius: all that turns is kept, but for rounding.
+        // Pairs pull along the line between them, the sphere along its radius: all that turns is kept, but for
+        // rounding.
         let lost = (turning(&simulation) - before).norm();
         assert!(lost < 1e-13, "h = {h}: {lost:e} of the angular momentum");
         assert!(simulation.constraint_residual() < 1e-15);

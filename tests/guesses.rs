@@ -56,7 +56,8 @@ fn extrapolated_stages_take_fewer_iterations() {
         let [pure, ..] = evaluations(Lobatto::<5>::new(h));
         let [extrapolated, ..] = evaluations(Lobatto::<5>::new(h).guess(Extrapolated));
         println!("h = {h}: {pure:.2} evaluations of g per step, extrapolated {extrapolated:.2}");
-        // 18 for iterations that end below half a rounding, 2 inside the step, and a look for other sheets or an acceleration.
+        // 18 for iterations that end below half a rounding, 2 inside the step, and a look for other sheets or an
+        // acceleration.
         assert!(pure <= 21.5, "h = {h}: {pure}");
         assert!(extrapolated <= most * pure, "h = {h}: {extrapolated} of {pure}");
     }
@@ -143,8 +144,8 @@ where
     );
 }
 
-/// Where a guess is given up, the step is begun again as without one: of 200 such runs 3 end at a step without a solution,
-/// and 1 of those without a memory.
+/// Where a guess is given up, the step is begun again as without one: of 200 such runs 3 end at a step without a
+/// solution, and 1 of those without a memory.
 #[test]
 fn long_steps_survive_bad_guesses() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });

@@ -339,8 +339,8 @@ fn brownian_motion_has_the_right_density() {
     assert!(off.abs() < DEVIATIONS * coarse[1] + 0.02, "{off:.1e} ± {:.1e}", coarse[1]);
 }
 
-/// Methods that cannot be divided say so: a bath goes on from step to step, and Brownian motion has no momenta to reflect. Links that move
-/// are refused by a bath; a start from numbers goes on with the noise of then.
+/// Methods that cannot be divided say so: a bath goes on from step to step, and Brownian motion has no momenta to
+/// reflect. Links that move are refused by a bath; a start from numbers goes on with the noise of then.
 #[test]
 fn what_cannot_be_divided_is_refused() {
     let gas = || Scene::on(Sphere { r: 1.0 }).bodies(2);

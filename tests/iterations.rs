@@ -61,8 +61,8 @@ fn same<C, E, N, const D: usize>(
     assert!(others > 0, "{what}: none differs in last bits, so all are the same code");
 }
 
-/// Each step may round otherwise, by ε of places and momenta up to 2, and what happens to them until t = 1 amplifies that: by 10
-/// on the lemniscate, less in the others.
+/// Each step may round otherwise, by ε of places and momenta up to 2, and what happens to them until t = 1 amplifies
+/// that: by 10 on the lemniscate, less in the others.
 #[test]
 fn every_way_gives_the_same_motion() {
     let free = Scene::on(SURFACE).with(Gravity { g: 1.0 });
@@ -124,7 +124,8 @@ fn on_the_lemniscate<G: Guess, X: Iteration>(h: f64, guess: G, by: X) -> [f64; 3
     [counts.values(), counts.gradients(), counts.curvatures()].map(|count| count as f64 / steps as f64)
 }
 
-/// Evaluations of g and of ∇g before the end, per step of a chain that falls, a fifth of the time that a wave needs for a link.
+/// Evaluations of g and of ∇g before the end, per step of a chain that falls, a fifth of the time that a wave needs for
+/// a link.
 fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2] {
     let (scene, start) = hanging_chain(links);
     let mut simulation = scene.simulate(start, method(0.2 / links as f64, guess, by)).unwrap();
@@ -138,9 +139,10 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
 
 /// What each costs. On surfaces a part of it is for looks inside a step, which tell that no other sheet was landed
 /// on: 0.1 of g, 0.2 where the
-/// slope at the guess is not known, 0.3 where three λ are extrapolated, whose errors change more from step to step. In chains a chord takes the slower of
-/// its last two contractions for its rate, which takes up to 0.8 evaluations
-/// more than the last one alone would; see `solve/stop.rs` of the core, and `optimised/tests/stopping.rs` for what the last one alone leaves.
+/// slope at the guess is not known, 0.3 where three λ are extrapolated, whose errors change more from step to step. In
+/// chains a chord takes the slower of its last two contractions for its rate, which takes up to 0.8 evaluations
+/// more than the last one alone would; see `solve/stop.rs` of the core, and `optimised/tests/stopping.rs` for what the
+/// last one alone leaves.
 #[test]
 fn evaluations() {
     println!("{:24} lemniscate, h = 0.02       0.01                  0.002", "");

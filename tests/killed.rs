@@ -83,8 +83,8 @@ fn version(path: &Path) -> Option<(std::time::SystemTime, u64)> {
     Some((found.modified().ok()?, found.len()))
 }
 
-/// Kills the program so many times, each at a random moment after it saved so often, or before; lets it end, and compares with
-/// one that was left alone.
+/// Kills the program so many times, each at a random moment after it saved so often, or before; lets it end, and
+/// compares with one that was left alone.
 fn killed(task: &str, times: u32) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.rattle");

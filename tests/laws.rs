@@ -280,8 +280,8 @@ fn trajectory_has_one_row_per_step() {
 
 #[test]
 fn rounding_in_the_energy_does_not_add_up() {
-    // The speed of a free particle on a sphere is constant: what is left is rounding. Compensated, 1e6 steps leave a few
-    // ulps; without the low parts of momentum or position it is 5e-15 and more.
+    // The speed of a free particle on a sphere is constant: what is left is rounding. Compensated, 1e6 steps leave a
+    // few ulps; without the low parts of momentum or position it is 5e-15 and more.
     let scene = Scene::on(Sphere { r: 1.0 });
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
     let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();

@@ -150,8 +150,9 @@ fn forth_and_back_and_on_the_surface() {
 
 #[test]
 fn steps_three_times_as_long_as_those_of_rattle() {
-    // RATTLE ends at h = 0.031 on this motion (h·κ·|v| = 1). It is chaotic: how near a path comes to where the surface bends
-    // most, and so its worst energy, is chance; in the middle of 200 starts 1e-13 apart it is 0.08 (of 0.83) until t = 200.
+    // RATTLE ends at h = 0.031 on this motion (h·κ·|v| = 1). It is chaotic: how near a path comes to where the surface
+    // bends most, and so its worst energy, is chance; in the middle of 200 starts 1e-13 apart it is 0.08 (of 0.83)
+    // until t = 200.
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     for extrapolated in [false, true] {
         let mut errors: Vec<f64> = (0..9)

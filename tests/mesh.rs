@@ -83,8 +83,8 @@ fn meshes_are_closed_and_lie_on_the_surface() {
     }
 }
 
-/// Points that are even on a sphere, by Archimedes' theorem on a lattice, are n / 4π everywhere; on one half twice that,
-/// and nothing on the other.
+/// Points that are even on a sphere, by Archimedes' theorem on a lattice, are n / 4π everywhere; on one half twice
+/// that, and nothing on the other.
 #[test]
 fn densities_are_points_by_area() {
     let mesh = Mesh::of(sphere, [-1.5; 3], [1.5; 3], 40).unwrap();

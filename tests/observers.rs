@@ -170,8 +170,8 @@ fn sections_know_when() {
         let v = speeds[trajectory];
         // The discrete motion turns by asin(h v) a step, at constant speed.
         let expected = TAU * 0.01 / (0.01 * v).asin();
-        // The slopes at the ends are v, the speed between them asin(h v)/h: cubics are off by the difference (h v)³/6 times
-        // t (1 − t) (1 − 2t) ≤ 0.097, at either end.
+        // The slopes at the ends are v, the speed between them asin(h v)/h: cubics are off by the difference (h v)³/6
+        // times t (1 − t) (1 − 2t) ≤ 0.097, at either end.
         assert!((time - expected).abs() < 2.0 * 0.097 * (0.01 * v).powi(3) / 6.0 / v, "{time} {expected}");
     }
     for crossing in section.crossings() {
@@ -316,8 +316,8 @@ hamiltonian! {
     |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
 }
 
-/// Energies of a sight are those of the trajectory's own scene: in lanes, in sweeps, with masses, turning bodies, in phase
-/// space. They are of order 1, and off by the rounding of some 30 steps.
+/// Energies of a sight are those of the trajectory's own scene: in lanes, in sweeps, with masses, turning bodies, in
+/// phase space. They are of order 1, and off by the rounding of some 30 steps.
 #[test]
 fn sights_know_their_energy() {
     let billiards: Vec<_> =

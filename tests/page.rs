@@ -209,8 +209,8 @@ fn a_browser_plays_the_page() {
     );
 }
 
-/// Two bodies at the ends of a rod that turns, one of them on a rod to a fixed place; a disc, a wall and a box; colours,
-/// sizes, names, axes, and charts.
+/// Two bodies at the ends of a rod that turns, one of them on a rod to a fixed place; a disc, a wall and a box;
+/// colours, sizes, names, axes, and charts.
 fn machine() -> Scene3 {
     let times: Vec<f64> = (0..=10).map(|i| 0.1 * f64::from(i)).collect();
     let turn = |r: f64, t: f64| [r * t.cos(), 0.0, r * t.sin()];
@@ -235,8 +235,8 @@ fn machine() -> Scene3 {
         .seconds(0.4)
 }
 
-/// Sizes and colours of all bodies by the pixel in their middle, and whether there is something at a point of the stage:
-/// red, green, blue and how opaque it is, of what is drawn in space.
+/// Sizes and colours of all bodies by the pixel in their middle, and whether there is something at a point of the
+/// stage: red, green, blue and how opaque it is, of what is drawn in space.
 fn pixel(page: &mut Browser, place: &str) -> [u8; 4] {
     let read = "rattle.draw(); const copy = document.createElement('canvas'); const ratio = canvas.width / canvas.clientWidth; \
                 [copy.width, copy.height] = [canvas.width, canvas.height]; const pen = copy.getContext('2d'); \
@@ -303,7 +303,8 @@ fn the_page_draws_what_a_scene_has() {
             )[3] > 230
         );
     }
-    // The first body has the lowest colour of the scale all the time, and its size; the second goes to the other end of both.
+    // The first body has the lowest colour of the scale all the time, and its size; the second goes to the other end of
+    // both.
     let purple = |[r, g, b, _]: [u8; 4]| b > g && r > g;
     let yellow = |[r, g, b, _]: [u8; 4]| r > b && g > b && g > 120;
     let grown = "((a) => [a[0], a[1] + 20])(rattle.place(1))";
@@ -331,7 +332,8 @@ fn the_page_draws_what_a_scene_has() {
     page.mouse("mouseReleased", place[0].as_f64().unwrap(), place[1].as_f64().unwrap());
     assert!([4, 5, 6].map(|frame| json!(frame)).contains(&page.evaluate("rattle.frame()")));
 
-    // A change of size is drawn before the browser shows it: an observer that comes after the page's own sees a full canvas.
+    // A change of size is drawn before the browser shows it: an observer that comes after the page's own sees a full
+    // canvas.
     page.evaluate(
         "rattle.play(); window.seen = []; new ResizeObserver(() => { const copy = document.createElement('canvas'); \
          [copy.width, copy.height] = [canvas.width, canvas.height]; const pen = copy.getContext('2d'); \

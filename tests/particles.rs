@@ -1,5 +1,5 @@
-//! Many particles, each on its own copy of a surface, go several at a time where the processor fuses multiply-add: as each
-//! would go alone, whatever the number, and with the same errors.
+//! Many particles, each on its own copy of a surface, go several at a time where the processor fuses multiply-add: as
+//! each would go alone, whatever the number, and with the same errors.
 
 use crate::common::*;
 use nalgebra::SVector;
@@ -139,8 +139,8 @@ fn long_steps<C: Constraint<3, 1> + Copy>(surface: C, number: usize, size: f64) 
     starts(surface, number, size).iter().map(scaled).collect()
 }
 
-/// Steps that alone can be taken end together where they end alone; the first that cannot is named, for the same reason, and all
-/// stay where they are.
+/// Steps that alone can be taken end together where they end alone; the first that cannot is named, for the same
+/// reason, and all stay where they are.
 fn hard_steps_end_alike<C: Constraint<3, 1> + Copy>(surface: C, size: f64) -> [usize; 2] {
     let scene = Scene::on(surface);
     let steps = long_steps(surface, 2000, size);

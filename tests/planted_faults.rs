@@ -1,8 +1,8 @@
 //! Faults that people make in RATTLE, planted on purpose: which law catches which.
 //!
-//! RATTLE for one particle is written out here once more, in plain steps, each of which can be made wrong. Right, it is the
-//! library's; wrong, the laws named in the table must notice. Energy alone is not enough: without the projection of the
-//! momentum, or after a single iteration of Newton, it looks as it should.
+//! RATTLE for one particle is written out here once more, in plain steps, each of which can be made wrong. Right, it is
+//! the library's; wrong, the laws named in the table must notice. Energy alone is not enough: without the projection of
+//! the momentum, or after a single iteration of Newton, it looks as it should.
 
 use crate::common::*;
 use rattle::nalgebra::{SVector, Vector3};

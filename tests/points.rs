@@ -74,8 +74,8 @@ fn uniform_where_there_is_no_formula() {
     fits(&counts, &shares);
 }
 
-/// Of two spheres, one in the other, on the inner one lies 1/10 of the area, though lines that meet it meet both: points
-/// are taken with a chance that goes with their number.
+/// Of two spheres, one in the other, on the inner one lies 1/10 of the area, though lines that meet it meet both:
+/// points are taken with a chance that goes with their number.
 #[test]
 fn all_meetings_count() {
     constraint! {

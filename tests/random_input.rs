@@ -191,8 +191,10 @@ const STEPS: u64 = 12;
 /// Places and velocities.
 type Motion<const D: usize> = Vec<(SVector<f64, D>, SVector<f64, D>)>;
 
-/// That bodies have moved no farther than the velocities lead that they have at both ends: a hundred times that, as forces on the way
-/// may be larger, and what rounding leaves of the way that a force takes and the constraint gives back. Where a start is so near a pole that a force throws a body 10⁶ away, the surface there may take the velocity away.
+/// That bodies have moved no farther than the velocities lead that they have at both ends: a hundred times that, as
+/// forces on the way may be larger, and what rounding leaves of the way that a force takes and the constraint gives
+/// back. Where a start is so near a pole that a force throws a body 10⁶ away, the surface there may take the velocity
+/// away.
 fn check_way<const D: usize>(from: &Motion<D>, to: &Motion<D>, time: f64, force: f64) {
     for ((q, v), (to_q, to_v)) in from.iter().zip(to) {
         let most = 100.0 * time.abs() * (v.amax() + to_v.amax()) + 1e-9 * q.amax();

@@ -1,5 +1,5 @@
-//! Every ready-made potential and link: the formula against one written by hand, derivatives against differences, known limits,
-//! runs that keep what they must, and that all of them, and surfaces, go to a file and back.
+//! Every ready-made potential and link: the formula against one written by hand, derivatives against differences, known
+//! limits, runs that keep what they must, and that all of them, and surfaces, go to a file and back.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::links::{self, planar};
@@ -204,7 +204,8 @@ fn rows() -> Vec<Row> {
     ]
 }
 
-/// (4 D(h/2) − D(h)) / 3 of central differences along coordinate k: h⁴/480 times a fifth derivative, and rounding eps/h.
+/// (4 D(h/2) − D(h)) / 3 of central differences along coordinate k: h⁴/480 times a fifth derivative, and rounding
+/// eps/h.
 fn difference(f: impl Fn(&[f64]) -> Vec<f64>, q: &[f64], k: usize) -> Vec<f64> {
     let central = |h: f64| {
         let at = |by: f64| {
@@ -305,7 +306,8 @@ fn limits_of_pair_potentials() {
     assert_eq!(ricker.value(0.0), 0.25 * 1.5_f64.exp());
     assert!(ricker.slope_over_distance(1.49) < 0.0 && ricker.slope_over_distance(1.51) > 0.0);
     assert!(ricker.slope_over_distance(0.0) < 0.0);
-    // Gaussian: height at contact, where it has the stiffness −2 height/width²; height/e at width; steepest at width/√2.
+    // Gaussian: height at contact, where it has the stiffness −2 height/width²; height/e at width; steepest at
+    // width/√2.
     let bump = Gaussian { height: 2.0, width: 0.8 };
     assert_eq!((bump.value(0.0), at(&bump, 0.0).1), (2.0, 0.0));
     assert_near(bump.slope_over_distance(0.0), -6.25, 4.0);
@@ -354,7 +356,8 @@ fn potentials_keep_energy() {
             seen += 1;
         }
     }
-    // Where the force is the same everywhere, leapfrog is exact: two each of gravity and of a constant force; two have none.
+    // Where the force is the same everywhere, leapfrog is exact: two each of gravity and of a constant force; two have
+    // none.
     assert_eq!(seen, 25 - 4 - 2);
 }
 

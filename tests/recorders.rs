@@ -1,5 +1,5 @@
-//! Recorders: what they keep is what a look at the run would have told; files are what others read; what cannot be written
-//! ends the run and leaves it as it was.
+//! Recorders: what they keep is what a look at the run would have told; files are what others read; what cannot be
+//! written ends the run and leaves it as it was.
 
 use crate::common::*;
 use rattle::Error;

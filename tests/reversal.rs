@@ -188,9 +188,9 @@ fn growth<S: Method>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
     most
 }
 
-/// After n steps forth and n back every reversible method is where it began, up to two roundings of three momenta (4ε) and those of
-/// the way, √n of them, that have grown as small changes of the state do. Low parts leave of each rounding that of a
-/// step's increment, well below a tenth.
+/// After n steps forth and n back every reversible method is where it began, up to two roundings of three momenta (4ε)
+/// and those of the way, √n of them, that have grown as small changes of the state do. Low parts leave of each rounding
+/// that of a step's increment, well below a tenth.
 #[test]
 fn long_ways_lead_back() {
     fn check<S: Method>(name: &str, method: S) {

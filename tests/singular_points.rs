@@ -1,4 +1,5 @@
-//! Singular points on the way: RATTLE and its relatives end there, and methods that know nothing of the constraint are stopped.
+//! Singular points on the way: RATTLE and its relatives end there, and methods that know nothing of the constraint are
+//! stopped.
 //!
 //! | way | without a look afterwards | expected |
 //! |---|---|---|
@@ -224,7 +225,8 @@ fn a_lane_rests_in_its_last_good_state() {
     }
 }
 
-/// Near rest the kinetic energy of a step is less than the rounding of the potential energy: it does not come from nowhere.
+/// Near rest the kinetic energy of a step is less than the rounding of the potential energy: it does not come from
+/// nowhere.
 #[test]
 fn small_motion_near_rest_is_no_energy_from_nowhere() {
     let bottom = |angle: f64| [angle.sin(), 0.0, -angle.cos()];

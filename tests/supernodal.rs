@@ -32,8 +32,8 @@ fn length([a, b]: [usize; 2]) -> f64 {
     (0..3).map(|d| (place(a)[d] - place(b)[d]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A lattice of rods, of which those along the first axis are every other: as many equations as bodies have freedoms would not
-/// be independent.
+/// A lattice of rods, of which those along the first axis are every other: as many equations as bodies have freedoms
+/// would not be independent.
 fn rods() -> Vec<[usize; 2]> {
     let mut rods = Vec::new();
     for knot in 0..N * N * N {

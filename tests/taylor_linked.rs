@@ -1,5 +1,5 @@
-//! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against exact motions,
-//! references, and DOP853, which shares no recurrence with it.
+//! Taylor's method on linked and rigid bodies: masses, trees and nets, redundant, moving and acting links, against
+//! exact motions, references, and DOP853, which shares no recurrence with it.
 
 use crate::common::linked::*;
 use crate::common::*;

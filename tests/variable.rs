@@ -146,8 +146,9 @@ fn long<S: Method>(method: S, until: f64) -> Long {
     long
 }
 
-/// ε = 0.02 and τ = 1/3: steps between 0.002 and 0.02. The energy is no farther off after half of the time than before, and two- to
-/// fourfold closer than with as many steps of one length; bounds leave room for the chance in the largest of a chaotic run.
+/// ε = 0.02 and τ = 1/3: steps between 0.002 and 0.02. The energy is no farther off after half of the time than before,
+/// and two- to fourfold closer than with as many steps of one length; bounds leave room for the chance in the largest
+/// of a chaotic run.
 #[test]
 fn energy_stays_where_naive_steps_lose_it() {
     let (epsilon, tau, until) = (0.02, 1.0 / 3.0, 2000.0);
@@ -227,7 +228,8 @@ fn a_memory_is_that_of_one_method() {
     assert!((density(&state, 0.3) / density(&blank, 0.3) - 1.0).abs() > 1e-6);
 }
 
-/// A state of one scene starts anew in another, also where types and sizes are the same: ρ is then that of the new forces.
+/// A state of one scene starts anew in another, also where types and sizes are the same: ρ is then that of the new
+/// forces.
 #[test]
 fn a_memory_is_that_of_one_scene() {
     let method = Variable::of(Rattle::new(0.02), 0.3);

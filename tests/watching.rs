@@ -1,5 +1,5 @@
-//! Who watches and who runs: observers see the same in simulations and in ensembles; runs end when they are told to; a boxed
-//! simulation is the same simulation.
+//! Who watches and who runs: observers see the same in simulations and in ensembles; runs end when they are told to; a
+//! boxed simulation is the same simulation.
 
 use crate::common::linked::Rod;
 use crate::common::*;

@@ -7,11 +7,12 @@
 //! cargo bench --bench baseline -- --callgrind       instructions per step instead, with valgrind
 //! ```
 //!
-//! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h = 0.01,
+//! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h =
+//! 0.01,
 //! |g| ≤ 1e-14; the gas of 21 and of 1000 particles; a double pendulum, a chain of 1000 links and a heavy top, each alone. Every opponent is a program that waits for requests; they take
 //! turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the median
-//! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once and
-//! the fastest go on. Before that, positions, energies and constraints are compared.
+//! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once
+//! and the fastest go on. Before that, positions, energies and constraints are compared.
 
 mod by_hand;
 mod conversation;

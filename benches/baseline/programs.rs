@@ -13,7 +13,8 @@ pub(crate) const LINKED: [&str; 3] = ["double_pendulum", "chain", "top"];
 
 /// One who takes part.
 pub(crate) struct Entrant {
-    /// The name in `ratio NAME VALUE`; ours has none, which is the first without one, nor has what only the table shows.
+    /// The name in `ratio NAME VALUE`; ours has none, which is the first without one, nor has what only the table
+    /// shows.
     ratio: Option<&'static str>,
     who: &'static str,
     program: Program,
@@ -309,8 +310,9 @@ impl Entrant {
 impl Task {
     /// Keeps the fastest variant of each, and looks whether all do the same.
     ///
-    /// Trajectories are chaotic: rounding grows from 1e-16 to about 3e-14 at t = 1 and 8e-12 at t = 5, for 25 directions
-    /// against quadruple precision; here are four times as many. A gas of 1000 shoots apart from much closer.
+    /// Trajectories are chaotic: rounding grows from 1e-16 to about 3e-14 at t = 1 and 8e-12 at t = 5, for 25
+    /// directions against quadruple precision; here are four times as many. A gas of 1000 shoots apart from much
+    /// closer.
     pub(crate) fn compare(&mut self) -> Result<(), String> {
         let (looks, whole): (&[(usize, u64, f64)], _) = if self.name.starts_with("gas") {
             (&[(self.n, 20, 1e-9)], (self.n, self.steps.min(2000)))

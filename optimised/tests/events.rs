@@ -416,7 +416,8 @@ fn impacts_act_along_constraints() {
     let pendulum = scene.simulate(start, Rattle::new(0.05)).unwrap();
     let mut pendulum = pendulum.collide(Stop::above(Side { a: 1.0, b: 0.5, c: -0.3 })).unwrap();
     pendulum.run_while(100_000, |now| now.events() < 100).unwrap();
-    // Some thousand roundings of 1e-17; the last bit of an impulse, the same at the same place, would make 1e-14 of them.
+    // Some thousand roundings of 1e-17; the last bit of an impulse, the same at the same place, would make 1e-14 of
+    // them.
     assert!(pendulum.energy_error().abs() < 2e-15 && pendulum.cotangent_residual() < 1e-15);
     assert!(pendulum.constraint_residual() < 1e-15 && p(&pendulum, 0) == [0.0; 2]);
     let (steps, [x, y]) = (pendulum.steps(), q(&pendulum, 1));

@@ -401,7 +401,8 @@ fn masses_are_a_change_of_variables() {
     }
 }
 
-/// The largest |ΔE|/(m₁ + m₂) of a double pendulum from the start of the references, the largest |g|, corrections per step.
+/// The largest |ΔE|/(m₁ + m₂) of a double pendulum from the start of the references, the largest |g|, corrections per
+/// step.
 fn mass_ratio(ratio: f64, h: f64, t: f64) -> Result<(f64, f64, f64), Error> {
     let masses = [1.0, 1.0, ratio];
     let scene = Scene::points(3)

@@ -151,7 +151,8 @@ fn long_steps<S: Method>(method: impl Fn(f64) -> S) {
     assert!(refused * 5 <= right, "few are refused without need: {refused}");
 }
 
-/// Long steps one after another, begun from what is remembered: each ends where one without a memory ends, or is an error as that is.
+/// Long steps one after another, begun from what is remembered: each ends where one without a memory ends, or is an
+/// error as that is.
 #[test]
 fn guesses_do_not_mislead_long_steps() {
     remembering(|h| Rattle::new(h).guess(LastMultiplier));

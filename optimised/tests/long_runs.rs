@@ -212,8 +212,8 @@ constraint! {
     |a: [f64; 3], b: [f64; 3]| (a[0] - b[0])^2 + (a[1] - b[1])^2 + (a[2] - b[2])^2 - length^2
 }
 
-/// The slope of the energy of a bar that turns freely about its end, relative and per step. The method keeps that energy but
-/// for rounding.
+/// The slope of the energy of a bar that turns freely about its end, relative and per step. The method keeps that
+/// energy but for rounding.
 fn turning<M: Method>(mass: f64, algebra: LinearAlgebra, method: M, steps: u64) -> f64 {
     let scene = Scene::points(2).masses([1.0, mass]).link(Bar { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 3]);
     let scene = scene.linear_algebra(algebra);
@@ -229,7 +229,8 @@ fn turning<M: Method>(mass: f64, algebra: LinearAlgebra, method: M, steps: u64) 
     sums[0] / sums[1] / (steps as f64 / 100.0)
 }
 
-/// 1/h and 1/m that are rounded are as wrong in every step: the energy would grow by 2e-19 to 8e-19 of itself each step.
+/// 1/h and 1/m that are rounded are as wrong in every step: the energy would grow by 2e-19 to 8e-19 of itself each
+/// step.
 #[test]
 fn steps_and_masses_that_are_no_powers_of_two_do_not_make_energy_drift() {
     for algebra in [LinearAlgebra::Elimination, LinearAlgebra::Orthogonal] {

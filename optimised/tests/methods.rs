@@ -147,8 +147,8 @@ impl rattle::Method for OneOf {
 /// Numbers of steps between which errors show the order, and only it.
 type Window = [u32; 2];
 
-/// Where errors fall below rounding before they show any order; DOP853 on the double pendulum as h⁹, so small is the term
-/// of its order there.
+/// Where errors fall below rounding before they show any order; DOP853 on the double pendulum as h⁹, so small is the
+/// term of its order there.
 const NONE: Window = [0; 2];
 
 /// A row of the table: a method, and windows for the lemniscate, the spherical and the double pendulum.
@@ -157,8 +157,8 @@ struct Row {
     order: u32,
     method: OneOf,
     windows: [Window; 3],
-    /// Steps on the lemniscate and of the double pendulum at which it shows that the method is not symplectic and does not
-    /// go back; none if it is symplectic.
+    /// Steps on the lemniscate and of the double pendulum at which it shows that the method is not symplectic and does
+    /// not go back; none if it is symplectic.
     unstructured: Option<[f64; 2]>,
 }
 

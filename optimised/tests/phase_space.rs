@@ -1,4 +1,5 @@
-//! Constraints on phase space: geometric RATTLE against 50-digit maps, solutions, laws, and other ways to the same motion.
+//! Constraints on phase space: geometric RATTLE against 50-digit maps, solutions, laws, and other ways to the same
+//! motion.
 
 use crate::common::symplectic::defect;
 use crate::common::*;
@@ -88,7 +89,8 @@ fn the_discrete_map_agrees_with_50_digit_arithmetic() {
         simulation.observe(n, 1, &mut trajectory).unwrap();
         let off = apart(point(&simulation), [row.numbers(["q1", "q2"]), row.numbers(["p1", "p2"])]);
         assert!(off <= 1e-15 * (1.0 + n as f64), "n = {n}: off by {off:e}"); // one rounding of the start grows like t
-        // The table's angle s turns (q, p) by the flow of (q² + p²)/2: s = −2 σ, σ = h/2 λ. Rounding ε of g is ε/(hN) in s.
+        // The table's angle s turns (q, p) by the flow of (q² + p²)/2: s = −2 σ, σ = h/2 λ. Rounding ε of g is ε/(hN)
+        // in s.
         let multipliers = trajectory.multipliers().unwrap();
         for (column, found) in
             [("fibre_lambda_last", &multipliers.position), ("fibre_mu_last", &multipliers.momentum)]
@@ -541,8 +543,8 @@ fn what_cannot_be_projected_says_so() {
     assert_eq!(residuals.len(), 1);
 }
 
-/// Whatever the step, it arrives on the constraint, if short with about the energy it had, or it is an error and nothing
-/// has happened.
+/// Whatever the step, it arrives on the constraint, if short with about the energy it had, or it is an error and
+/// nothing has happened.
 #[test]
 fn steps_of_any_length_arrive_or_fail_cleanly() {
     fn check<C: rattle::scene::Hold<D>, const D: usize>(

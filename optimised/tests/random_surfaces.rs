@@ -1,8 +1,8 @@
-//! Random surfaces, sums of a quadric and waves of any length, moved by random methods with random steps: each step ends on the
-//! sheet that it began on, or is an error.
+//! Random surfaces, sums of a quadric and waves of any length, moved by random methods with random steps: each step
+//! ends on the sheet that it began on, or is an error.
 //!
-//! The judge is a walk along the surface from the start of a step to its end, in ways so short that none can miss its sheet,
-//! by plain Newton's method.
+//! The judge is a walk along the surface from the start of a step to its end, in ways so short that none can miss its
+//! sheet, by plain Newton's method.
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::composition::*;

@@ -77,7 +77,8 @@ fn chains<S: Method>(seed: u64, runs: u32, links: usize, method: impl Fn(f64) ->
     outcome
 }
 
-/// None is wrong, and so many are not refused: where roots are closer than a path in which one can be followed, it cannot.
+/// None is wrong, and so many are not refused: where roots are closer than a path in which one can be followed, it
+/// cannot.
 fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl Fn(f64) -> S) {
     let outcome = chains(seed, runs, links, method);
     assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");

@@ -6,8 +6,8 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::kernel::{Constraint, ConstraintKernel};
 use rattle::prelude::*;
 
-/// The furthest from the surface that a step ends, in ε of the largest coordinate: billiards in random directions, steps
-/// with h·κ·|v| up to a half and beyond.
+/// The furthest from the surface that a step ends, in ε of the largest coordinate: billiards in random directions,
+/// steps with h·κ·|v| up to a half and beyond.
 fn furthest<S: Method>(surface: impl Constraint<3, 1> + Copy, guess: [f64; 3], method: S) -> f64 {
     let mut rng = StdRng::seed_from_u64(11);
     let (scene, kernel) = (Scene::on(surface), surface.kernel::<f64>());
@@ -43,8 +43,9 @@ fn check<S: Method>(what: &str, method: impl Fn(f64) -> S) {
     }
 }
 
-/// The rounding of g is 2 ε of the position on the lemniscate, 7 ε (once 10 ε) on the torus, as much where each solve goes on
-/// to the floor. An estimate of what is left that leaves out third derivatives of g is off by 60 ε here, by 190 ε there.
+/// The rounding of g is 2 ε of the position on the lemniscate, 7 ε (once 10 ε) on the torus, as much where each solve
+/// goes on to the floor. An estimate of what is left that leaves out third derivatives of g is off by 60 ε here, by 190
+/// ε there.
 #[test]
 fn steps_on_surfaces_end_at_rounding() {
     check("Newton", Rattle::new);
@@ -55,7 +56,8 @@ fn steps_on_surfaces_end_at_rounding() {
     check("extrapolated", |h| Rattle::new(h).guess(Extrapolated));
 }
 
-/// The same for rods that hang one below the other, moving at random: what their lengths are off, in ε of the coordinates.
+/// The same for rods that hang one below the other, moving at random: what their lengths are off, in ε of the
+/// coordinates.
 fn furthest_rod<S: Method>(rods: usize, method: S) -> f64 {
     let mut rng = StdRng::seed_from_u64(5);
     let scene = Scene::points(rods + 1)

@@ -75,7 +75,8 @@ begin_with_several!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24
     38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64);
 
 impl Scene<(), (), One, 0> {
-    /// One body of unit mass on the surface g(q) = 0, or under several equations at once, and nothing else.
+    /// One body of unit mass under g(q) = 0: on a surface for one equation, on what several equations leave otherwise.
+    /// Without effects.
     pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
@@ -109,13 +110,13 @@ impl Scene<(), (), One, 0> {
         Scene { constraint: body, effects: (), count: One }
     }
 
-    /// One free body of unit mass, to be linked or left free.
+    /// One body of unit mass without constraints; [`link`](Self::link) adds them.
     #[must_use]
     pub fn point<const D: usize>() -> Scene<Network<D>, (), One, D> {
         Scene { constraint: Network::default(), effects: (), count: One }
     }
 
-    /// So many free bodies of unit mass, to be linked or left free.
+    /// `number` bodies of unit mass without constraints; [`link`](Self::link) adds them.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -132,17 +133,20 @@ impl Scene<(), (), One, 0> {
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// This many bodies, each under its own copy of the constraint. From eight on they go several at a time where the
-    /// processor fuses multiply-add: as each would go alone but for rounding, with [functions](crate::number::lanes) of
-    /// their own, and in half to a fourth of the time.
+    /// The same scene with `number` bodies, each under its own copy of the constraint.
+    ///
+    /// Eight bodies or more are moved several at a time on processors with fused multiply-add, in half to a fourth of
+    /// the time. Their motion then differs by rounding from that of each body alone, since
+    /// [functions](crate::number::lanes) are evaluated by other code.
     pub fn bodies(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.bodies(number), effects: self.effects, count: Many(number) }
     }
 }
 
 impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with these links: `constraint` holds between the bodies of each member, with their coordinates in
-    /// turn as its variables.
+    /// The same scene with these links. Each of `members` lists the bodies that one copy of `constraint` ties together;
+    /// the variables of the constraint are the coordinates of the first body of the list, then of the second, and so
+    /// on.
     ///
     /// ```text
     /// Scene::points(1001).link(Rod { length: 1e-3 }, (0..1000).map(|i| [i, i + 1])).pin(0, [0.0; 3])
@@ -168,10 +172,11 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(constraints, members)))
     }
 
-    /// The same scene with links that change with time: the last variable of `constraint` is the time t.
+    /// The same scene with links that change with time, g(q, t) = 0: the last variable of `constraint` is the time t.
     ///
-    /// Such a constraint does work, see [`Simulation::work`](crate::run::simulation::Simulation::work); momenta must
-    /// satisfy G v = −∂g/∂t.
+    /// Moving supports and motors with a prescribed angle are such links. They do
+    /// [work](crate::run::simulation::Simulation::work). The momenta of a start must satisfy G v = −∂g/∂t;
+    /// [`project`](Self::project) makes them do so.
     #[doc(alias = "motor")]
     pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
@@ -220,14 +225,14 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| Network { masses: Masses::Each(mass.into()), ..network })
     }
 
-    /// The same scene with the masses of the bodies in turn. Weights, see [`mass`](Self::mass).
+    /// The same scene with a mass for each body, the first body's first. See [`mass`](Self::mass) for weights.
     pub fn masses<X: Into<Mass<D>>>(self, masses: impl IntoIterator<Item = X>) -> Scene<Network<D>, E, N, D> {
         let masses = masses.into_iter().map(Into::into).collect();
         self.network(|network| Network { masses: Masses::Listed(masses), ..network })
     }
 
-    /// The same scene with multipliers found in this way; see
-    /// [`Linked::components`](crate::systems::linked::Linked::components) for what is chosen otherwise.
+    /// The same scene with a chosen method of linear algebra for the multipliers.
+    /// [`Linked::components`](crate::systems::linked::Linked::components) tells which is chosen if none is named.
     pub fn linear_algebra(self, algebra: LinearAlgebra) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { algebra, ..network })
     }
@@ -246,8 +251,8 @@ impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with one more effect: a potential on each body, or one between every two (which does nothing
-    /// to a body alone).
+    /// The same scene with one more [effect](crate::effect): a potential on each body or between every two, a force,
+    /// drag, a heat bath.
     pub fn with<P: Effect<D, Kind>, Kind>(self, effect: P) -> Scene<C, With<E, P, Kind>, N, D> {
         let effects = With { others: self.effects, effect, kind: PhantomData };
         Scene { constraint: self.constraint, effects, count: self.count }
@@ -277,10 +282,12 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     }
 
     /// A start for a staggered method, such as [`Shake`](crate::methods::shake::Shake) or
-    /// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), from a state whose momenta belong to the time of its positions.
+    /// [`Leapfrog`](crate::methods::leapfrog::Leapfrog), from a state whose momenta belong to the time of its
+    /// positions.
     ///
-    /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at tₙ − h/2. The
-    /// momenta of the state are changed by the forces at its positions over that half step; positions stay.
+    /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at
+    /// tₙ − h/2. The momenta of the state are changed by the forces at its positions over that half step; positions
+    /// stay.
     ///
     /// # Errors
     /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that

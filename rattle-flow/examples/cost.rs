@@ -1,4 +1,5 @@
-//! What a step costs as the mesh gets fine, in CPU time of one core: `cargo run --release -p rattle-flow --example cost`.
+//! What a step costs as the mesh gets fine, in CPU time of one core:
+//! `cargo run --release -p rattle-flow --example cost`.
 //!
 //! 32 steps of the dam break, Δt in proportion to the mesh.
 

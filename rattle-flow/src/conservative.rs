@@ -250,7 +250,8 @@ impl Conservative {
         Err(Trouble::NotConverged { iterations: self.settings.most, change, vertex })
     }
 
-    /// What the end of the iteration leaves below zero is taken from the vertex with the most water: nearby, or anywhere.
+    /// What the end of the iteration leaves below zero is taken from the vertex with the most water: nearby, or
+    /// anywhere.
     fn lend(&self, shares: &[f64], depth: &mut [f64]) {
         for i in 0..depth.len() {
             if depth[i] < 0.0 {

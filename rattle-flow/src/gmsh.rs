@@ -11,9 +11,9 @@ const TRIANGLE: usize = 2;
 const NODES: [usize; 15] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1];
 
 impl Mesh {
-    /// Reads a file that Gmsh has written: its triangles, seen from above. Other elements are left out, and so are nodes
-    /// that belong to no triangle; the others are renumbered in their order. A mesh that is clockwise throughout is turned
-    /// over.
+    /// Reads a file that Gmsh has written: its triangles, seen from above. Other elements are left out, and so are
+    /// nodes that belong to no triangle; the others are renumbered in their order. A mesh that is clockwise throughout
+    /// is turned over.
     ///
     /// # Errors
     /// [`ReadError`], with the line.

@@ -7,10 +7,10 @@
 //! Rᵢ = Σ Fₑ from i − Σ Fₑ to i
 //! ```
 //!
-//! Every flux leaves one vertex and enters another, so Σ Rᵢ = 0 for all h and p, and the columns of the derivatives have
-//! the sum zero: each Newton step keeps the volume, converged or not. A vertex without water gives none, whatever the
-//! sign of the cotangent. The derivative has √(p² + ε²) in the place of |p|, which overestimates it: with a derivative
-//! that is too small, as ε in the explicit form √|∇(b + h)| gives it, Newton's method goes round in circles.
+//! Every flux leaves one vertex and enters another, so Σ Rᵢ = 0 for all h and p, and the columns of the derivatives
+//! have the sum zero: each Newton step keeps the volume, converged or not. A vertex without water gives none, whatever
+//! the sign of the cotangent. The derivative has √(p² + ε²) in the place of |p|, which overestimates it: with a
+//! derivative that is too small, as ε in the explicit form √|∇(b + h)| gives it, Newton's method goes round in circles.
 
 use rattle::real::Real;
 use rattle_macros::residual;

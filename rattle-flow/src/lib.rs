@@ -10,8 +10,8 @@
 //! moves with finite speed, since the flux vanishes with h. [`Flow`] says what flows where, [`Simulation`] goes on in
 //! time, [`Budget`] keeps the books. Two methods:
 //!
-//! * [`Conservative`], used if nothing else is said: upwinded control volumes. Volume to rounding, depth never below zero
-//!   without being cut off, lakes at rest.
+//! * [`Conservative`], used if nothing else is said: upwinded control volumes. Volume to rounding, depth never below
+//!   zero without being cut off, lakes at rest.
 //! * [`Notebook`], the finite elements and the active set of a notebook, to be compared with: its volume grows.
 //!
 //! ```

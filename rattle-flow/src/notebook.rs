@@ -6,8 +6,8 @@
 //! ```
 //!
 //! It is here to be compared with: **its volume grows**. Where depth would fall below zero, the first equation is given
-//! up (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.3 % for
-//! the dam break, all of it while dry ground gets wet. The iteration is PETSc's SNESVINEWTONRSLS with full steps:
+//! up (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.3 %
+//! for the dam break, all of it while dry ground gets wet. The iteration is PETSc's SNESVINEWTONRSLS with full steps:
 //!
 //! ```text
 //! A = {i : hᵢ ≤ 10⁻⁸, Fᵢ > 0};   J_II y = −F_I, y_A = 0;   x ← max(x + y, 0 for depth)
@@ -83,8 +83,8 @@ struct Element {
 }
 
 impl Notebook {
-    /// The method for a flow by the law of Darcy and Weisbach, ε = 10⁻³ as in the notebook. Other laws get its g = 1 and
-    /// their coefficient as k; infiltration, inflow and outlets are left out.
+    /// The method for a flow by the law of Darcy and Weisbach, ε = 10⁻³ as in the notebook. Other laws get its g = 1
+    /// and their coefficient as k; infiltration, inflow and outlets are left out.
     pub fn of(flow: &Flow) -> Self {
         let mesh = flow.mesh();
         let n = mesh.points().len();

@@ -9,8 +9,8 @@ const PARTS: usize = 8;
 impl Mesh {
     /// The function that is linear in each triangle and nearest to `f` in the mean square, so with the same integral.
     ///
-    /// It overshoots near jumps; [`clamped`](f64::clamp) it has another integral. `f` is asked at the middles of 64 parts
-    /// of each triangle.
+    /// It overshoots near jumps; [`clamped`](f64::clamp) it has another integral. `f` is asked at the middles of 64
+    /// parts of each triangle.
     ///
     /// ```
     /// use rattle_flow::Mesh;

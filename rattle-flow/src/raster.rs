@@ -101,8 +101,8 @@ impl Raster {
         mixed(along(j), along(l), b)
     }
 
-    /// A mesh with a vertex in the middle of each cell and the heights there; two triangles between four cells with data,
-    /// divided one way and the other in turn.
+    /// A mesh with a vertex in the middle of each cell and the heights there; two triangles between four cells with
+    /// data, divided one way and the other in turn.
     ///
     /// # Errors
     /// [`ReadError::Mesh`] where no four cells with data meet.

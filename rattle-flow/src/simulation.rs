@@ -77,9 +77,9 @@ impl<M: Method> Simulation<M> {
     /// e = Δt/(Δt + Δt₀) (h′ − h − Δt (h − h₀)/Δt₀)         Δt²/2 ∂²h/∂t², with h₀ and Δt₀ of the step before
     /// ```
     ///
-    /// A step with Σ M |e| above the tolerance is made again, shorter. The first step is of the length given at the start,
-    /// and no step is longer than `longest`. Errors of steps add up: the error in the end is about their number times the
-    /// tolerance. Returns how many steps were thrown away.
+    /// A step with Σ M |e| above the tolerance is made again, shorter. The first step is of the length given at the
+    /// start, and no step is longer than `longest`. Errors of steps add up: the error in the end is about their number
+    /// times the tolerance. Returns how many steps were thrown away.
     ///
     /// ```
     /// use rattle_flow::dam_break;

@@ -1,4 +1,5 @@
-//! Files for ParaView: a mesh with numbers at its vertices and in its triangles (`.vtu`), and a series of them (`.pvd`).
+//! Files for ParaView: a mesh with numbers at its vertices and in its triangles (`.vtu`), and a series of them
+//! (`.pvd`).
 
 use crate::mesh::Mesh;
 use std::fmt::{Display, Write as _};

@@ -1,7 +1,7 @@
 //! The notebook's method: the volume that it is known to make, and the conservative method's depths.
 //!
-//! Its own figures take minutes: `cargo run --release --example dam_break -- notebook` finds 0.0137 and 266.4 cm²/s, where the
-//! notebook has 0.013 and 266.5 on a mesh of Gmsh's.
+//! Its own figures take minutes: `cargo run --release --example dam_break -- notebook` finds 0.0137 and 266.4 cm²/s,
+//! where the notebook has 0.013 and 266.5 on a mesh of Gmsh's.
 
 use rattle_flow::{Notebook, dam_break};
 

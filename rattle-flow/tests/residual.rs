@@ -1,5 +1,5 @@
-//! What `residual!` writes: derivatives and Schur complements against dual numbers over exact fractions, where the bound
-//! is zero, and against differences.
+//! What `residual!` writes: derivatives and Schur complements against dual numbers over exact fractions, where the
+//! bound is zero, and against differences.
 
 use rattle::lanes::Lanes;
 use rattle::real::Real;
@@ -351,7 +351,8 @@ fn three_numbers_in_front_are_eliminated_too() {
     }
 }
 
-/// Central differences: h² ∂³R/6, where ∂³R is 300 at most (h^(−3/2) at h = 0.2), and ε R/h; with h = 10⁻⁵ that is 10⁻⁸.
+/// Central differences: h² ∂³R/6, where ∂³R is 300 at most (h^(−3/2) at h = 0.2), and ε R/h; with h = 10⁻⁵ that is
+/// 10⁻⁸.
 #[test]
 fn derivatives_are_those_of_differences() {
     let h = 1e-5;

@@ -114,7 +114,8 @@ fn a_step_that_fails_is_halved_and_the_last_good_state_stays() {
     }
 }
 
-/// Fluxes cancel in pairs in every linear system that is solved, so one iteration a step keeps the volume as well as many.
+/// Fluxes cancel in pairs in every linear system that is solved, so one iteration a step keeps the volume as well as
+/// many.
 #[test]
 fn every_iterate_keeps_the_volume() {
     let mesh = dam_break::mesh(0.4).unwrap();

@@ -167,8 +167,9 @@ pub fn phase_constraint(input: TokenStream) -> TokenStream {
 /// recovered(u, d, δuₖ)           δuₑ = −Jₑₑ⁻¹ (Rₑ + Jₑₖ δuₖ)
 /// ```
 ///
-/// `given`, `eliminate` (of at most three numbers; component i then belongs to unknown i) and `linearise` may be left out. Over lanes several elements go side
-/// by side. Branches are differentiated branch by branch; there is no pivoting, so Jₑₑ must be regular for every value.
+/// `given`, `eliminate` (of at most three numbers; component i then belongs to unknown i) and `linearise` may be left
+/// out. Over lanes several elements go side by side. Branches are differentiated branch by branch; there is no
+/// pivoting, so Jₑₑ must be regular for every value.
 #[proc_macro]
 pub fn residual(input: TokenStream) -> TokenStream {
     rattle_symbolic::residual(input.into()).into()

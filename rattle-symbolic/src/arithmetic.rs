@@ -50,8 +50,8 @@ impl Arithmetic<'_> {
         self.zip(then, other, &|graph, then, other| condition.select(graph, then, other))
     }
 
-    /// Two values by `+`, `-`, `*` or `/`. A problem is noted at the right side (`operand`), at both sides (`extent`) or
-    /// at the whole chain (`at`).
+    /// Two values by `+`, `-`, `*` or `/`. A problem is noted at the right side (`operand`), at both sides (`extent`)
+    /// or at the whole chain (`at`).
     pub(crate) fn combine(
         &mut self,
         operator: Operator,

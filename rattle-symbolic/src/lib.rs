@@ -30,9 +30,9 @@
 //! problems  tokens  ratio  functions  limits
 //! ```
 //!
-//! Mistakes are found by `parse` and `lower`. A new function of the language is a row in `functions`. Neither tokens nor
-//! Rust are known to the mathematics: `operation`, `graph`, `algebra`, `rules`, `differentiate`, `parity`, `schedule`,
-//! `routine`.
+//! Mistakes are found by `parse` and `lower`. A new function of the language is a row in `functions`. Neither tokens
+//! nor Rust are known to the mathematics: `operation`, `graph`, `algebra`, `rules`, `differentiate`, `parity`,
+//! `schedule`, `routine`.
 
 pub use expand::expand;
 pub use macros::Macro;

@@ -87,8 +87,8 @@ impl Saving {
     ///
     /// # Errors
     /// [`CheckpointError::Step`] for a step that cannot be taken; what was taken before is saved.
-    /// [`CheckpointError::Io`] where it cannot be saved: the run is then where it was to be saved, and the last checkpoint
-    /// as it was.
+    /// [`CheckpointError::Io`] where it cannot be saved: the run is then where it was to be saved, and the last
+    /// checkpoint as it was.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
         let (mut saved, least) = (Instant::now(), run.at_a_time());
         let mut stretch = least;

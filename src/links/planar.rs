@@ -95,8 +95,8 @@ constraint! {
 constraint! {
     /// Body c anywhere on the straight line through bodies a and b: a pin in the slot of a bar.
     ///
-    /// g is the distance of c from the line, a length, positive to the left of the way from a to b. The multiplier is the force
-    /// of the slot on c. Bodies a and b must not meet.
+    /// g is the distance of c from the line, a length, positive to the left of the way from a to b. The multiplier is
+    /// the force of the slot on c. Bodies a and b must not meet.
     ///
     /// ```
     /// use rattle::links::planar::Collinear;
@@ -115,8 +115,8 @@ constraint! {
 constraint! {
     /// The angle at body b from the direction to a, counterclockwise, to the direction to c.
     ///
-    /// `angle` is in radians, of any size. g is the turn that is missing, between −π and π; the multiplier is the torque that
-    /// opens the angle. A straight angle is no exception in the plane.
+    /// `angle` is in radians, of any size. g is the turn that is missing, between −π and π; the multiplier is the
+    /// torque that opens the angle. A straight angle is no exception in the plane.
     ///
     /// ```
     /// use rattle::links::planar::Angle;
@@ -140,8 +140,8 @@ constraint! {
 constraint! {
     /// A body on a fixed straight line through `point` along `direction`: a slider in its guide.
     ///
-    /// g is the distance from the line, a length, positive to the left of the direction, which may have any length but zero. The
-    /// multiplier is the force of the guide.
+    /// g is the distance from the line, a length, positive to the left of the direction, which may have any length but
+    /// zero. The multiplier is the force of the guide.
     ///
     /// ```
     /// use rattle::links::planar::Slider;
@@ -155,10 +155,11 @@ constraint! {
 }
 
 constraint! {
-    /// A body carried around a circle at a steady rate: the end of a driven crank. It moves: `.link_moving(Crank { … }, [[0]])`.
+    /// A body carried around a circle at a steady rate: the end of a driven crank. It moves:
+    /// `.link_moving(Crank { … }, [[0]])`.
     ///
-    /// Two equations, each a length. `omega` is an angle, in radians, over a time, counterclockwise; at t = 0 the crank points at the angle
-    /// `phase`.
+    /// Two equations, each a length. `omega` is an angle, in radians, over a time, counterclockwise; at t = 0 the crank
+    /// points at the angle `phase`.
     ///
     /// ```
     /// use rattle::links::planar::Crank;
@@ -181,8 +182,8 @@ constraint! {
     /// A body on a straight line through the origin that turns at a steady rate: a bead on a turning rod. It moves:
     /// `.link_moving(TurningLine { … }, [[0]])`.
     ///
-    /// g is the distance from the line, a length. `omega` is an angle, in radians, over a time, counterclockwise; at t = 0 the
-    /// line is the x axis.
+    /// g is the distance from the line, a length. `omega` is an angle, in radians, over a time, counterclockwise; at t
+    /// = 0 the line is the x axis.
     ///
     /// ```
     /// use rattle::links::planar::TurningLine;

@@ -46,7 +46,8 @@ pub(super) struct Tick {
 }
 
 impl Axis {
-    /// A linear axis from the last tick at or below the numbers to the first at or above them, with about so many ticks.
+    /// A linear axis from the last tick at or below the numbers to the first at or above them, with about so many
+    /// ticks.
     pub(super) fn linear(values: impl Iterator<Item = f64>, number: f64) -> Self {
         let (low, high) = range(values);
         // A constant still gets an axis, wide enough that its ticks are distinct doubles.
@@ -141,7 +142,8 @@ impl Axis {
         places.into_iter().map(|(n, k)| Tick { part: part(n, k), label: label(n, k) }).collect()
     }
 
-    /// Ticks at the multiples of a step, all in one notation: in full with equally many decimals, or with one power of ten.
+    /// Ticks at the multiples of a step, all in one notation: in full with equally many decimals, or with one power of
+    /// ten.
     fn multiples(&self, Step { n, decade, size }: Step) -> Vec<Tick> {
         let [low, high] = [self.low, self.high].map(|end| if self.log { 10f64.powf(end) } else { end });
         let [first, last] = [(low / size - ROUNDING).ceil() as i64, (high / size + ROUNDING).floor() as i64];

@@ -309,8 +309,8 @@ fn stroke(style: Style) -> (f64, &'static str) {
     }
 }
 
-/// The radius of the curve's marks, if it has some. So many dots all together cover the same part of the paper, as long as
-/// one can be seen.
+/// The radius of the curve's marks, if it has some. So many dots all together cover the same part of the paper, as long
+/// as one can be seen.
 fn radius(curve: &Curve) -> Option<f64> {
     match curve.style {
         Style::Points => Some((3.0 * (300.0 / curve.points.len() as f64).sqrt()).clamp(0.8, 3.0)),

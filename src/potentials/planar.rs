@@ -21,8 +21,8 @@ use crate::ready_made::potential;
 potential! {
     /// Uniform gravity along −y, on a body of unit mass: y points up.
     ///
-    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of different masses
-    /// have [`weights`].
+    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of
+    /// different masses have [`weights`].
     ///
     /// ```
     /// use rattle::potentials::planar::Gravity;
@@ -78,7 +78,8 @@ potential! {
 }
 
 potential! {
-    /// The potential of Kepler and Coulomb about a fixed point of the plane: attracts for `mu` > 0, repels for `mu` < 0.
+    /// The potential of Kepler and Coulomb about a fixed point of the plane: attracts for `mu` > 0, repels for `mu` <
+    /// 0.
     ///
     /// `mu` is an energy times a length: G M m for a mass m about a mass M. The force is not finite at the centre.
     ///
@@ -95,7 +96,8 @@ potential! {
 potential! {
     /// A spring between two bodies that pushes when it is shorter than `length`, and pulls when it is longer.
     ///
-    /// `stiffness` is a force over a length. Where both bodies are at one place, the spring has no direction and no force.
+    /// `stiffness` is a force over a length. Where both bodies are at one place, the spring has no direction and no
+    /// force.
     ///
     /// ```
     /// use rattle::potentials::planar::Spring;
@@ -111,7 +113,8 @@ potential! {
 potential! {
     /// The potential of two charges or masses at chosen bodies: repels for `strength` > 0, attracts for `strength` < 0.
     ///
-    /// `strength` is an energy times a length: k q₁ q₂ for charges, −G m₁ m₂ for masses; see [`charges`] and [`gravitation`].
+    /// `strength` is an energy times a length: k q₁ q₂ for charges, −G m₁ m₂ for masses; see [`charges`] and
+    /// [`gravitation`].
     ///
     /// ```
     /// use rattle::potentials::planar::InverseDistance;
@@ -134,7 +137,8 @@ pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over
     charges(-constant, masses)
 }
 
-/// The potential k qᵢ qⱼ / |qᵢ − qⱼ| between every two bodies of these charges; see [`charges`](super::charges) in space.
+/// The potential k qᵢ qⱼ / |qᵢ − qⱼ| between every two bodies of these charges; see [`charges`](super::charges) in
+/// space.
 pub fn charges(constant: f64, charges: impl IntoIterator<Item = f64>) -> Over<InverseDistance, 2> {
     let strengths = super::between_every_two(constant, charges.into_iter().collect());
     Over::each(strengths.map(|(strength, pair)| (InverseDistance { strength }, pair)))

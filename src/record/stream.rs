@@ -72,8 +72,8 @@ impl Stream {
         Handed { sender: self.sender.clone(), why: self.why.clone() }
     }
 
-    /// Waits until all rows that were handed on are written, completes the file, and says how many there are. Recorders are
-    /// to be finished before.
+    /// Waits until all rows that were handed on are written, completes the file, and says how many there are. Recorders
+    /// are to be finished before.
     ///
     /// # Errors
     /// [`StreamError`], with the rows that were written before.
@@ -120,8 +120,8 @@ impl Sink for Handed {
     fn join(&mut self, _: Self) {} // the rows are where they go
 }
 
-/// A NumPy archive that is appended to in parts: of each block of rows the arrays `step`, `trajectory`, `t` and one for each
-/// column, with the number of the block behind its name. Readable after [`Stream::finish`].
+/// A NumPy archive that is appended to in parts: of each block of rows the arrays `step`, `trajectory`, `t` and one for
+/// each column, with the number of the block behind its name. Readable after [`Stream::finish`].
 #[derive(Debug)]
 pub struct NpzParts {
     npz: Option<Npz>,

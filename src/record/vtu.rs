@@ -7,9 +7,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Unstructured grids of points, as text: positions, and momenta and constraint forces as vectors where they were recorded.
-/// `name.pvd` names the files `name_000000.vtu`, … beside it with their times; ParaView opens the former. Of one trajectory; few rows,
-/// since each is a file.
+/// Unstructured grids of points, as text: positions, and momenta and constraint forces as vectors where they were
+/// recorded. `name.pvd` names the files `name_000000.vtu`, … beside it with their times; ParaView opens the former. Of
+/// one trajectory; few rows, since each is a file.
 #[derive(Debug)]
 pub struct Vtu {
     folder: PathBuf,

@@ -7,8 +7,8 @@ impl Mesh {
     /// Points per area around each vertex: those within `radius` of it, by the area of the mesh that is. For
     /// [`Scene3::heat`](super::Scene3::heat).
     ///
-    /// Distances are straight, so that the radius should be small against the thinnest part of the surface, and areas are
-    /// sums over vertices, so that it should be some edges long.
+    /// Distances are straight, so that the radius should be small against the thinnest part of the surface, and areas
+    /// are sums over vertices, so that it should be some edges long.
     ///
     /// ```
     /// use rattle::view::Mesh;

@@ -5,7 +5,8 @@
 //! indices                          u16 or u32   normals          i16
 //! ```
 //!
-//! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with f32.
+//! A point is rounded to 1/65535 of the scene's cube, a thirtieth of a pixel; the page has half the size of one with
+//! f32.
 
 use super::mesh::Mesh;
 use super::parts::{End, Moved, Strip};
@@ -92,7 +93,8 @@ fn box_json(shape: &Moved) -> Value {
     json!({ "sides": shape.sides, "centres": points_json(shape.centres.iter()), "turns": singles(turns) })
 }
 
-/// Of a rotation with these columns (Shepperd 1978): the largest of its four parts first, so that nothing small divides.
+/// Of a rotation with these columns (Shepperd 1978): the largest of its four parts first, so that nothing small
+/// divides.
 fn quaternion(columns: &[[f64; 3]; 3]) -> [f64; 4] {
     let q = |row: usize, column: usize| columns[column][row];
     let trace = q(0, 0) + q(1, 1) + q(2, 2);

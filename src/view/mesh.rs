@@ -263,8 +263,8 @@ impl Grid {
     }
 }
 
-/// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is at
-/// most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
+/// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is
+/// at most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
 fn project(
     g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
     start: [f64; 3],

@@ -122,8 +122,8 @@ impl Scene3 {
     }
 
     /// The motion: increasing times, and for each body its position at each of them (arrays or nalgebra's
-    /// vectors). Bodies get colours around the hue circle in their order, many of them also in several shades; who points at
-    /// one on the page sees its number or [name](Scene3::names).
+    /// vectors). Bodies get colours around the hue circle in their order, many of them also in several shades; who
+    /// points at one on the page sees its number or [name](Scene3::names).
     ///
     /// ```
     /// use nalgebra::{Vector3, vector};
@@ -142,8 +142,8 @@ impl Scene3 {
         self
     }
 
-    /// The bodies of a trajectory, after those there are: a run of many bodies, or several runs with the same times. Those in
-    /// the plane move at z = 0.
+    /// The bodies of a trajectory, after those there are: a run of many bodies, or several runs with the same times.
+    /// Those in the plane move at z = 0.
     ///
     /// ```
     /// use rattle::prelude::*;

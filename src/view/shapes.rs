@@ -71,8 +71,8 @@ impl Scene3 {
         self
     }
 
-    /// A box that moves, with its axes (red, green, blue): lengths of its sides; for each time, or once, its centre; and its
-    /// attitude as three unit vectors in space, the columns of a rotation (nalgebra's `Matrix3`, or arrays).
+    /// A box that moves, with its axes (red, green, blue): lengths of its sides; for each time, or once, its centre;
+    /// and its attitude as three unit vectors in space, the columns of a rotation (nalgebra's `Matrix3`, or arrays).
     ///
     /// ```
     /// use nalgebra::{Rotation3, Vector3};

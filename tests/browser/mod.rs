@@ -1,5 +1,6 @@
 //! A headless Chromium, driven by its DevTools protocol over a pipe: JSON messages that end in a zero byte, in by file
-//! descriptor 3, out by 4. So a test needs no network port, and no crate but `serde_json` (`headless_chrome` builds 113).
+//! descriptor 3, out by 4. So a test needs no network port, and no crate but `serde_json` (`headless_chrome` builds
+//! 113).
 
 use base64::prelude::{BASE64_STANDARD, Engine};
 use serde_json::{Value, json};

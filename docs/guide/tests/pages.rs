@@ -153,7 +153,7 @@ fn prose_is_at_most_120_columns_wide() {
             }
         }
     }
-    assert!(lines > 5_000, "only {lines} lines of prose");
+    assert!(lines > 5000, "only {lines} lines of prose");
     assert!(long.is_empty(), ".ci/wrap wraps these:\n{}", long.join("\n"));
 }
 

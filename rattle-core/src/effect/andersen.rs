@@ -9,8 +9,8 @@ use crate::number::vector::add_scaled;
 /// Collisions with a bath (H. Andersen 1980): in a time h, with the probability 1 − exp(−νh), a momentum is drawn anew
 /// from Maxwell's distribution.
 ///
-/// Bodies collide one by one on surfaces and where nothing links them. In a scene with links all collide at once, since new
-/// momenta of one body, made tangent together with the old ones of the others, would be of another temperature.
+/// Bodies collide one by one on surfaces and where nothing links them. In a scene with links all collide at once, since
+/// new momenta of one body, made tangent together with the old ones of the others, would be of another temperature.
 ///
 /// Source: J. Chem. Phys. 72 (1980) 2384.
 ///

@@ -19,8 +19,9 @@ pub struct BetweenPairs;
 
 /// A potential between every two bodies, over a scalar.
 ///
-/// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::number::lanes) of their own, where there are some bodies and
-/// the processor has fused multiply-add. Forces then differ by rounding from those of few bodies, or of a processor without it.
+/// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::number::lanes) of their own, where
+/// there are some bodies and the processor has fused multiply-add. Forces then differ by rounding from those of few
+/// bodies, or of a processor without it.
 #[derive(Debug, Clone, Copy)]
 pub struct ActsBetweenPairs<K, L> {
     kernel: K,

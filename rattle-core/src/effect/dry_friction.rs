@@ -14,8 +14,8 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// ```
 ///
 /// N and the force along the surface are those of potentials and of other flows, such as a
-/// [`force!`](crate::effect::Flow) and [`SelfPropulsion`](crate::effect::SelfPropulsion), in whatever order a scene names
-/// them; but for random ones, which shake a body loose.
+/// [`force!`](crate::effect::Flow) and [`SelfPropulsion`](crate::effect::SelfPropulsion), in whatever order a scene
+/// names them; but for random ones, which shake a body loose.
 ///
 /// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the forces of the
 /// next step would give. Of second order while a body slides. The surface holds a body from both sides, so N does not

@@ -110,8 +110,9 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
         Ok(())
     }
-    /// Changes what is remembered, which is also that of the interval, as a time h passes at the present places: asked once before each flow that comes before a
-    /// step, and once after each that comes after it. Neither allocates nor panics.
+    /// Changes what is remembered, which is also that of the interval, as a time h passes at the present places: asked
+    /// once before each flow that comes before a step, and once after each that comes after it. Neither allocates nor
+    /// panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
     /// What a flow of momenta is like.

@@ -19,8 +19,8 @@ use crate::number::vector::scaled;
 /// disturbed less than by [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many
 /// bodies that exchange energy; one particle by itself gets the right energies and keeps to its path.
 ///
-/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). What links
-/// that move impose on bodies is no heat, and stays: K is that of the other momenta.
+/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). What
+/// links that move impose on bodies is no heat, and stays: K is that of the other momenta.
 ///
 /// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
 ///

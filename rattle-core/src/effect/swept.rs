@@ -2,8 +2,8 @@
 
 use crate::number::lanes::Lane;
 
-/// Effects on L lanes of one body each, every lane with parameters of its own; kept so that a loop over lanes reads their
-/// numbers in the order in which they lie.
+/// Effects on L lanes of one body each, every lane with parameters of its own; kept so that a loop over lanes reads
+/// their numbers in the order in which they lie.
 pub trait Swept<S: Lane, const D: usize>: Clone + Send + Sync {
     /// What acts in one lane.
     type Lane;

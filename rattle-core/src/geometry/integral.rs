@@ -5,17 +5,18 @@
 //!          k = x, y, z;  the inner sum is over the points where a line along axis k meets the surface
 //! ```
 //!
-//! A piece dA of the surface has the shadow dA_k = |n_k| dA on the plane across axis k, so that Σ w_k dA_k = dA. Nothing
-//! is divided by |n_k|, which is 0 at the rim of a shadow. Powers 1 and 2 in place of 5 and 6 would be exact too, but then
-//! the sum under ∬ ends at the rim like √d, d the distance from it, and the rule of equal weights loses its order; so it
-//! ends like d^(5/2).
+//! A piece dA of the surface has the shadow dA_k = |n_k| dA on the plane across axis k, so that Σ w_k dA_k = dA.
+//! Nothing is divided by |n_k|, which is 0 at the rim of a shadow. Powers 1 and 2 in place of 5 and 6 would be exact
+//! too, but then the sum under ∬ ends at the rim like √d, d the distance from it, and the rule of equal weights loses
+//! its order; so it ends like d^(5/2).
 //!
 //! The lines are those of a grid, so that one value of g per grid point serves all three directions. A change of sign
 //! between neighbours is a meeting point, found by Newton's method inside its bracket.
 //!
-//! **Error**: of order c⁴ in the distance c between lines, c^(7/2) where the rim is straight along the grid. What counts is
-//! how many lines a bend gets: two to the smallest radius are right to about 1 %, six to a few 1e-4. Two sheets nearer than
-//! c can be missed. The integral of K checks itself: the measured genus is near an integer, or the lines are too few.
+//! **Error**: of order c⁴ in the distance c between lines, c^(7/2) where the rim is straight along the grid. What
+//! counts is how many lines a bend gets: two to the smallest radius are right to about 1 %, six to a few 1e-4. Two
+//! sheets nearer than c can be missed. The integral of K checks itself: the measured genus is near an integer, or the
+//! lines are too few.
 
 use crate::geometry::curvature::Curvature;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
@@ -81,8 +82,8 @@ pub fn measure<C: Constraint<3, 1>>(
 ///
 /// # Errors
 /// [`IntegralError::Box`] and [`IntegralError::Lines`] for a grid that can't be laid, [`IntegralError::Cut`] when the
-/// surface leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or f is
-/// not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
+/// surface leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or
+/// f is not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
 pub fn integrate<C: Constraint<3, 1>, const N: usize>(
     surface: &C,
     low: [f64; 3],

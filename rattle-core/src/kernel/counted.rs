@@ -31,8 +31,8 @@ pub struct Counted<X> {
     counts: Counts,
 }
 
-/// How often each function was evaluated, for however many copies of a kernel; coefficients of power series do not count.
-/// Where lanes have parameters of their own, all count for the first lane of a group.
+/// How often each function was evaluated, for however many copies of a kernel; coefficients of power series do not
+/// count. Where lanes have parameters of their own, all count for the first lane of a group.
 #[derive(Debug, Clone, Default)]
 pub struct Counts(Arc<[AtomicU64; 3]>);
 

@@ -1,5 +1,5 @@
-//! Whether equations are smooth between two places: where an argument of `abs`, `min`, `if` … has another sign at the end than
-//! at the start, the normals on both sides of the place where it changes are compared.
+//! Whether equations are smooth between two places: where an argument of `abs`, `min`, `if` … has another sign at the
+//! end than at the start, the normals on both sides of the place where it changes are compared.
 //!
 //! ```text
 //! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart
@@ -7,9 +7,9 @@
 //! τ = |n(from) − n(a)| + |n(b) − n(to)|          how far the normal turns otherwise
 //! ```
 //!
-//! A jump of θ changes an energy by some θ², at each crossing to another side; turns of τ in a step have errors of τ². The line
-//! leaves the surface by an eighth of τ times its length, and there functions that agree on the surface need not have the same
-//! normal: less than τ² is no jump. The same goes for g itself, as a length in units of the way.
+//! A jump of θ changes an energy by some θ², at each crossing to another side; turns of τ in a step have errors of τ².
+//! The line leaves the surface by an eighth of τ times its length, and there functions that agree on the surface need
+//! not have the same normal: less than τ² is no jump. The same goes for g itself, as a length in units of the way.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::{Mask, Real};
@@ -38,7 +38,8 @@ pub(crate) struct Kink {
     pub(crate) gap: f64,
 }
 
-/// In which lanes an argument has another sign at one place than at the other. Nothing at all where equations have no kinks.
+/// In which lanes an argument has another sign at one place than at the other. Nothing at all where equations have no
+/// kinks.
 #[inline(always)]
 pub(crate) fn sign_changes<T, K, const D: usize, const M: usize>(
     kernel: &K,
@@ -58,8 +59,8 @@ where
     changes
 }
 
-/// In which lanes one of the arguments from this one on may have another sign; a product that is too small for a float is
-/// taken for one.
+/// In which lanes one of the arguments from this one on may have another sign; a product that is too small for a float
+/// is taken for one.
 #[inline(always)]
 fn of_page<T, K, const D: usize, const M: usize>(
     kernel: &K,

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! Every operation that is not linear comes down to such a product, of two series of which one may be the result itself
-//! ([`Recurrences`]). The sum is known before the coefficient k of anything is. So the [`Products`] of all functions of a
-//! system are kept side by side, eight in a block: first their sums are formed, as wide as the processor's registers are;
-//! then each function goes through its operations once, with two products for each.
+//! ([`Recurrences`]). The sum is known before the coefficient k of anything is. So the [`Products`] of all functions of
+//! a system are kept side by side, eight in a block: first their sums are formed, as wide as the processor's registers
+//! are; then each function goes through its operations once, with two products for each.
 //!
 //! N coefficients of one operation cost N²/2 products. A scalar of whole series in the same code would cost N³/3 in a
 //! differential equation, all N for each new one.
@@ -109,8 +109,8 @@ impl<T: Real> Work for Sums<'_, T> {
     }
 }
 
-/// The coefficients k of all products, those not yet taken: functions take theirs in turn, in the same order for each k.
-/// `FIRST` where k = 0.
+/// The coefficients k of all products, those not yet taken: functions take theirs in turn, in the same order for each
+/// k. `FIRST` where k = 0.
 #[derive(Debug)]
 pub struct Order<'a, T, const FIRST: bool> {
     k: usize,

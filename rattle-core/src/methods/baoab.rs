@@ -11,7 +11,8 @@
 //! Averages over places have errors that fall like h², with a constant far below that of the splitting O B A B O, which
 //! [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. Measured:
 //! what the mean height of a body on a sphere of radius 2 under gravity ½ is off by, at kT = ½ and γ = 1, where it is
-//! −1.0746 by the exact law (`cargo test --release --test effects heat::table -- --ignored --nocapture`; the noise is 5e-4):
+//! −1.0746 by the exact law (`cargo test --release --test effects heat::table -- --ignored --nocapture`; the noise is
+//! 5e-4):
 //!
 //! | h | `Baoab::new(h)` | `Baoab::with_inner(4, h)` | `Rattle::new(h)` |
 //! |---|---|---|---|

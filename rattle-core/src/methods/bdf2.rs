@@ -4,9 +4,9 @@
 //! (3q′ − 4q + q₋)/(2h) = v′,   M (3v′ − 4v + v₋)/(2h) = f(q′) + G(q′)ᵀλ′,   g(q′) = 0
 //! ```
 //!
-//! Second order, with the first step by RATTLE. It damps: energy falls, slower with shorter steps. Constraints hold to rounding,
-//! their derivative G(q′) v′ = 0 only to second order. It is what general solvers of differential-algebraic equations do
-//! with a pendulum, and here to compare with.
+//! Second order, with the first step by RATTLE. It damps: energy falls, slower with shorter steps. Constraints hold to
+//! rounding, their derivative G(q′) v′ = 0 only to second order. It is what general solvers of differential-algebraic
+//! equations do with a pendulum, and here to compare with.
 //!
 //! With the increments d = q − q₋, d′ = q′ − q, and β = 2h/3,
 //!
@@ -14,8 +14,8 @@
 //! d′ = d/3 + β (4v − v₋)/3 + β² M⁻¹(f(q′) + G(q′)ᵀλ′)
 //! ```
 //!
-//! is iterated: forces and normals at the last q′, what is missing tangent to the constraint, q′ back onto it. That contracts
-//! like (h·κ·|v|)². The increment and the momentum before the last step are remembered.
+//! is iterated: forces and normals at the last q′, what is missing tangent to the constraint, q′ back onto it. That
+//! contracts like (h·κ·|v|)². The increment and the momentum before the last step are remembered.
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, VII.3.
 

@@ -24,9 +24,9 @@ use crate::number::real::Real;
 /// Brownian motion by the projected method of Euler and Maruyama, of first order in averages.
 ///
 /// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those
-/// of the links). Energies then are potential ones, no work is booked, and the energy error says nothing. A step needs h·κ·|v| < 1 for its
-/// random displacement h|v|. Of [flows](crate::effect::Flow) only pushes make sense, which are the same for all
-/// momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
+/// of the links). Energies then are potential ones, no work is booked, and the energy error says nothing. A step needs
+/// h·κ·|v| < 1 for its random displacement h|v|. Of [flows](crate::effect::Flow) only pushes make sense, which are the
+/// same for all momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
 ///
 /// ```
 /// use rattle::prelude::*;

@@ -1,4 +1,5 @@
-//! Coefficients of symmetric compositions, each number the double nearest to 40 digits that satisfy the order conditions.
+//! Coefficients of symmetric compositions, each number the double nearest to 40 digits that satisfy the order
+//! conditions.
 //!
 //! What a composition costs is its stages; how long a step may be, the largest |γ|; how small its error, roughly Σ|γ|.
 
@@ -25,14 +26,16 @@ const fn mirrored<const HALF: usize, const S: usize>(half: [f64; HALF]) -> [f64;
     gammas
 }
 
-/// H. Yoshida, Phys. Lett. A 150 (1990) 262, the triple jump: γ₁ = γ₃ = 1/(2 − ∛2); three stages, |γ| ≤ 1.70, Σ|γ| = 4.4.
+/// H. Yoshida, Phys. Lett. A 150 (1990) 262, the triple jump: γ₁ = γ₃ = 1/(2 − ∛2); three stages, |γ| ≤ 1.70, Σ|γ| =
+/// 4.4.
 pub const YOSHIDA_1990_ORDER_4: Coefficients = Coefficients {
     name: "Yoshida 1990, order 4",
     order: 4,
     gammas: &mirrored::<2, 3>([1.3512071919596575, -1.7024143839193153]),
 };
 
-/// M. Suzuki, Phys. Lett. A 146 (1990) 319: γ₁ = γ₂ = γ₄ = γ₅ = 1/(4 − ∛4), γ₃ = −∛4 γ₁; five stages, |γ| ≤ 0.66, Σ|γ| = 2.3.
+/// M. Suzuki, Phys. Lett. A 146 (1990) 319: γ₁ = γ₂ = γ₄ = γ₅ = 1/(4 − ∛4), γ₃ = −∛4 γ₁; five stages, |γ| ≤ 0.66, Σ|γ|
+/// = 2.3.
 pub const SUZUKI_1990_ORDER_4: Coefficients = Coefficients {
     name: "Suzuki 1990, order 4",
     order: 4,

@@ -6,12 +6,12 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! Neither symplectic nor reversible: energy drifts. It is here to compare with, and for short runs: with a tolerance it is
-//! the cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided so that inner
-//! steps keep the tolerance; it is still a function of the state alone.
+//! Neither symplectic nor reversible: energy drifts. It is here to compare with, and for short runs: with a tolerance
+//! it is the cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then
+//! divided so that inner steps keep the tolerance; it is still a function of the state alone.
 //!
-//! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10; coefficients as
-//! published with their program.
+//! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10;
+//! coefficients as published with their program.
 
 use crate::error::{Error, StepFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
@@ -52,15 +52,15 @@ pub struct Dop853 {
 }
 
 impl Dop853 {
-    /// The method with fixed steps of size `h`, in the unit of time. That a step is too long is noticed only where its end
-    /// cannot be brought back to the constraint.
+    /// The method with fixed steps of size `h`, in the unit of time. That a step is too long is noticed only where its
+    /// end cannot be brought back to the constraint.
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self { h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each made of as many inner ones as keep the tolerance, a length: for each body
-    /// the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    /// The method with steps of size `h`, each made of as many inner ones as keep the tolerance, a length: for each
+    /// body the estimated error |δq| + |h| |δv| of an inner step stays below it.
     #[must_use]
     pub fn adaptive(h: f64, tolerance: f64) -> Self {
         Self { h, tolerance: Some(tolerance) }

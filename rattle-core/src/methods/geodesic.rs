@@ -1,4 +1,5 @@
-//! Geodesic RATTLE: kicks that are made tangent, and between them free motion in several steps (Leimkuhler, Matthews 2016).
+//! Geodesic RATTLE: kicks that are made tangent, and between them free motion in several steps (Leimkuhler, Matthews
+//! 2016).
 //!
 //! ```text
 //! p ← p + h/2 f(q),  tangent
@@ -7,8 +8,8 @@
 //! ```
 //!
 //! Second order, symplectic, symmetric. One force per step, however many position equations: for forces that cost more
-//! than constraints, on surfaces that are more curved than forces change. The limit h·κ·|v| < 1 holds for h/n. With n → ∞
-//! the free motion is along geodesics.
+//! than constraints, on surfaces that are more curved than forces change. The limit h·κ·|v| < 1 holds for h/n. With n →
+//! ∞ the free motion is along geodesics.
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
@@ -21,7 +22,8 @@ use crate::number::real::Real;
 
 /// Geodesic RATTLE with a constant step size, second order.
 ///
-/// Multipliers told to an observer are shares that add up: λ keeps the free motion on the constraints, μ answers the force.
+/// Multipliers told to an observer are shares that add up: λ keeps the free motion on the constraints, μ answers the
+/// force.
 ///
 /// ```
 /// # use rattle::Geodesic;

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Symplectic, second order on its two grids, one force per step. For free bodies only: momenta half a step away from
-//! the positions cannot be tangent to a constraint there; [`Shake`](crate::methods::shake::Shake) is the leapfrog with constraints.
+//! the positions cannot be tangent to a constraint there; [`Shake`](crate::methods::shake::Shake) is the leapfrog with
+//! constraints.
 
 use crate::error::Error;
 use crate::methods::fixed::{Fixed, Map};

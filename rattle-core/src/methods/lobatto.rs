@@ -8,8 +8,8 @@
 //! aᵢⱼ is the product of the two matrices; two stages are RATTLE. From errors of 1e-4 on this costs several times less
 //! than a composition of RATTLE, and takes steps a few times as long.
 //!
-//! Source: L. Jay, SIAM J. Numer. Anal. 33 (1996) 368; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*,
-//! VII.1.4.
+//! Source: L. Jay, SIAM J. Numer. Anal. 33 (1996) 368; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
+//! Integration*, VII.1.4.
 
 use crate::motion::capability::Collocation;
 use crate::motion::failure::Failure;
@@ -29,8 +29,9 @@ use crate::number::real::Real;
 /// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
 /// ```
 ///
-/// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is then
-/// a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before lead to.
+/// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is
+/// then a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before
+/// lead to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobatto<const S: usize, G = FromState> {
     h: f64,

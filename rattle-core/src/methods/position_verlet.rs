@@ -6,8 +6,9 @@
 //! a step of RATTLE of size h/2 without force
 //! ```
 //!
-//! Without constraints it is the drift–kick–drift form of the Störmer–Verlet method. Second order, symplectic, symmetric;
-//! one force per step, evaluated half way. The limit h·κ·|v| < 1 holds for h/2: steps may be twice as long as RATTLE's.
+//! Without constraints it is the drift–kick–drift form of the Störmer–Verlet method. Second order, symplectic,
+//! symmetric; one force per step, evaluated half way. The limit h·κ·|v| < 1 holds for h/2: steps may be twice as long
+//! as RATTLE's.
 //!
 //! Source: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; with constraints it is the other
 //! order of [geodesic RATTLE](crate::methods::geodesic).

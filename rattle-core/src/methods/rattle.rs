@@ -12,9 +12,9 @@
 //! Störmer–Verlet method, kick–drift–kick.
 //!
 //! The step is formed as an increment and added once, q and p are compensated sums (Kahan 1965):
-//! rounding in the energy then grows like √n steps instead of like n. [How](crate::motion::iteration) the position equation is
-//! solved and from [which first guess](crate::motion::guess) changes last bits only, and what a step costs; by default Newton's method
-//! begins with g̈ = 0, so that a step is a pure function of the state.
+//! rounding in the energy then grows like √n steps instead of like n. [How](crate::motion::iteration) the position
+//! equation is solved and from [which first guess](crate::motion::guess) changes last bits only, and what a step costs;
+//! by default Newton's method begins with g̈ = 0, so that a step is a pure function of the state.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.4.
 
@@ -57,9 +57,9 @@ impl Rattle {
 impl<G: Guess, X: Iteration> Rattle<G, X> {
     /// The same method with another [first guess](crate::motion::guess) of the multipliers.
     ///
-    /// The motion is the same to rounding; how many values, gradients and second derivatives a step evaluates changes. What the
-    /// guess remembers of earlier steps is part of the [`State`](crate::motion::state::State) of a simulation, so a run that is
-    /// continued from a state goes on bit for bit.
+    /// The motion is the same to rounding; how many values, gradients and second derivatives a step evaluates changes.
+    /// What the guess remembers of earlier steps is part of the [`State`](crate::motion::state::State) of a simulation,
+    /// so a run that is continued from a state goes on bit for bit.
     ///
     /// ```
     /// # use rattle::{guess::{Extrapolated, LastMultiplier}, Rattle};

@@ -5,9 +5,9 @@
 //! q(t + h)   = q(t) + h M⁻¹ p(t + h/2)
 //! ```
 //!
-//! The positions are those of [RATTLE](crate::methods::rattle), of which this is the same circle of operations cut open elsewhere:
-//! between q and p(t − h/2) stands RATTLE's momentum p(t), the kick of half a step made tangent. Momenta are therefore
-//! M (q(t) − q(t − h))/h, not tangent anywhere, and energy formed from them wanders by O(h).
+//! The positions are those of [RATTLE](crate::methods::rattle), of which this is the same circle of operations cut open
+//! elsewhere: between q and p(t − h/2) stands RATTLE's momentum p(t), the kick of half a step made tangent. Momenta are
+//! therefore M (q(t) − q(t − h))/h, not tangent anywhere, and energy formed from them wanders by O(h).
 //!
 //! Source: J.-P. Ryckaert, G. Ciccotti, H. J. C. Berendsen, J. Comput. Phys. 23 (1977) 327; E. Hairer, C. Lubich,
 //! G. Wanner, *Geometric Numerical Integration*, VII.1.4.

@@ -5,15 +5,15 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::kernel::series)), N²/2 products for
-//! each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic nor reversible: a
-//! reference to test others with, and for short runs of high accuracy. For bodies on surfaces and linked ones, where functions
-//! are smooth; where one is not, coefficients are not finite, and the step is an error. With a tolerance it takes the least time
-//! of all methods on a double pendulum, from errors of 1e-4 on, and less than DOP853 on surfaces from 1e-10 on
-//! (`examples/accuracy.rs`).
+//! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::kernel::series)),
+//! N²/2 products for each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic
+//! nor reversible: a reference to test others with, and for short runs of high accuracy. For bodies on surfaces and
+//! linked ones, where functions are smooth; where one is not, coefficients are not finite, and the step is an error.
+//! With a tolerance it takes the least time of all methods on a double pendulum, from errors of 1e-4 on, and less than
+//! DOP853 on surfaces from 1e-10 on (`examples/accuracy.rs`).
 //!
-//! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no second
-//! try, and a step is a function of the state alone.
+//! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no
+//! second try, and a step is a function of the state alone.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -51,8 +51,8 @@ impl Taylor {
         Self { order, h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each made of as many inner ones as keep the last terms of positions, and of momenta
-    /// times h, below the tolerance, a length.
+    /// The method with steps of size `h`, each made of as many inner ones as keep the last terms of positions, and of
+    /// momenta times h, below the tolerance, a length.
     #[must_use]
     pub fn adaptive(order: u32, h: f64, tolerance: f64) -> Self {
         Self { order, h, tolerance: Some(tolerance) }

@@ -1,5 +1,5 @@
-//! Reversible variable steps: steps are short where momenta change fast. Energy does not drift, as it does where each step size is
-//! chosen from the present state alone.
+//! Reversible variable steps: steps are short where momenta change fast. Energy does not drift, as it does where each
+//! step size is chosen from the present state alone.
 //!
 //! ```text
 //! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the density of steps that is wanted:
@@ -7,17 +7,17 @@
 //! ρ′ = ρ½ + ε/2 G(z′)
 //! ```
 //!
-//! With −ε in place of ε this map undoes itself: it is symmetric if Φ is, so the energy of reversible motion does not drift. The
-//! price is one more number, ρ, that goes from step to step. The only condition is that G changes its sign with the momenta.
-//! The difference of two steps of RATTLE,
+//! With −ε in place of ε this map undoes itself: it is symmetric if Φ is, so the energy of reversible motion does not
+//! drift. The price is one more number, ρ, that goes from step to step. The only condition is that G changes its sign
+//! with the momenta. The difference of two steps of RATTLE,
 //!
 //! ```text
 //! G(z) = ln(R(Ψ_δ(z))/R(Ψ_{−δ}(z)))/2δ        Ψ a step of RATTLE, δ = ε/32
 //! ```
 //!
-//! does that exactly, for any R, and needs no derivative of R. ε is the longest step. τ is a time: where momenta change by their own
-//! size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays finite where bodies are
-//! at rest.
+//! does that exactly, for any R, and needs no derivative of R. ε is the longest step. τ is a time: where momenta change
+//! by their own size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays
+//! finite where bodies are at rest.
 //!
 //! ρ is an integral, and leaves R where steps are too long for G: a step after which ρ/R is outside of (½, 3/2) is an
 //! error. The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that is
@@ -49,15 +49,15 @@ const REST: f64 = 0.1;
 
 /// Reversible variable steps of a symmetric method: steps are shorter where momenta change fast.
 ///
-/// The method is reversible and not symplectic. Side by side in lanes, all trajectories take the steps that the fastest of them
-/// needs. On a surface of genus two with sharp ends the energy error is a half to a quarter of that of as many steps of one
-/// length. But each step costs two steps of RATTLE more, for the change of R. So variable steps pay where a step of `base` costs
-/// more than that, and where the motion is gentle for long and then violent.
+/// The method is reversible and not symplectic. Side by side in lanes, all trajectories take the steps that the fastest
+/// of them needs. On a surface of genus two with sharp ends the energy error is a half to a quarter of that of as many
+/// steps of one length. But each step costs two steps of RATTLE more, for the change of R. So variable steps pay where
+/// a step of `base` costs more than that, and where the motion is gentle for long and then violent.
 ///
 /// On chaotic motion nothing but symmetry keeps the energy, which may wander: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the
 /// tube of a lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5
-/// ‰; with steps of one length, 0.02, it was 7, 12 and 13 ‰. Where τ is far too long for a close passage, energy is lost, and no
-/// error tells.
+/// ‰; with steps of one length, 0.02, it was 7, 12 and 13 ‰. Where τ is far too long for a close passage, energy is
+/// lost, and no error tells.
 ///
 /// ```
 /// # use rattle::{Lobatto, Variable};

@@ -1,7 +1,8 @@
-//! What some systems can do beyond the verbs of every [`System`](crate::motion::system::System); [`Never`] stands where one cannot.
+//! What some systems can do beyond the verbs of every [`System`](crate::motion::system::System); [`Never`] stands where
+//! one cannot.
 //!
-//! A method reaches these through its [`need`](crate::motion::need): who has the object has been told that the system has
-//! the capability, so that no step is asked for what there is not.
+//! A method reaches these through its [`need`](crate::motion::need): who has the object has been told that the system
+//! has the capability, so that no step is asked for what there is not.
 
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
@@ -12,9 +13,9 @@ use std::array::from_fn;
 
 /// Rates of change, and a way back onto the constraints: forces and momenta are apart, and masses measure distances.
 pub trait Rates<N: Count, X, T: Real, const D: usize> {
-    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there. Places
-    /// and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t. `witness` is
-    /// told λ as that of the start of a step. Neither allocates nor panics.
+    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there.
+    /// Places and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t.
+    /// `witness` is told λ as that of the start of a step. Neither allocates nor panics.
     fn evaluate_rates<W: Witness<T>>(
         &self,
         bodies: &mut Bodies<N, T, X, D>,
@@ -23,8 +24,8 @@ pub trait Rates<N: Count, X, T: Real, const D: usize> {
     ) -> T;
 
     /// Moves positions that a time `h` has brought a little off the constraints back to them, the least way as masses
-    /// measure it, to rounding; evaluates there what is kept. Momenta stay; [`settle`](crate::motion::system::System::settle) with kick 0 moves them.
-    /// Neither allocates nor panics.
+    /// measure it, to rounding; evaluates there what is kept. Momenta stay;
+    /// [`settle`](crate::motion::system::System::settle) with kick 0 moves them. Neither allocates nor panics.
     ///
     /// # Errors
     /// As [`drift`](crate::motion::system::System::drift); where the iteration does not come nearer to the constraints.
@@ -47,8 +48,9 @@ pub trait Collocation<N: Count, X, T: Real, const D: usize> {
     /// Makes room for a method of so many stages, so that its steps need not allocate.
     fn reserve(&self, bodies: &mut Bodies<N, T, X, D>, stages: usize);
 
-    /// Takes one step of the collocation method with this table. `memory` is empty, or has room for a number and, for each
-    /// stage, f + Gᵀλ of each body and λ of each equation: the iteration then begins with what the last step left there.
+    /// Takes one step of the collocation method with this table. `memory` is empty, or has room for a number and, for
+    /// each stage, f + Gᵀλ of each body and λ of each equation: the iteration then begins with what the last step left
+    /// there.
     ///
     /// # Errors
     /// As [`drift`](crate::motion::system::System::drift).
@@ -71,8 +73,8 @@ pub trait Series<N: Count, X, T: Real, const D: usize> {
     /// room for: q₀ of all bodies, q₁ of all, … `witness` is told λ at the start. Neither allocates nor panics.
     fn expand<W: Witness<T>>(&self, bodies: &mut Bodies<N, T, X, D>, series: &mut [[T; D]], witness: &mut W);
 
-    /// The change of a body's momentum in a time h from where the motion was expanded last; none where it is M times the
-    /// change of its velocity.
+    /// The change of a body's momentum in a time h from where the motion was expanded last; none where it is M times
+    /// the change of its velocity.
     #[inline(always)]
     fn expanded_impulse(&self, _bodies: &Bodies<N, T, X, D>, _body: usize, _h: f64) -> Option<[T; D]> {
         None

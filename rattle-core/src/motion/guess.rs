@@ -6,8 +6,8 @@
 //! | [`LastMultiplier`] | μ of the last step | h | not needed |
 //! | [`Extrapolated`] | λ continued from the last three steps | h³ | not needed |
 //!
-//! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is wrong by
-//! more than a hundredth of the path of the step, the step is made again from [`FromState`].
+//! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is
+//! wrong by more than a hundredth of the path of the step, the step is made again from [`FromState`].
 
 use crate::number::real::Real;
 use std::fmt::Debug;
@@ -35,13 +35,14 @@ pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FromState;
 
-/// μ of the last step. Its error is of first order in h. No second derivative is evaluated, and steps may differ in length.
+/// μ of the last step. Its error is of first order in h. No second derivative is evaluated, and steps may differ in
+/// length.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LastMultiplier;
 
-/// λ extrapolated from earlier steps: RATTLE continues the parabola through its last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂; Lobatto methods
-/// continue the polynomial through the stages of the last step. No second derivative is evaluated. Until enough
-/// steps of one length have been made, a step begins as with [`FromState`].
+/// λ extrapolated from earlier steps: RATTLE continues the parabola through its last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂;
+/// Lobatto methods continue the polynomial through the stages of the last step. No second derivative is evaluated.
+/// Until enough steps of one length have been made, a step begins as with [`FromState`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extrapolated;
 

@@ -7,7 +7,8 @@ use crate::motion::bodies::Count;
 use crate::motion::state::State;
 use crate::motion::system::System;
 
-/// What holds the bodies of a scene: a surface for each, or a [`Network`](crate::systems::network::Network) of constraints.
+/// What holds the bodies of a scene: a surface for each, or a [`Network`](crate::systems::network::Network) of
+/// constraints.
 pub trait Hold<const D: usize>: Sized {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
@@ -55,7 +56,8 @@ pub trait Hold<const D: usize>: Sized {
     }
 }
 
-/// Who asks [`Hold::surfaces`] what the surfaces are: without this the contract would have to know what is made of them.
+/// Who asks [`Hold::surfaces`] what the surfaces are: without this the contract would have to know what is made of
+/// them.
 pub trait Surfaces<const D: usize> {
     /// What is made of the surfaces.
     type Found;

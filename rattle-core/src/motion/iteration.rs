@@ -1,5 +1,5 @@
-//! How the position equation g(q′) = 0 is solved for its multipliers Λ. The iterations differ in the matrix A that turns a
-//! residual into a correction.
+//! How the position equation g(q′) = 0 is solved for its multipliers Λ. The iterations differ in the matrix A that
+//! turns a residual into a correction.
 //!
 //! ```text
 //! A ΔΛ = −g(q′)        A = G(q′) M⁻¹ G(q)ᵀ, exactly or nearly
@@ -12,14 +12,15 @@
 //! | [`Simplified`] | G(q) M⁻¹ G(q)ᵀ, known from the momenta | no | linearly, like h·κ·\|v\| |
 //! | [`Broyden`] | the same, learning from every residual: along a line the secant method | no | superlinearly |
 //!
-//! Every iteration ends when corrections are as small as the rounding of the position; there is no other tolerance. All of them
-//! end at the same root. The step is made again with [`Newton`] where another iteration does not halve the residual, or where it
-//! is not clear that its root is the one that the motion leads to: where normals turn by more than a half, or the guess was wrong
-//! by more than a small part of the path. So results differ in their last bits, and in the number of evaluations, which
-//! `tests/iterations.rs` counts.
+//! Every iteration ends when corrections are as small as the rounding of the position; there is no other tolerance. All
+//! of them end at the same root. The step is made again with [`Newton`] where another iteration does not halve the
+//! residual, or where it is not clear that its root is the one that the motion leads to: where normals turn by more
+//! than a half, or the guess was wrong by more than a small part of the path. So results differ in their last bits, and
+//! in the number of evaluations, which `tests/iterations.rs` counts.
 //!
-//! Sources: C. Broyden, Math. Comp. 19 (1965) 577; C. Kelley, *Iterative Methods for Linear and Nonlinear Equations* (1995),
-//! 7.3, for its limited memory; E. Barth, K. Kuczera, B. Leimkuhler, R. Skeel, J. Comput. Chem. 16 (1995) 1192, for the symmetric part.
+//! Sources: C. Broyden, Math. Comp. 19 (1965) 577; C. Kelley, *Iterative Methods for Linear and Nonlinear Equations*
+//! (1995), 7.3, for its limited memory; E. Barth, K. Kuczera, B. Leimkuhler, R. Skeel, J. Comput. Chem. 16 (1995) 1192,
+//! for the symmetric part.
 
 use std::fmt::Debug;
 
@@ -45,8 +46,8 @@ pub enum Kind {
 
 /// Newton's method, with the exact derivative; the default.
 ///
-/// It takes the fewest evaluations of g, and is the only iteration that serves where steps are long against the radius of curvature.
-/// On the lemniscate and on a chain of 1000 links no other iteration was faster.
+/// It takes the fewest evaluations of g, and is the only iteration that serves where steps are long against the radius
+/// of curvature. On the lemniscate and on a chain of 1000 links no other iteration was faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Newton;
 
@@ -56,8 +57,8 @@ pub struct Symmetric;
 
 /// Iteration with G M⁻¹ Gᵀ at the start of the step, Newton's method simplified.
 ///
-/// That matrix is the one of the last momentum equation, so its factor is known already. The only gradient that a step evaluates is
-/// the one at its end. More values of g are needed than by [`Newton`].
+/// That matrix is the one of the last momentum equation, so its factor is known already. The only gradient that a step
+/// evaluates is the one at its end. More values of g are needed than by [`Newton`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Simplified;
 

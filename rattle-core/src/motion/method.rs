@@ -71,7 +71,8 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// and is looked at afterwards where others are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
-    /// Why a step cannot be taken in parts, by [`retry`](crate::run::simulation::Simulation::retry) or at the instant of an event; none if it can.
+    /// Why a step cannot be taken in parts, by [`retry`](crate::run::simulation::Simulation::retry) or at the instant
+    /// of an event; none if it can.
     fn undivided(&self) -> Option<&'static str> {
         None
     }

@@ -1,7 +1,7 @@
 //! What a method asks of a system, as a type: [`Method::Need`](crate::motion::method::Method::Need).
 //!
-//! A need is met before a run or not at all: a step is handed the capabilities that its method asked for, and has no way to
-//! ask for others. Needs are combined in tuples.
+//! A need is met before a run or not at all: a step is handed the capabilities that its method asked for, and has no
+//! way to ask for others. Needs are combined in tuples.
 
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::motion::system::System;

@@ -34,9 +34,11 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 
 /// Positions and momenta of all bodies, each with `D` coordinates.
 ///
-/// Momenta are p = M v: velocities as long as no scene names masses. Taken from a simulation, a state also holds what
-/// rounding took from positions and momenta, and what method and effects remembered: a simulation started from it by the same
-/// method in the same scene goes on bit for bit. Other momenta, another method or another scene start anew.
+/// Momenta are p = M v; they are velocities as long as the scene names no masses.
+///
+/// A state that is taken from a simulation also holds the low digits of its compensated sums, and the numbers that the
+/// method and the effects remember. A simulation that starts from it by the same method in the same scene goes on bit
+/// for bit. With other momenta, another method or another scene these numbers are dropped.
 ///
 /// ```
 /// use rattle::State;
@@ -78,7 +80,7 @@ impl<const D: usize> State<D> {
         Self { bodies, time, time_low, remembered: None, steps, number: None, surplus_momenta: None }
     }
 
-    /// The same, every body with this momentum.
+    /// The same state, every body with momentum `momentum`.
     #[must_use]
     pub fn moving(mut self, momentum: impl Coordinates<D>) -> Self {
         let p = momentum.coordinates();
@@ -89,8 +91,8 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same, with these momenta in turn; bodies beyond the last one keep theirs. More momenta than bodies are
-    /// refused when the simulation is made.
+    /// The same state with these momenta, the first body's first. Bodies without a momentum in the list keep theirs. A
+    /// list longer than the number of bodies is refused when the simulation is made.
     #[must_use]
     pub fn with_momenta<P: Coordinates<D>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
         let mut momenta = momenta.into_iter();
@@ -103,24 +105,28 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same at this time; a start is at time 0 if nothing is said.
+    /// The same state at time `time`. Without this a start is at time 0.
     #[must_use]
     pub fn at_time(mut self, time: f64) -> Self {
         (self.time, self.time_low) = (time, 0.0);
         self
     }
 
-    /// The same as the trajectory of this number, for [random numbers](crate::effect::Noise). Else a simulation's is 0,
-    /// and that in an ensemble its place there: so the third state of an ensemble goes on alone as it would there if it
-    /// is numbered 2.
+    /// The same state with another number of its trajectory, of which [random numbers](crate::effect::Noise) are a
+    /// function.
+    ///
+    /// Without this a simulation has the number 0, and a trajectory of an ensemble its place there. So the third state
+    /// of an ensemble, numbered 2, goes on in a simulation with the noise that it would have in the ensemble.
     #[must_use]
     pub fn numbered(mut self, trajectory: u64) -> Self {
         self.number = Some(trajectory);
         self
     }
 
-    /// The same after so many steps since its first start, for [random numbers](crate::effect::Noise): a start from numbers that were
-    /// written down goes on with the noise of then. Else it begins with the first noise again.
+    /// The same state with `steps` steps behind it, of which [random numbers](crate::effect::Noise) are a function.
+    ///
+    /// A start from positions and momenta that were read from a file then goes on with the noise that comes after these
+    /// steps. Without this it begins with the noise of the first step.
     #[must_use]
     pub fn after_steps(mut self, steps: u64) -> Self {
         self.steps = steps;

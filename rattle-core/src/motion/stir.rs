@@ -22,8 +22,8 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 pub(crate) const FLOW: &str = "bodies under drag or another flow of momenta";
 
 /// Vectors of room for each body: velocities, rates, holding forces, changes, momenta at first with what rounding took,
-/// four others; and what is still to come, velocities in the middle, what another flow gives and what of it is along the constraints, momenta
-/// that are imposed, momenta put aside with what rounding took.
+/// four others; and what is still to come, velocities in the middle, what another flow gives and what of it is along
+/// the constraints, momenta that are imposed, momenta put aside with what rounding took.
 pub(crate) const ROOM: usize = 17;
 
 /// [`Rule::Symmetric`] is iterated no more often: where each iteration takes half of what is left, all digits take 53.
@@ -155,8 +155,8 @@ struct Flowing<'a, T, Y, const D: usize> {
     system: &'a Y,
     /// Velocities, rates, holding forces and changes.
     room: &'a mut [[T; D]],
-    /// What is still to come, velocities in the middle, what another flow gives, what of that is along the constraints, what is imposed, two
-    /// vectors to put momenta aside.
+    /// What is still to come, velocities in the middle, what another flow gives, what of that is along the constraints,
+    /// what is imposed, two vectors to put momenta aside.
     felt: &'a mut [[T; D]],
     /// The momenta at first, and what rounding had taken from them.
     first: &'a [[T; D]],

@@ -9,8 +9,8 @@ pub struct Table<const S: usize> {
     pub weights: [f64; S],
     /// aᵢⱼ, row by row.
     pub positions: [[f64; S]; S],
-    /// What rounding took from nodes and weights, and from a: with rounded ones the method is no longer symplectic and energy
-    /// drifts, by 4e-19 a step (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008) 231).
+    /// What rounding took from nodes and weights, and from a: with rounded ones the method is no longer symplectic and
+    /// energy drifts, by 4e-19 a step (E. Hairer, R. McLachlan, A. Razakarivony, BIT 48 (2008) 231).
     rests: [[f64; S]; 2],
     rests_of_positions: [[f64; S]; S],
     /// The inverse of aᵢⱼ, i = 2 … s, j = 1 … s − 1, its row j and column i where a has column j and row i.

@@ -1,6 +1,7 @@
 //! Sums of products in twice the digits, where their last bit would add up: high + low, |low| ≤ ε |high| / 2.
 //!
-//! Source: T. Ogita, S. M. Rump, S. Oishi, “Accurate sum and dot product”, SIAM J. Sci. Comput. 26 (2005), algorithm 5.3.
+//! Source: T. Ogita, S. M. Rump, S. Oishi, “Accurate sum and dot product”, SIAM J. Sci. Comput. 26 (2005), algorithm
+//! 5.3.
 
 /// A number of twice the digits.
 #[derive(Debug, Clone, Copy, Default)]

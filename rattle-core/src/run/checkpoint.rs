@@ -18,9 +18,9 @@
 //!
 //! What goes on is made as it was made at first: the scene, any start, the method, and what was asked for with
 //! `retry`, `collide` and the like. These are code, and not in the checkpoint; what they give is, and where it is
-//! something else the checkpoint is refused, with the part that differs. All that changes in a run is taken from the checkpoint:
-//! positions and momenta with what rounding took from them, what method and effects remember, time, steps, random
-//! numbers, work, energy at the start, events, and how far guesses were off.
+//! something else the checkpoint is refused, with the part that differs. All that changes in a run is taken from the
+//! checkpoint: positions and momenta with what rounding took from them, what method and effects remember, time, steps,
+//! random numbers, work, energy at the start, events, and how far guesses were off.
 
 use crate::error::Error;
 use crate::motion::bodies::Body;

@@ -12,17 +12,19 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The same simulation with collisions: [`HardSpheres`](crate::effect::HardSpheres), a
     /// [`Stop`](crate::effect::Stop), or [`Contacts`] of your own.
     ///
-    /// The step in which a gap closes is taken up to the instant of contact, which is found to the rounding of the gap. There
-    /// momenta change by the impulse of the contact, and the rest of the step follows. Contacts that close at one instant are taken in
-    /// the order in which they were named. A fast body does not pass through another: the gap is searched for a zero wherever its
-    /// tangents at the two ends of a step meet below zero (see [`Contacts`]).
+    /// The step in which a gap closes is taken up to the instant of contact, which is found to the rounding of the gap.
+    /// There momenta change by the impulse of the contact, and the rest of the step follows. Contacts that close at one
+    /// instant are taken in the order in which they were named. A fast body does not pass through another: the gap is
+    /// searched for a zero wherever its tangents at the two ends of a step meet below zero (see [`Contacts`]).
     ///
-    /// Impulses act along the constraints and know the masses. Elastic impulses keep the kinetic energy to rounding; the energy that
-    /// others take is booked as [`work`](Self::work). [`events`](Self::events) counts impacts. Where a contact would stay closed, as a
-    /// ball at rest on a floor, a step fails with [`StepFailure::Rests`](crate::error::StepFailure::Rests).
+    /// Impulses act along the constraints and know the masses. Elastic impulses keep the kinetic energy to rounding;
+    /// the energy that others take is booked as [`work`](Self::work). [`events`](Self::events) counts impacts. Where a
+    /// contact would stay closed, as a ball at rest on a floor, a step fails with
+    /// [`StepFailure::Rests`](crate::error::StepFailure::Rests).
     ///
-    /// Contacts are not part of a [`State`](crate::motion::state::State): name them again after a restart. In a step with events
-    /// [`retry`](Self::retry) halves the parts between events, and [`check_reversal`](Self::check_reversal) checks nothing.
+    /// Contacts are not part of a [`State`](crate::motion::state::State): name them again after a restart. In a step
+    /// with events [`retry`](Self::retry) halves the parts between events, and [`check_reversal`](Self::check_reversal)
+    /// checks nothing.
     ///
     /// # Errors
     /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and

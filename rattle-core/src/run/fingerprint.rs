@@ -1,8 +1,9 @@
 //! What tells one scene and method from another: what they give at a state and near it.
 //!
-//! The code of an expression cannot be compared when a program runs, but what it gives can: masses, constraints, energies
-//! and each effect alone are asked at places beside those of the record, by pseudo-random steps of a thousandth, where
-//! g is not zero. So parameters, expressions, masses, pins and the order of effects count, whoever wrote them.
+//! The code of an expression cannot be compared when a program runs, but what it gives can: masses, constraints,
+//! energies and each effect alone are asked at places beside those of the record, by pseudo-random steps of a
+//! thousandth, where g is not zero. So parameters, expressions, masses, pins and the order of effects count, whoever
+//! wrote them.
 
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;

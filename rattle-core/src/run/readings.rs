@@ -20,8 +20,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.steps
     }
 
-    /// The time: the time of the start (0 if none was given) plus steps times step size; plus the sum of the steps, where they
-    /// differ in length.
+    /// The time: the time of the start (0 if none was given) plus steps times step size; plus the sum of the steps,
+    /// where they differ in length.
     pub fn time(&self) -> f64 {
         self.exact_time().0
     }
@@ -83,8 +83,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// The numbers that effects remember from step to step, such as the headings of
-    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): those of the first effect, then of the next. Empty where no effect
-    /// remembers anything.
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): those of the first effect, then of the next. Empty where no
+    /// effect remembers anything.
     pub fn marks(&self) -> &[f64] {
         &self.bodies.marks
     }
@@ -110,8 +110,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.kinetic_energy(&self.bodies)
     }
 
-    /// The number of independent momenta: the number of coordinates of bodies that are not pinned, minus the number of independent
-    /// equations (counted by the normals of the last step).
+    /// The number of independent momenta: the number of coordinates of bodies that are not pinned, minus the number of
+    /// independent equations (counted by the normals of the last step).
     pub fn freedom(&self) -> usize {
         self.system.freedom(&self.bodies)
     }
@@ -119,8 +119,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The temperature kT of the present momenta, an energy: 2K divided by the number of
     /// [independent momenta](Self::freedom).
     ///
-    /// NaN where there are no independent momenta, and in phase space, which has no masses. The motion that moving links impose on
-    /// bodies is no heat, and is left out of K.
+    /// NaN where there are no independent momenta, and in phase space, which has no masses. The motion that moving
+    /// links impose on bodies is no heat, and is left out of K.
     pub fn temperature(&self) -> f64 {
         self.temperature_of(&self.bodies)
     }
@@ -164,7 +164,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The work done on the bodies since the start, an energy; 0 where none of these is in the scene:
     ///
-    /// * constraints that move, −∫ λᵀ ∂g/∂t dt, and potentials that change with time, ∫ ∂U/∂t dt, to the order of the method;
+    /// * constraints that move, −∫ λᵀ ∂g/∂t dt, and potentials that change with time, ∫ ∂U/∂t dt, to the order of the
+    ///   method;
     /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
     /// * [impacts](Self::collide) that are not elastic: negative.
     pub fn work(&self) -> f64 {

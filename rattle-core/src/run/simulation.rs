@@ -130,12 +130,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         })
     }
 
-    /// The same simulation, in which a step that cannot be taken is taken in 2, 4, … 2^`halvings` equal parts, and that
-    /// step alone; time goes on in whole steps. At most 16 halvings count: a step that fails in 65 536 parts has come
-    /// to an end of the motion, or is far too long. Without this no step is ever shortened: a run with parts is no
-    /// longer the iteration of one map, and neither symplectic nor reversible there. A method that remembers starts
-    /// anew before the parts and after them, which allocates. Staggered methods are not divided: their momenta belong
-    /// to one step size.
+    /// The same simulation, in which a step that fails is made again in 2, 4, … 2^`halvings` equal parts.
+    ///
+    /// Only the step that fails is divided, and time goes on in whole steps. At most 16 halvings count: a step that
+    /// fails in 65 536 parts has come to an end of the motion, or is far too long. Without `retry` no step is ever
+    /// shortened, since a run with a divided step is no longer the iteration of one map: there it is neither symplectic
+    /// nor reversible.
+    ///
+    /// A method with memory forgets it before the parts and after them, which allocates. Steps of staggered methods are
+    /// not divided, since their momenta belong to one step size.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -159,11 +162,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// After each step of size h the method takes a step of size −h from its end. The step fails where that leads to a
     /// place or momentum other than the one that the step began with: in any coordinate by more than `tolerance` times
-    /// the largest coordinate or momentum. A symmetric method comes back to about 1e-14. It does not come back where the
-    /// step and the way back found different solutions of the position equation, so the check finds such steps.
+    /// the largest coordinate or momentum. A symmetric method comes back to about 1e-14. It does not come back where
+    /// the step and the way back found different solutions of the position equation, so the check finds such steps.
     ///
-    /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in parts,
-    /// each of them checked. The check doubles the time of a step.
+    /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in
+    /// parts, each of them checked. The check doubles the time of a step.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -222,9 +225,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.take(steps, &mut ())
     }
 
-    /// Takes whole steps until the time is `time` or, by less than a step, later; none if it is already. A time that is
-    /// a number of steps away is reached by this number of steps, rounding notwithstanding: what is missing to a
-    /// millionth of a step counts as reached. With a step size below 0 the time runs backwards to `time`.
+    /// Takes whole steps until the time is at least `time`; none if it is already.
+    ///
+    /// The run ends less than a step beyond `time`. A time that is a whole number of steps away is reached by that
+    /// number of steps, whatever rounding does: less than a millionth of a step counts as nothing. With a negative step
+    /// size the time runs backwards to `time`.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -279,9 +284,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(self.steps - begun)
     }
 
-    /// Takes `steps` steps and shows the simulation to `see` after each. A closure sees the whole simulation, its
-    /// residuals and [energy error](Self::energy_error) too; what is to watch ensembles as well, or every n-th step, is
-    /// an [observer](Self::observe).
+    /// Takes `steps` steps and shows the simulation to the closure `see` after each.
+    ///
+    /// A closure can ask the simulation for everything, such as residuals and the [energy error](Self::energy_error).
+    /// To watch every n-th step, or ensembles, use an [observer](Self::observe).
     ///
     /// ```text
     /// simulation.run_with(2000, |now| energies.push(now.energy()))?;
@@ -298,8 +304,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see
-    /// [`crate::run::watch`]. Steps beyond the last multiple of `every` are taken and not shown; multipliers are told
-    /// in every step. A look copies positions and momenta.
+    /// [`crate::run::watch`]. Steps beyond the last multiple of `every` are taken and not shown. Observers of
+    /// multipliers are told them in every step. Each time that the simulation is shown its positions and momenta are
+    /// copied.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
@@ -311,8 +318,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that can
-    /// watch no more.
+    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that
+    /// can watch no more.
     ///
     /// # Panics
     /// If `every` is 0.

@@ -13,8 +13,8 @@
 //!
 //! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever
 //! is remembered
-//! here; and nothing has to be remembered in a state. A root that looked wrong and was not is followed to the same place, in
-//! other roundings: so a checkpoint, which goes on to the last bit, has what is remembered here.
+//! here; and nothing has to be remembered in a state. A root that looked wrong and was not is followed to the same
+//! place, in other roundings: so a checkpoint, which goes on to the last bit, has what is remembered here.
 
 use crate::number::real::{Mask, Real};
 
@@ -24,8 +24,9 @@ use crate::number::real::{Mask, Real};
 /// taken at its word if it is off what is expected by less than d/4: and one on the next sheet is off by d.
 const CHANGE: f64 = 0.5;
 
-/// Where the slope of g at the guess is not known, nor by more than this part, divided by the angle by which the normal turns:
-/// in long steps what guesses are off by changes by as much as sheets are apart, and may be as expected by chance.
+/// Where the slope of g at the guess is not known, nor by more than this part, divided by the angle by which the normal
+/// turns: in long steps what guesses are off by changes by as much as sheets are apart, and may be as expected by
+/// chance.
 const CHANGE_BY_TURN: f64 = 0.05;
 
 /// Where it turns by more than this angle nothing is taken for usual.
@@ -46,8 +47,8 @@ pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 177
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
 pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
 
-/// Of a method that has no guess: on a curve through the two ends of a step g is, as a length, less than this part of what the
-/// step may have led astray. Between two sheets, side by side, it is a tenth.
+/// Of a method that has no guess: on a curve through the two ends of a step g is, as a length, less than this part of
+/// what the step may have led astray. Between two sheets, side by side, it is a tenth.
 pub(crate) const OFF_INSIDE: f64 = 1.0 / 64.0;
 
 /// What is found inside may be so many times as much, or as little, as it should be.

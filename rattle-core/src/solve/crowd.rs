@@ -1,13 +1,13 @@
 //! Whether other sheets are near: what is asked of many bodies at a time, where no step of a single one is looked at.
 //!
-//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what the
-//! constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So it is
-//! asked whether g rises, to both sides of a body, as far as that may be, at places without a period. On `sin(k(|q| − 1))` two
-//! of three places between sheets say that it does not. A body where it does not is moved by itself, where each step is
-//! looked at (see [`crate::solve::aim`]).
+//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what
+//! the constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So
+//! it is asked whether g rises, to both sides of a body, as far as that may be, at places without a period. On
+//! `sin(k(|q| − 1))` two of three places between sheets say that it does not. A body where it does not is moved by
+//! itself, where each step is looked at (see [`crate::solve::aim`]).
 //!
-//! It is asked at many places where a body starts and at some now and then, so that it costs a few percent: sheets that are
-//! near in a small region only, which a body is through between two times, are not seen.
+//! It is asked at many places where a body starts and at some now and then, so that it costs a few percent: sheets that
+//! are near in a small region only, which a body is through between two times, are not seen.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;
@@ -24,7 +24,8 @@ const AGAIN: u64 = 6;
 pub(crate) const REACH: f64 = 2.0;
 
 /// … and this part of the path: where curvature and forces balance the constraint does nothing, and yet not the same in
-/// the next step. Twice that is the most that is asked for the constraint's sake: farther no surface rises where steps are long.
+/// the next step. Twice that is the most that is asked for the constraint's sake: farther no surface rises where steps
+/// are long.
 pub(crate) const PATH: f64 = 0.05;
 
 /// √3, by which a length may be larger than its largest coordinate in space.
@@ -33,8 +34,8 @@ pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 /// g rises along the normal by at least this part of what it does at the body.
 pub(crate) const RISES: f64 = 0.5;
 
-/// The shares of the reach, from −1 to 1, at which it is asked after so many steps: pseudo-random, since multiples of any
-/// number, and of the golden ratio too, may all meet the same phase of a wave. Each third one is its ninth power,
+/// The shares of the reach, from −1 to 1, at which it is asked after so many steps: pseudo-random, since multiples of
+/// any number, and of the golden ratio too, may all meet the same phase of a wave. Each third one is its ninth power,
 /// mostly small: for two or three sheets much closer than the reach.
 pub(crate) fn shares(steps: u64) -> impl Iterator<Item = f64> {
     let (first, number) = if steps == 0 { (0, AT_FIRST) } else { (AT_FIRST + steps / EVERY * AGAIN, AGAIN) };
@@ -54,8 +55,8 @@ const fn mixed(n: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// How much g rises along the normal n at q + shift·n, as a part of how much it does at q, less what it should: negative
-/// where another sheet may be near.
+/// How much g rises along the normal n at q + shift·n, as a part of how much it does at q, less what it should:
+/// negative where another sheet may be near.
 #[inline(always)]
 pub(crate) fn rises<S, K, const D: usize>(constraint: &K, q: &[S; D], n: &[S; D], square: S, shift: S) -> S
 where

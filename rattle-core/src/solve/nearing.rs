@@ -1,9 +1,9 @@
 //! Newton's iteration onto constraints: when it has arrived, and when it leads nowhere.
 //!
-//! A start is moved onto the constraints, and so is the end of a step of methods that know nothing of them. Each Newton step
-//! evaluates the constraints where it got to, which tells a distance. The iteration has arrived where the distance is at the
-//! rounding of the coordinates, or where it is no longer halved although it is small: then it is the rounding of g itself.
-//! It is lost where a distance that is not small shrinks by less than it should.
+//! A start is moved onto the constraints, and so is the end of a step of methods that know nothing of them. Each Newton
+//! step evaluates the constraints where it got to, which tells a distance. The iteration has arrived where the distance
+//! is at the rounding of the coordinates, or where it is no longer halved although it is small: then it is the rounding
+//! of g itself. It is lost where a distance that is not small shrinks by less than it should.
 
 use crate::number::real::{Mask, Real};
 
@@ -21,8 +21,8 @@ impl<T: Real> Nearing<T> {
         Self { last: T::from_f64(f64::INFINITY), part: T::from_f64(part) }
     }
 
-    /// Whether the iteration has arrived, and whether it is lost. `there` says that the distance is at the rounding of the
-    /// coordinates, `near` that it may be the rounding of g.
+    /// Whether the iteration has arrived, and whether it is lost. `there` says that the distance is at the rounding of
+    /// the coordinates, `near` that it may be the rounding of g.
     #[inline(always)]
     pub(crate) fn look(&mut self, distance: T, there: T::Mask, near: T::Mask) -> (T::Mask, T::Mask) {
         let arrived = there.or(near.and(self.last.le(distance + distance)));

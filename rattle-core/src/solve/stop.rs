@@ -1,8 +1,8 @@
 //! When a solve ends: once what the next correction would be is known to be far below rounding.
 //!
 //! Corrections are displacements, and their floor is the rounding of the coordinates that they displace. A solve ends
-//! when a correction was at the floor, or when what is left after one is known to be below [`SPARE`] of the floor: then the
-//! constraint needs not be evaluated to see how small it is.
+//! when a correction was at the floor, or when what is left after one is known to be below [`SPARE`] of the floor: then
+//! the constraint needs not be evaluated to see how small it is.
 //!
 //! A sixteenth is what rounding hides. Measured in networks by the residuals of rods in twice the digits, as root mean
 //! square in ε of the coordinates, and evaluations of g a step (3 000 to 12 000 steps of each):
@@ -13,21 +13,21 @@
 //! | 1/256 | 0.187 ε, 2.49 | 0.191 ε, 32.4 | 0.172 ε, 2.14 | 0.177 ε, 20.0 |
 //! | solved to the floor | 0.184 ε, 3.13 | 0.190 ε, 32.6 | 0.172 ε, 3.01 | 0.177 ε, 20.1 |
 //!
-//! On surfaces 40 000 steps each of the lemniscate, a torus and a gyroid end within 2.5, 9 and 1.5 ε of the surface, as many where
-//! each solve goes on to the floor: that is the rounding of g (`optimised/tests/stopping.rs`). What matters more than the sixteenth is that the
-//! estimate is no guess. On surfaces the normal where the solve ends, which is needed anyway, tells what is left; without it some
-//! steps ended 60 and 190 ε off, with 1/256 as with 1/16. In networks the slower of the last two contractions is taken; with the
-//! last one some steps ended 9 ε off instead of 3.
+//! On surfaces 40 000 steps each of the lemniscate, a torus and a gyroid end within 2.5, 9 and 1.5 ε of the surface, as
+//! many where each solve goes on to the floor: that is the rounding of g (`optimised/tests/stopping.rs`). What matters
+//! more than the sixteenth is that the estimate is no guess. On surfaces the normal where the solve ends, which is
+//! needed anyway, tells what is left; without it some steps ended 60 and 190 ε off, with 1/256 as with 1/16. In
+//! networks the slower of the last two contractions is taken; with the last one some steps ended 9 ε off instead of 3.
 
 use crate::number::real::Real;
 
 /// What may be left of a correction when a solve ends without another evaluation, in units of the rounding floor.
 pub(crate) const SPARE: f64 = 1.0 / 16.0;
 
-/// Stages that are solved together are done after a displacement below so many roundings. What is left of a place does not
-/// count there, but what the last displacement changed forces by, since momenta are kicked by those of the places before: it
-/// does work. Measured on the plane pendulum, h = 1/64, five stages: 1e-18 of the energy each step where displacements below 40
-/// are the last, 1e-19 below 1, 4e-20 below a half, at 12, 13 and 14 evaluations of g.
+/// Stages that are solved together are done after a displacement below so many roundings. What is left of a place does
+/// not count there, but what the last displacement changed forces by, since momenta are kicked by those of the places
+/// before: it does work. Measured on the plane pendulum, h = 1/64, five stages: 1e-18 of the energy each step where
+/// displacements below 40 are the last, 1e-19 below 1, 4e-20 below a half, at 12, 13 and 14 evaluations of g.
 pub(crate) const LAST_OF_STAGES: f64 = 0.5;
 
 /// Corrections that one matrix makes shrink by about the same factor each time.
@@ -44,9 +44,9 @@ impl<T: Real> Shrinking<T> {
         Self { last: None, contraction: T::from_f64(0.0) }
     }
 
-    /// Notes the size of a correction. Returns by what part it is smaller than the one before, and about how much is left
-    /// once it is made: by the slower of the last two contractions, since one lucky correction is not the rate. Both
-    /// infinite for the first one.
+    /// Notes the size of a correction. Returns by what part it is smaller than the one before, and about how much is
+    /// left once it is made: by the slower of the last two contractions, since one lucky correction is not the rate.
+    /// Both infinite for the first one.
     #[inline(always)]
     pub(crate) fn note(&mut self, size: T) -> (T, T) {
         let Some(last) = self.last.replace(size) else {

@@ -48,8 +48,8 @@ const ASIN: [f64; 13] = [
     0.032_677_600_152_728_664,
 ];
 
-/// The angle of (x, y), or of (−x, y) on the `left`; x and y are not negative, finite and not both zero, and neither their
-/// sum nor the inverse of the larger one is beyond the floats.
+/// The angle of (x, y), or of (−x, y) on the `left`; x and y are not negative, finite and not both zero, and neither
+/// their sum nor the inverse of the larger one is beyond the floats.
 #[inline(always)]
 fn angle(y: f64, x: f64, left: bool) -> f64 {
     let (flat, steep) = (y <= TAN_EIGHTH_PI * x, x < TAN_EIGHTH_PI * y);

@@ -59,8 +59,8 @@ fn exp_over(less: u64, x: f64) -> f64 {
     select(x <= largest, power, x + f64::INFINITY) // also where x is not a number
 }
 
-/// eˣ of a pair. The power of two may be beyond the floats on either side where the result is not, so in two factors; the
-/// first is exact.
+/// eˣ of a pair. The power of two may be beyond the floats on either side where the result is not, so in two factors;
+/// the first is exact.
 #[inline(always)]
 pub(super) fn exp_of_pair([x, low]: Pair) -> f64 {
     let x = at_most(712.0, x);

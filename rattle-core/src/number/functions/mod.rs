@@ -1,8 +1,8 @@
 //! Elementary functions without branches, calls or tables, so that loops over them vectorise.
 //!
-//! The functions of the system's library are calls, and one call keeps a compiler from vectorising a whole loop. No crate serves
-//! on stable Rust: of those that have these functions in double precision, `sleef` needs the unstable `portable_simd`,
-//! `wide` chooses instructions when it is compiled, and `libm` branches.
+//! The functions of the system's library are calls, and one call keeps a compiler from vectorising a whole loop. No
+//! crate serves on stable Rust: of those that have these functions in double precision, `sleef` needs the unstable
+//! `portable_simd`, `wide` chooses instructions when it is compiled, and `libm` branches.
 //!
 //! All is made of operations that round once and of bits of floats. So every instruction set gives the same numbers.
 //!

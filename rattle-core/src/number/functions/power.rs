@@ -7,8 +7,8 @@ use crate::number::functions::logarithm::ln_to_a_pair;
 /// Beyond it on either side eˣ is 0 or infinite.
 const FAR: f64 = 800.0;
 
-/// xʸ, with the exceptions of IEEE 754's pow: 1 for y = 0 and for x = 1 whatever the other is, and a negative x has powers
-/// where y is a whole number.
+/// xʸ, with the exceptions of IEEE 754's pow: 1 for y = 0 and for x = 1 whatever the other is, and a negative x has
+/// powers where y is a whole number.
 #[inline(always)]
 pub(in crate::number) fn powf(x: f64, y: f64) -> f64 {
     let size = x.abs();

@@ -15,8 +15,8 @@ const CBRT: [f64; 6] = [
 /// ∛2 and its inverse.
 const CBRT_2: [f64; 2] = [1.259_921_049_894_873_2, 0.793_700_525_984_099_8];
 
-/// ∛x: 2^q ∛m with m = 2^(k − 3q) (1 + f), from an approximation of 1/∛m of 17 digits. One correction is of third order, the
-/// last one adds what is missing to m.
+/// ∛x: 2^q ∛m with m = 2^(k − 3q) (1 + f), from an approximation of 1/∛m of 17 digits. One correction is of third
+/// order, the last one adds what is missing to m.
 #[inline(always)]
 pub(in crate::number) fn cbrt(x: f64) -> f64 {
     let size = x.abs();

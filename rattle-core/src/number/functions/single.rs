@@ -1,5 +1,5 @@
-//! Functions of single precision. Those that surfaces have most are the same formulas with shorter polynomials, angles reduced
-//! in double precision; the others those of double precision, rounded.
+//! Functions of single precision. Those that surfaces have most are the same formulas with shorter polynomials, angles
+//! reduced in double precision; the others those of double precision, rounded.
 
 use crate::number::functions::arithmetic::ROUNDER;
 use crate::number::functions::circular::{FARTHEST_ANGLE, HALF_PI};

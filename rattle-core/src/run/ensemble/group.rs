@@ -9,8 +9,8 @@ use crate::run::ensemble::look::{Onlooker, Watched};
 
 /// Some trajectories of an ensemble.
 pub trait Group<const D: usize>: Watched<D> + Send + Sync {
-    /// Takes `steps` steps, and shows the group to an onlooker after each multiple of its interval. A trajectory that fails
-    /// stays at the state before the failed step.
+    /// Takes `steps` steps, and shows the group to an onlooker after each multiple of its interval. A trajectory that
+    /// fails stays at the state before the failed step.
     fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
     /// From now on a step that fails is made again in 2, 4, … 2^`halvings` parts.
     fn retry(&mut self, halvings: u32);

@@ -1,4 +1,5 @@
-//! The constraint and forces that the trajectories of a block obey: one set for all, or each trajectory with parameters of its own.
+//! The constraint and forces that the trajectories of a block obey: one set for all, or each trajectory with parameters
+//! of its own.
 
 use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
@@ -6,8 +7,8 @@ use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::lanes::{Lane, Lanes, side_by_side};
 use std::borrow::Borrow;
 
-/// What each lane obeys. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows, what the
-/// loop writes.
+/// What each lane obeys. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows, what
+/// the loop writes.
 pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
     type Constraint: ConstraintKernel<S, D, 1>;
     type Forces: Forces<S, D>;

@@ -19,8 +19,9 @@ pub trait Watched<const D: usize>: Source<D> {
 
 /// An observer of a group, and the steps after which it is shown the group.
 pub struct Onlooker<'a, const D: usize> {
-    /// The number of steps, counted from the start of the ensemble, after which the group is shown next. Where a stretch of
-    /// steps is repeated because a lane failed in it, this number keeps the observer from being shown anything twice.
+    /// The number of steps, counted from the start of the ensemble, after which the group is shown next. Where a
+    /// stretch of steps is repeated because a lane failed in it, this number keeps the observer from being shown
+    /// anything twice.
     pub(crate) next: u64,
     pub(crate) every: u64,
     pub(crate) now: Seen<D>,

@@ -10,27 +10,27 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! **What goes in lanes.** One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet,
-//! symplectic Euler, Geodesic RATTLE, or a composition of one of them, on a processor with fused multiply-add. Trajectories of
-//! all other scenes and methods are simulations each (see [`Simulation`](crate::run::simulation::Simulation)), spread over
-//! all cores.
+//! **What goes in lanes.** One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position
+//! Verlet, symplectic Euler, Geodesic RATTLE, or a composition of one of them, on a processor with fused multiply-add.
+//! Trajectories of all other scenes and methods are simulations each (see
+//! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
 //!
-//! **The same numbers everywhere.** A trajectory depends on its start alone. It is bit for bit the same for any trajectories beside
-//! it, any number of threads, any division of a run, and any instruction set with fused multiply-add (see
-//! [`InstructionSet::fuses`]).
+//! **The same numbers everywhere.** A trajectory depends on its start alone. It is bit for bit the same for any
+//! trajectories beside it, any number of threads, any division of a run, and any instruction set with fused
+//! multiply-add (see [`InstructionSet::fuses`]).
 //!
-//! **Lanes and simulations agree to rounding,** and not bit for bit: in lanes the iteration begins with multipliers extrapolated from
-//! the last steps, and is Newton's method, whatever [`guess`](crate::methods::rattle::Rattle::guess) and
-//! [`solved_by`](crate::methods::rattle::Rattle::solved_by) of the method say. For the same reason an ensemble that starts from
-//! the states of another agrees with that to rounding: it does not know the steps before. States of a [`Single`] ensemble are on
-//! the surface to seven digits; `scene.project` makes starts of them.
+//! **Lanes and simulations agree to rounding,** and not bit for bit: in lanes the iteration begins with multipliers
+//! extrapolated from the last steps, and is Newton's method, whatever [`guess`](crate::methods::rattle::Rattle::guess)
+//! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) of the method say. For the same reason an ensemble that
+//! starts from the states of another agrees with that to rounding: it does not know the steps before. States of a
+//! [`Single`] ensemble are on the surface to seven digits; `scene.project` makes starts of them.
 //!
-//! **Functions.** Every function of the macros goes in lanes, as [straight-line code](crate::number::lanes) of 20 to 90 operations.
-//! Values differ from those of the system's library by rounding. sin, cos and tan of an angle beyond 2⁴⁰ are NaN in
-//! lanes, so such a trajectory fails.
+//! **Functions.** Every function of the macros goes in lanes, as [straight-line code](crate::number::lanes) of 20 to 90
+//! operations. Values differ from those of the system's library by rounding. sin, cos and tan of an angle beyond 2⁴⁰
+//! are NaN in lanes, so such a trajectory fails.
 //!
-//! **A trajectory that fails** stays at the state before the failed step, and its [error](Ensemble::failure) says why; the others
-//! go on. With [`Ensemble::retry`] the failed step is made again in parts.
+//! **A trajectory that fails** stays at the state before the failed step, and its [error](Ensemble::failure) says why;
+//! the others go on. With [`Ensemble::retry`] the failed step is made again in parts.
 
 mod alone;
 mod block;

@@ -14,8 +14,9 @@ use crate::run::ensemble::splitting_lanes::SplittingLanes;
 
 /// Double precision without compensated sums; the default.
 ///
-/// Each step loses the rounding of the position. On coordinates near 1 that loss is biased, since doubles above 1 are twice as far
-/// apart as those below: on a unit sphere the energy grows by 1e-17 of itself in each step. [`Compensated`] has no such drift.
+/// Each step loses the rounding of the position. On coordinates near 1 that loss is biased, since doubles above 1 are
+/// twice as far apart as those below: on a unit sphere the energy grows by 1e-17 of itself in each step.
+/// [`Compensated`] has no such drift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Double;
 
@@ -26,8 +27,8 @@ pub struct Compensated;
 
 /// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time.
 ///
-/// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Trajectories that do not go in
-/// lanes are computed in double precision.
+/// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Trajectories that do not
+/// go in lanes are computed in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Single;
 

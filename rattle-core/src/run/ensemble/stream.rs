@@ -11,8 +11,8 @@ use std::sync::mpsc::sync_channel;
 pub struct Snapshot<const D: usize> {
     /// Steps taken so far.
     pub steps: u64,
-    /// The time of each trajectory. Times differ where starts do, and where a trajectory has failed: its time stays that of its
-    /// last step.
+    /// The time of each trajectory. Times differ where starts do, and where a trajectory has failed: its time stays
+    /// that of its last step.
     pub times: Vec<f64>,
     /// Positions: all bodies of the first trajectory, then of the second, and so on.
     pub positions: Vec<SVector<f64, D>>,
@@ -26,8 +26,9 @@ const ON_THE_WAY: usize = 2;
 impl<const D: usize> Ensemble<D> {
     /// Takes `steps` steps, and gives a snapshot to `consume` after every `every` of them.
     ///
-    /// `consume` runs on a thread of its own while the ensemble goes on. The ensemble waits where `consume` is two snapshots
-    /// behind, so memory does not grow. A trajectory that has failed appears in each snapshot at its last state.
+    /// `consume` runs on a thread of its own while the ensemble goes on. The ensemble waits where `consume` is two
+    /// snapshots behind, so memory does not grow. A trajectory that has failed appears in each snapshot at its last
+    /// state.
     ///
     /// # Errors
     /// The first error of `consume`, after which no more steps are begun.

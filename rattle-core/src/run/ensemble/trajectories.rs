@@ -98,8 +98,8 @@ impl<const D: usize> Ensemble<D> {
     /// A sweep over parameters: one trajectory of each scene, from a start of its own.
     ///
     /// The scenes are of one type and differ in parameters. A step takes as long as in an ensemble of one scene, since
-    /// parameters are kept in lanes beside the positions. (Parameters of effects `.over` members are not: reading them takes
-    /// longer.)
+    /// parameters are kept in lanes beside the positions. (Parameters of effects `.over` members are not: reading them
+    /// takes longer.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
@@ -184,8 +184,8 @@ impl<const D: usize> Ensemble<D> {
     /// The same ensemble, in which a step that fails is made again in 2, 4, … 2^`halvings` equal parts, as
     /// [`Simulation::retry`](crate::run::simulation::Simulation::retry) does.
     ///
-    /// That concerns the one step of the one trajectory that failed; the other trajectories are the same, bit for bit. A step
-    /// in parts takes some microseconds.
+    /// That concerns the one step of the one trajectory that failed; the other trajectories are the same, bit for bit.
+    /// A step in parts takes some microseconds.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -212,14 +212,14 @@ impl<const D: usize> Ensemble<D> {
 
     /// Takes `steps` steps, and shows each trajectory to an observer after every `every` of them.
     ///
-    /// `new` makes an observer for each group of trajectories; their results are joined in the order of the trajectories. A
-    /// trajectory that has failed is not shown again. Steps beyond the last multiple of `every` are taken and not shown. If an
-    /// observer panics, groups of trajectories are left at different times.
+    /// `new` makes an observer for each group of trajectories; their results are joined in the order of the
+    /// trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple of `every` are
+    /// taken and not shown. If an observer panics, groups of trajectories are left at different times.
     ///
-    /// **Cost.** To show a trajectory that goes in lanes takes the time of 1.5 steps, and the observer's work comes on top.
-    /// Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height takes the time of 1.9
-    /// steps per step where `every` is 1, of 0.2 where it is 10, and of 0.04 where it is 100; the mean of the
-    /// [energy](crate::run::watch::Sight::energy) one more each time that it is shown.
+    /// **Cost.** To show a trajectory that goes in lanes takes the time of 1.5 steps, and the observer's work comes on
+    /// top. Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height takes the
+    /// time of 1.9 steps per step where `every` is 1, of 0.2 where it is 10, and of 0.04 where it is 100; the mean of
+    /// the [energy](crate::run::watch::Sight::energy) one more each time that it is shown.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
@@ -263,9 +263,9 @@ impl<const D: usize> Ensemble<D> {
 
     /// What a step of a trajectory costs on one thread, item by item.
     ///
-    /// The bill is that of the first group of trajectories in which one still moves: a group in lanes, or one simulation. A
-    /// copy of the group runs for some milliseconds, and its parts are timed one by one. The ensemble itself does not change, and
-    /// a run that asks for no bill pays nothing.
+    /// The bill is that of the first group of trajectories in which one still moves: a group in lanes, or one
+    /// simulation. A copy of the group runs for some milliseconds, and its parts are timed one by one. The ensemble
+    /// itself does not change, and a run that asks for no bill pays nothing.
     ///
     /// ```
     /// # use rattle::potentials::Gravity;
@@ -292,8 +292,8 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// A record of all numbers that are needed to go on bit for bit; see [`crate::run::checkpoint`]. Of a trajectory that has
-    /// failed the text of its error is kept, and not the [`Error`] as a value.
+    /// A record of all numbers that are needed to go on bit for bit; see [`crate::run::checkpoint`]. Of a trajectory
+    /// that has failed the text of its error is kept, and not the [`Error`] as a value.
     #[must_use]
     pub fn checkpoint(&self) -> Record {
         let mut record = Record::default();
@@ -306,8 +306,8 @@ impl<const D: usize> Ensemble<D> {
         record
     }
 
-    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method. Where the checkpoint is refused, the
-    /// ensemble is left as it is.
+    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method. Where the checkpoint is refused,
+    /// the ensemble is left as it is.
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.
@@ -359,8 +359,8 @@ impl<const D: usize> Ensemble<D> {
         self.h
     }
 
-    /// The present time of a trajectory. Trajectories may differ in time, since starts may, and since one that has failed
-    /// stays at the time of its last step.
+    /// The present time of a trajectory. Trajectories may differ in time, since starts may, and since one that has
+    /// failed stays at the time of its last step.
     ///
     /// # Panics
     /// If there are not so many.

@@ -17,8 +17,8 @@ pub struct Histogram<Q> {
 }
 
 impl<Q> Histogram<Q> {
-    /// A histogram of this quantity, in `bins` equal bins between `from` and `to`. For an ensemble make one, and give each group of
-    /// trajectories a clone:
+    /// A histogram of this quantity, in `bins` equal bins between `from` and `to`. For an ensemble make one, and give
+    /// each group of trajectories a clone:
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Histogram, Sight}};
@@ -48,7 +48,8 @@ impl<Q> Histogram<Q> {
         Ok(Self { quantity, from, to, density, counts, outside: 0 })
     }
 
-    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x − from.
+    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x −
+    /// from.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }

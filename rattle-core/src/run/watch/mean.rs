@@ -5,8 +5,8 @@ use crate::run::watch::sight::Sight;
 
 /// Number, mean and variance of a quantity over all sights.
 ///
-/// Sums are formed over 64 sights at a time, and joined by the formulas of Chan, Golub and LeVeque (1979); so are the sums of
-/// different groups of trajectories. So the processor need not wait for one sight before it adds the next.
+/// Sums are formed over 64 sights at a time, and joined by the formulas of Chan, Golub and LeVeque (1979); so are the
+/// sums of different groups of trajectories. So the processor need not wait for one sight before it adds the next.
 #[derive(Debug, Clone)]
 pub struct Mean<Q> {
     quantity: Q,

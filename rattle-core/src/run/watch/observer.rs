@@ -3,11 +3,12 @@
 use crate::error::Error;
 use crate::run::watch::sight::Sight;
 
-/// Is shown trajectories as they go: that of a [simulation](crate::run::simulation::Simulation::observe), or those of an
-/// [ensemble](crate::run::ensemble::Ensemble::observe). A pair and an array of observers are observers too.
+/// Is shown trajectories as they go: that of a [simulation](crate::run::simulation::Simulation::observe), or those of
+/// an [ensemble](crate::run::ensemble::Ensemble::observe). A pair and an array of observers are observers too.
 ///
 /// In an ensemble each group of trajectories has an observer of its own, which is shown them in turn. At the end these
-/// observers are joined in the order of the trajectories; so the outcome is the same, bit for bit, for any number of threads.
+/// observers are joined in the order of the trajectories; so the outcome is the same, bit for bit, for any number of
+/// threads.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, watch::{Observer, Sight}};

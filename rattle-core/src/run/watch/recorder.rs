@@ -38,8 +38,8 @@ pub struct Columns<const D: usize> {
 }
 
 impl<const D: usize> Columns<D> {
-    /// A table with step, trajectory and time alone; the methods below add columns. Before closures of [`quantity`](Self::quantity)
-    /// the compiler has to know the number of coordinates: `Columns::<3>::new()`.
+    /// A table with step, trajectory and time alone; the methods below add columns. Before closures of
+    /// [`quantity`](Self::quantity) the compiler has to know the number of coordinates: `Columns::<3>::new()`.
     #[must_use]
     pub fn new() -> Self {
         Self { columns: Vec::new(), times: None }

@@ -6,8 +6,8 @@ use nalgebra::SVector;
 
 /// A Poincaré section: where and when trajectories pass from s < 0 to s ≥ 0.
 ///
-/// Between two sights the path of a body is taken to be the cubic through both places with the velocities there; momenta are taken
-/// for velocities, as those of unit masses are. The crossing is where s is zero on that path.
+/// Between two sights the path of a body is taken to be the cubic through both places with the velocities there;
+/// momenta are taken for velocities, as those of unit masses are. The crossing is where s is zero on that path.
 #[derive(Debug, Clone)]
 pub struct Section<Q, const D: usize> {
     quantity: Q,
@@ -33,8 +33,8 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
         Self { quantity, crossings: Vec::new() }
     }
 
-    /// All crossings: those of the first group of trajectories in the order in which they happened, then those of the next group.
-    /// [`return_times`](Self::return_times) sorts them by trajectory.
+    /// All crossings: those of the first group of trajectories in the order in which they happened, then those of the
+    /// next group. [`return_times`](Self::return_times) sorts them by trajectory.
     pub fn crossings(&self) -> &[Crossing<D>] {
         &self.crossings
     }
@@ -42,7 +42,8 @@ impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
     /// Where s passes from s₀ < 0 to s₁ ≥ 0.
     #[inline(never)]
     fn crossing(&self, (before, s0): (&Sight<'_, D>, f64), (now, s1): (&Sight<'_, D>, f64)) -> Crossing<D> {
-        // The root by regula falsi; s at an end that stays twice is halved (Dowell and Jarratt 1971). It is nearly linear in a step.
+        // The root by regula falsi; s at an end that stays twice is halved (Dowell and Jarratt 1971). It is nearly
+        // linear in a step.
         let (mut low, mut high, mut at_low, mut at_high) = (0.0, 1.0, s0, s1);
         let (mut crossing, mut last, mut was_below) = (Crossing::of(now), f64::NAN, None);
         for _ in 0..60 {

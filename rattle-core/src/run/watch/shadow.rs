@@ -1,7 +1,8 @@
-//! Shadow energies: what RATTLE keeps to a higher order than the energy, and so sees faults that the energy does not show.
+//! Shadow energies: what RATTLE keeps to a higher order than the energy, and so sees faults that the energy does not
+//! show.
 //!
-//! A symplectic method follows a nearby mechanical system almost exactly; its energy differs from H by O(h²) and is kept
-//! to rounding, or to exp(−c/h). Two approximations, for constraints at rest:
+//! A symplectic method follows a nearby mechanical system almost exactly; its energy differs from H by O(h²) and is
+//! kept to rounding, or to exp(−c/h). Two approximations, for constraints at rest:
 //!
 //! ```text
 //! H₂ = H + h² ( aᵀM a/24 + Ü/12 ),   a = M⁻¹(f + Gᵀλ),   Ü = d²U/dt² along the motion      from one state, to h⁴
@@ -25,8 +26,8 @@ use nalgebra::SVector;
 use std::collections::VecDeque;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h². NaN in phase space, where no
-    /// masses are known.
+    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h². NaN in phase
+    /// space, where no masses are known.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -62,9 +63,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-/// Keeps the shadow energy E of a run, from positions alone. It wants to see every step: where steps are missing between two
-/// sights it begins anew, and so does it where the trajectory is another ([`Each`](crate::run::watch::Each) keeps those of
-/// an ensemble apart).
+/// Keeps the shadow energy E of a run, from positions alone. It wants to see every step: where steps are missing
+/// between two sights it begins anew, and so does it where the trajectory is another ([`Each`](crate::run::watch::Each)
+/// keeps those of an ensemble apart).
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, watch::{Each, ShadowEnergy}, State};

@@ -21,7 +21,8 @@ pub trait Source<const D: usize> {
     fn step_size(&self) -> f64;
 }
 
-/// A trajectory at one time: number, steps, time, positions and momenta. Energies and multipliers are evaluated on request.
+/// A trajectory at one time: number, steps, time, positions and momenta. Energies and multipliers are evaluated on
+/// request.
 #[derive(Clone, Copy)]
 pub struct Sight<'a, const D: usize> {
     /// The number of the trajectory in the ensemble, counted from 0; 0 in a simulation.
@@ -52,7 +53,8 @@ impl<const D: usize> Sight<'_, D> {
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). As that of a
-    /// [`Simulation`](crate::run::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked for.
+    /// [`Simulation`](crate::run::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked
+    /// for.
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
         self.energies()[0]
@@ -95,8 +97,8 @@ impl<const D: usize> Sight<'_, D> {
     }
 
     /// Multipliers λ of all equations, from g̈ = 0, as
-    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers). A call allocates. Asked of the sight before,
-    /// it also evaluates the constraints there.
+    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers). A call allocates. Asked of the
+    /// sight before, it also evaluates the constraints there.
     #[must_use]
     pub fn multipliers(&self) -> Vec<f64> {
         let (source, trajectory) = self.source;

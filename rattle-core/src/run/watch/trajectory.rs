@@ -36,8 +36,8 @@ pub struct Trajectory {
 /// λ and μ of a run, one of each per equation and row, on the scale of M q̈ = −∇U + Gᵀλ.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
-    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN in an ensemble, where observers are not
-    /// told multipliers.
+    /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN in an ensemble, where
+    /// observers are not told multipliers.
     pub position: Vec<f64>,
     /// μ of the step that led to the row; in the first row λ(t₀) of the exact motion.
     pub momentum: Vec<f64>,

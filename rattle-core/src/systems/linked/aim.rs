@@ -2,9 +2,9 @@
 //! [`crate::solve::aim`].
 //!
 //! What a guess is off by in an equation is the residual there, gᵢ/|∇gᵢ|. It is known anyway, and knows nothing of how
-//! far apart the sheets of other equations are. In a long chain some equation is always where its residual changes sign.
-//! So only equations whose residual is not as usual are looked at inside the step, and where the root is followed, only
-//! those that did not look right there.
+//! far apart the sheets of other equations are. In a long chain some equation is always where its residual changes
+//! sign. So only equations whose residual is not as usual are looked at inside the step, and where the root is
+//! followed, only those that did not look right there.
 
 use crate::number::vector::{dot, largest};
 use crate::solve::aim::{INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, grows_to};
@@ -22,8 +22,8 @@ const SMOOTH: f64 = 0.1;
 const LITTLE_OFF: f64 = 1.0 / 64.0;
 
 impl<const D: usize> Flight<'_, D> {
-    /// Whether a landing that nothing speaks against at the two ends of the step is the right one: where guesses were off
-    /// as usual, or else inside. If not, `room.suspect` says which equations look wrong.
+    /// Whether a landing that nothing speaks against at the two ends of the step is the right one: where guesses were
+    /// off as usual, or else inside. If not, `room.suspect` says which equations look wrong.
     pub(crate) fn is_the_one(
         &self,
         landing: &Landing,

@@ -1,5 +1,6 @@
 //! Position equations of linked bodies by one matrix that is kept, that of the guess or that of the start: see
-//! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the step.
+//! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the
+//! step.
 
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
@@ -12,9 +13,9 @@ use crate::systems::network::solver::Solver;
 const SLOWEST: f64 = 0.5;
 
 impl<const D: usize> Flight<'_, D> {
-    /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0. Where that is
-    /// not good enough to tell that the root is the right one, by Newton's method from g̈ = 0; what was tried is kept if
-    /// that finds the same.
+    /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0. Where that
+    /// is not good enough to tell that the root is the right one, by Newton's method from g̈ = 0; what was tried is
+    /// kept if that finds the same.
     pub(super) fn try_to_solve<X: Iteration>(
         &self,
         guess: &[f64],
@@ -39,7 +40,8 @@ impl<const D: usize> Flight<'_, D> {
         Ok(found)
     }
 
-    /// Solves once; says how much normals turn, and whether nothing at the two ends of the step speaks against what was found.
+    /// Solves once; says how much normals turn, and whether nothing at the two ends of the step speaks against what was
+    /// found.
     fn attempt<X: Iteration>(
         &self,
         guess: &[f64],
@@ -68,9 +70,9 @@ impl<const D: usize> Flight<'_, D> {
         (landing, turn, self.trusts_all(&landing, turn, path, solver, room))
     }
 
-    /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as it
-    /// is or corrected by each residual. Not converged where residuals are not halved. With `look`, `room.blocks` are the
-    /// gradients at the guess.
+    /// Solves the position equation from and into `room.y` with one matrix, that of the guess or that of the start, as
+    /// it is or corrected by each residual. Not converged where residuals are not halved. With `look`, `room.blocks`
+    /// are the gradients at the guess.
     fn chords<X: Iteration>(
         &self,
         solver: &mut Solver<D>,
@@ -136,8 +138,8 @@ impl<const D: usize> Flight<'_, D> {
 }
 
 impl<const D: usize> Room<D> {
-    /// Broyden's update: `dx`, the correction by the matrix of the start, becomes that by the matrix that agrees with all
-    /// residuals of this solve so far, of which it is the n-th. False where there is no room for more.
+    /// Broyden's update: `dx`, the correction by the matrix of the start, becomes that by the matrix that agrees with
+    /// all residuals of this solve so far, of which it is the n-th. False where there is no room for more.
     ///
     /// ```text
     /// A₊ = A + g₊ sᵀ/|s|²        s the last correction, g₊ the residual that it left

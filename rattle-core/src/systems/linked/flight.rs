@@ -1,6 +1,7 @@
 //! The position equation of one component, solved along the motion.
 //!
-//! Each component is solved by itself. With W = M⁻¹G(q)ᵀ, or an orthonormal basis of its columns, the position equation is
+//! Each component is solved by itself. With W = M⁻¹G(q)ᵀ, or an orthonormal basis of its columns, the position equation
+//! is
 //!
 //! ```text
 //! r(x) = g(q + free + W x) = 0
@@ -15,8 +16,8 @@
 //! ([`crate::solve::stop`]). It also ends where a fresh derivative, equal to the one before, does not make residuals
 //! smaller: then they are the rounding of g itself.
 //!
-//! **Which root**: see [`crate::solve::root`]. Upright means here that pivots stay positive, and a path is short in which
-//! the normals turn by less than a half.
+//! **Which root**: see [`crate::solve::root`]. Upright means here that pivots stay positive, and a path is short in
+//! which the normals turn by less than a half.
 
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, largest, sum};
@@ -41,8 +42,8 @@ pub(crate) const HALVINGS: i32 = 24;
 pub(crate) const SHORT: f64 = 0.2;
 /// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
 pub(crate) const LOST: f64 = 1e-7;
-/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it: where
-/// a mechanism branches, places are known to √ε.
+/// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it:
+/// where a mechanism branches, places are known to √ε.
 pub(crate) const BRANCHING: f64 = 1e-6;
 pub(crate) const MUCH_SHORTER: f64 = 1e-3;
 /// A multiplier that acts along less than this part of ∇g is what stopped a step.
@@ -239,8 +240,8 @@ impl<const D: usize> Flight<'_, D> {
         longest
     }
 
-    /// Solves the position equation for the part `s` of the step, from and into `room.y`. `note` is told every residual,
-    /// as a length.
+    /// Solves the position equation for the part `s` of the step, from and into `room.y`. `note` is told every
+    /// residual, as a length.
     pub(crate) fn land(
         &self,
         solver: &mut Solver<D>,
@@ -334,8 +335,8 @@ impl<const D: usize> Flight<'_, D> {
         Landing { converged: reached, ..landing }
     }
 
-    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By these
-    /// gradients, or those at the trial.
+    /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By
+    /// these gradients, or those at the trial.
     pub(crate) fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
         match self.rows().width() {
             2 => self.measure_in::<2>(blocks, room),

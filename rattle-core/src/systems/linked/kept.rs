@@ -49,7 +49,8 @@ pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) series: Option<Box<SeriesRoom<D>>>,
 }
 
-/// After steps that did not follow their root: how far it was last asked whether other roots are near, and whether one was.
+/// After steps that did not follow their root: how far it was last asked whether other roots are near, and whether one
+/// was.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Crowd {
     pub(super) asked: f64,
@@ -224,8 +225,8 @@ pub(crate) fn along<const D: usize>(rows: &Rows, row: usize, blocks: &[[f64; D]]
     sum
 }
 
-/// Writes by how much ∇gᵢ·v falls short of −∂g/∂t. With `SMALL`, whether that is no more than comes from forming it. Bodies that
-/// are pinned have no velocity; `A` is how many blocks each equation has, or 0.
+/// Writes by how much ∇gᵢ·v falls short of −∂g/∂t. With `SMALL`, whether that is no more than comes from forming it.
+/// Bodies that are pinned have no velocity; `A` is how many blocks each equation has, or 0.
 #[inline(always)]
 pub(crate) fn fall_short<const SMALL: bool, const A: usize, const D: usize>(
     rows: &Rows,

@@ -72,7 +72,8 @@ impl<F: Forces<f64, D>, const D: usize> Stages<F, D> {
     }
 }
 
-/// Room for the products of all functions, of λ with n and r, and of n with v; and for coefficients of the order under way.
+/// Room for the products of all functions, of λ with n and r, and of n with v; and for coefficients of the order under
+/// way.
 #[derive(Debug, Clone)]
 pub(super) struct SeriesRoom<const D: usize> {
     pub(super) products: Products<f64>,

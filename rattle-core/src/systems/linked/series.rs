@@ -6,8 +6,8 @@
 //! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ + rₖ = 0,   qₖ₊₁ = vₖ/(k + 1)
 //! ```
 //!
-//! nₖ and rₖ are known from q₀ … qₖ. What is not known of the first sum is G₀ᵀλₖ₋₁, so that the second one gives λₖ₋₁ by the
-//! factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
+//! nₖ and rₖ are known from q₀ … qₖ. What is not known of the first sum is G₀ᵀλₖ₋₁, so that the second one gives λₖ₋₁
+//! by the factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
 
 use crate::effect::list::Forces;
 use crate::kernel::recurrences::Recurrences;
@@ -176,7 +176,8 @@ fn note<const FIRST: bool, const D: usize>(
 }
 
 impl<const D: usize> Shape<D> {
-    /// The next coefficients of all gradients, of what of them multipliers act along, and of ∂g/∂t; `time` is that of t.
+    /// The next coefficients of all gradients, of what of them multipliers act along, and of ∂g/∂t; `time` is that of
+    /// t.
     fn series(
         &self,
         time: f64,

@@ -1,12 +1,14 @@
-//! Whether a step of a method that follows no root has ended at the roots that it began on, where equations have several.
+//! Whether a step of a method that follows no root has ended at the roots that it began on, where equations have
+//! several.
 //!
-//! Two signs tell that it may be at others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change where bodies are moved
-//! along them as far as the step may have led astray; or an equation *inside* the step, on a curve through its ends, is not as
-//! small as it is along one root. Either is a reason to go there: bodies are led along the curve in parts of the step, each of which lands
-//! as a step of RATTLE does. From another root one arrives beside. Going there allocates.
+//! Two signs tell that it may be at others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change
+//! where bodies are moved along them as far as the step may have led astray; or an equation *inside* the step, on a
+//! curve through its ends, is not as small as it is along one root. Either is a reason to go there: bodies are led
+//! along the curve in parts of the step, each of which lands as a step of RATTLE does. From another root one arrives
+//! beside. Going there allocates.
 //!
-//! The curve is Hermite's cubic, and where an equation is not small on that one, the quartic that knows the acceleration at
-//! the end as well.
+//! The curve is Hermite's cubic, and where an equation is not small on that one, the quartic that knows the
+//! acceleration at the end as well.
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
@@ -29,8 +31,8 @@ const FARTHER: f64 = 4.0;
 /// … and no farther than this part of the radius in which paths are bent: any link turns there.
 const OF_RADIUS: f64 = 0.1;
 
-/// On the quartic g is less than this part of s (s/path)⁴, where s is by how much a body's velocity changes, times h: three
-/// times what it is on a circle. For a body that starts at rest that is more than it may have been led astray.
+/// On the quartic g is less than this part of s (s/path)⁴, where s is by how much a body's velocity changes, times h:
+/// three times what it is on a circle. For a body that starts at rest that is more than it may have been led astray.
 const OF_TURN: f64 = 1e-3;
 
 /// Parts of a step in which one goes there, and in which it is tried again and again.
@@ -75,7 +77,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         if self.is_off_inside(h, true, before, now) { self.go_there(h, before, now) } else { Ok(()) }
     }
 
-    /// Velocities at the two ends of a step in `drift` and `velocity`, and in `push` how far astray it may have led each body.
+    /// Velocities at the two ends of a step in `drift` and `velocity`, and in `push` how far astray it may have led
+    /// each body.
     fn take_ends(&self, h: f64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
         let Kept { room, .. } = &mut now.kept;
         for (body, root) in self.shape.roots.iter().enumerate() {
@@ -86,7 +89,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
     }
 
-    /// Now and then, and after a step that may have led farther astray than was asked for, asks whether other roots are near.
+    /// Now and then, and after a step that may have led farther astray than was asked for, asks whether other roots are
+    /// near.
     fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
         let astray = most(now.kept.room.push.iter().map(largest));
         let asked = now.kept.crowd.asked;
@@ -102,7 +106,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now.kept.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
     }
 
-    /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what it was.
+    /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what
+    /// it was.
     #[cold]
     #[inline(never)]
     fn others_are_near(&self, steps: u64, reach: f64, now: &mut BodiesOf<F, N, D>) -> bool {
@@ -134,8 +139,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         })
     }
 
-    /// Whether an equation is not as small inside the step as it is along one root, on the curve of the two ends and of `lift`:
-    /// a cubic or a quartic.
+    /// Whether an equation is not as small inside the step as it is along one root, on the curve of the two ends and of
+    /// `lift`: a cubic or a quartic.
     fn is_off_inside(
         &self,
         h: f64,
@@ -233,7 +238,8 @@ fn most(numbers: impl Iterator<Item = f64>) -> f64 {
     numbers.fold(0.0, |most, x| if x <= most { most } else { x })
 }
 
-/// Where a body is after the share s of a step of length h, on the curve of its places and velocities at both ends, and of `lift`.
+/// Where a body is after the share s of a step of length h, on the curve of its places and velocities at both ends, and
+/// of `lift`.
 fn between<const D: usize>(
     h: f64,
     s: f64,

@@ -68,8 +68,8 @@ impl Chain {
         Some(Self { links })
     }
 
-    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry, or
-    /// to the size of that, and its row. `A` is how many blocks a row has, or 0.
+    /// Factors (blocks)(lifted)ᵀ, or its symmetric part. Returns the smallest ratio of a pivot to its diagonal entry,
+    /// or to the size of that, and its row. `A` is how many blocks a row has, or 0.
     #[inline(always)]
     pub(super) fn factor<const SYMMETRIC: bool, const A: usize, const D: usize>(
         &self,

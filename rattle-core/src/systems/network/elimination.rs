@@ -36,7 +36,8 @@ pub(crate) struct Elimination<const D: usize> {
     /// Rows that touch a body, with the block.
     touching: Vec<(usize, usize)>,
     touching_start: Vec<usize>,
-    /// The same where no body touches more than two, with a block of zeros past all others for a second one that is not.
+    /// The same where no body touches more than two, with a block of zeros past all others for a second one that is
+    /// not.
     pairs: Option<Vec<[(usize, usize); 2]>>,
     /// For each block 1/m along each coordinate, 0 where pinned; none where a mass is a matrix.
     over_masses: Option<Vec<[f64; D]>>,
@@ -346,8 +347,8 @@ impl<const D: usize> Elimination<D> {
         self.combine(rows, &self.lifted, x, |body, blocks| see(body, blocks.add_to([0.0; D], 1.0)));
     }
 
-    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and GᵀΛ/h. `impulses` is room for as many numbers as x
-    /// has.
+    /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene, and GᵀΛ/h. `impulses` is room for as many
+    /// numbers as x has.
     #[inline(always)]
     pub(crate) fn moves(
         &self,

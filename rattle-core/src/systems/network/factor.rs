@@ -1,8 +1,8 @@
 //! L and U of a sparse matrix, row by row on a fixed pattern.
 //!
-//! In nets most of the work is in the last rows, where many rows of U have the same columns. These are subtracted together:
-//! what they are subtracted from lies side by side meanwhile, and is read once for four of them. Each entry goes through the
-//! same operations in the same order as if they came one by one.
+//! In nets most of the work is in the last rows, where many rows of U have the same columns. These are subtracted
+//! together: what they are subtracted from lies side by side meanwhile, and is read once for four of them. Each entry
+//! goes through the same operations in the same order as if they came one by one.
 
 use crate::systems::network::pattern::Pattern;
 use std::array::from_fn;
@@ -36,8 +36,8 @@ impl Factor {
         }
     }
 
-    /// Eliminates row k, which is in `line`; its pivot. `WIDE` where [`TOGETHER`] rows are alike anywhere: a chain, where none
-    /// are, does not wait for the question.
+    /// Eliminates row k, which is in `line`; its pivot. `WIDE` where [`TOGETHER`] rows are alike anywhere: a chain,
+    /// where none are, does not wait for the question.
     #[inline(always)]
     pub(super) fn eliminate<const WIDE: bool>(&mut self, pattern: &Pattern, k: usize) -> f64 {
         let end = pattern.lower_start[k + 1];
@@ -68,7 +68,8 @@ impl Factor {
         pivot
     }
 
-    /// Takes row and column k, just eliminated, out of L and U: with 0 on the right side at k the others are solved for.
+    /// Takes row and column k, just eliminated, out of L and U: with 0 on the right side at k the others are solved
+    /// for.
     pub(super) fn leave_out(&mut self, pattern: &Pattern, k: usize) {
         self.lower[pattern.lower_start[k]..pattern.lower_start[k + 1]].fill(0.0);
         self.upper[pattern.upper_start[k]..pattern.upper_start[k + 1]].fill(0.0);

@@ -1,7 +1,7 @@
 //! Bodies of many equations: their displacements are unknowns beside the multipliers.
 //!
-//! All equations of one body are neighbours of each other in G M⁻¹Gᵀ, so that a star of n links would be a full matrix of n
-//! rows. With the displacement of such a **hub**, as y = Lᵀδ for M = L Lᵀ, it is as sparse as the links are:
+//! All equations of one body are neighbours of each other in G M⁻¹Gᵀ, so that a star of n links would be a full matrix
+//! of n rows. With the displacement of such a **hub**, as y = Lᵀδ for M = L Lᵀ, it is as sparse as the links are:
 //!
 //! ```text
 //! A Λ + B y = r        A   G M⁻¹Gᵀ over all other bodies
@@ -12,9 +12,9 @@
 //! takes D columns, whatever their number. Pivots of hubs are 1 and what is added to it, and positive like those of
 //! equations, until normals are turned over.
 //!
-//! **Order.** Equations go first that touch a body beside their hubs, in minimum degree over these bodies; then the hubs, in
-//! minimum degree over the chains that tie them together. An equation between hubs alone has no pivot of its own before one of its
-//! hubs is eliminated: it comes right after the first.
+//! **Order.** Equations go first that touch a body beside their hubs, in minimum degree over these bodies; then the
+//! hubs, in minimum degree over the chains that tie them together. An equation between hubs alone has no pivot of its
+//! own before one of its hubs is eliminated: it comes right after the first.
 
 use crate::systems::network::order::minimum_degree;
 use crate::systems::network::pattern::Pattern;
@@ -34,8 +34,8 @@ pub(super) struct Hubs {
 const NONE: usize = usize::MAX;
 
 impl Hubs {
-    /// Hubs and the pattern with their `coordinates` each as unknowns m, m + 1, …; None where a matrix without them has no more
-    /// entries.
+    /// Hubs and the pattern with their `coordinates` each as unknowns m, m + 1, …; None where a matrix without them has
+    /// no more entries.
     pub(super) fn split(
         rows_of_body: &[Vec<usize>],
         m: usize,
@@ -62,7 +62,8 @@ impl Hubs {
         Some(self.of_body[body]).filter(|&hub| hub != NONE)
     }
 
-    /// Unknowns that are neighbours all: the equations of a body, the coordinates of a hub, and these with one equation.
+    /// Unknowns that are neighbours all: the equations of a body, the coordinates of a hub, and these with one
+    /// equation.
     fn cliques(&self, rows_of_body: &[Vec<usize>], m: usize, coordinates: usize) -> Vec<Vec<usize>> {
         let mut cliques = Vec::new();
         for (body, rows) in rows_of_body.iter().enumerate() {

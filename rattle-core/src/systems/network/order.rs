@@ -1,8 +1,8 @@
 //! An order of elimination with little fill: rows of approximate minimum degree, on the quotient graph.
 //!
-//! Two rows are neighbours where they share an **element**. At first the elements are the bodies; eliminating a row makes
-//! one new element of all its neighbours, in place of the elements that the row was in. No edge is ever stored, and what a
-//! row takes is what its new element holds.
+//! Two rows are neighbours where they share an **element**. At first the elements are the bodies; eliminating a row
+//! makes one new element of all its neighbours, in place of the elements that the row was in. No edge is ever stored,
+//! and what a row takes is what its new element holds.
 //!
 //! ```text
 //! degree of i  ≈  |new ∖ i| + Σ |e ∖ new|        over the other elements e of i
@@ -26,7 +26,8 @@ pub(super) fn minimum_degree(rows_of_body: &[Vec<usize>], m: usize) -> Vec<usize
 }
 
 struct Quotient {
-    /// Rows of each element, some of which may have been merged or eliminated since; empty once the element is absorbed.
+    /// Rows of each element, some of which may have been merged or eliminated since; empty once the element is
+    /// absorbed.
     rows_of: Vec<Vec<usize>>,
     /// How many rows an element has, counted with those that are merged.
     size: Vec<usize>,

@@ -102,7 +102,8 @@ impl<'a> Graph<'a> {
         rows.map(|row| self.neighbours(row).filter(|&other| first(row, other)).count()).sum::<usize>() / 2
     }
 
-    /// The rows as they are named, if that fills in no more than an order of minimum degree: memory is then read in turn.
+    /// The rows as they are named, if that fills in no more than an order of minimum degree: memory is then read in
+    /// turn.
     fn least(&self) -> Ways {
         let m = self.bodies_of.len();
         let within = |most| self.ways((0..m).collect(), most);
@@ -152,8 +153,8 @@ impl<'a> Graph<'a> {
         Some(Ways { order, rank_of, lower, lower_start, parent })
     }
 
-    /// The order of a chain from both its ends at once: the processor then works on two recurrences that do not wait for
-    /// each other. None if the rows are no chain.
+    /// The order of a chain from both its ends at once: the processor then works on two recurrences that do not wait
+    /// for each other. None if the rows are no chain.
     fn chain_from_both_ends(&self) -> Option<Vec<usize>> {
         let m = self.bodies_of.len();
         if self.rows_of.iter().any(|rows| rows.len() > 2) {
@@ -180,8 +181,8 @@ impl<'a> Graph<'a> {
 }
 
 impl Ways {
-    /// The same elimination with every subtree in one piece: what a row takes is then still in the cache, and rows with the
-    /// same columns lie side by side.
+    /// The same elimination with every subtree in one piece: what a row takes is then still in the cache, and rows with
+    /// the same columns lie side by side.
     fn postorder(&self) -> Vec<usize> {
         let m = self.order.len();
         let mut children = vec![Vec::new(); m];

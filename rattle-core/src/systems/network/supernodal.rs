@@ -1,8 +1,8 @@
 //! The momentum equation by faer's supernodal Cholesky factorisation.
 //!
-//! G M⁻¹Gᵀ at one place is symmetric and positive definite: half the entries and half the operations of L and U, in dense
-//! blocks on registers as wide as the processor has. The position equation, whose normals are those of two places, stays
-//! with [`Factor`](super::factor::Factor).
+//! G M⁻¹Gᵀ at one place is symmetric and positive definite: half the entries and half the operations of L and U, in
+//! dense blocks on registers as wide as the processor has. The position equation, whose normals are those of two
+//! places, stays with [`Factor`](super::factor::Factor).
 
 use crate::systems::network::pattern::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -24,8 +24,8 @@ const OPERATIONS: usize = 40;
 
 pub(super) struct Supernodal {
     symbolic: Arc<SymbolicCholesky<usize>>,
-    /// The matrix up to its diagonal: columns of each row, ascending, and where they begin; by symmetry these are the rows of
-    /// the columns of its upper triangle.
+    /// The matrix up to its diagonal: columns of each row, ascending, and where they begin; by symmetry these are the
+    /// rows of the columns of its upper triangle.
     pub(super) columns: Vec<usize>,
     pub(super) start: Vec<usize>,
     pub(super) entries: Vec<f64>,
@@ -59,7 +59,8 @@ impl Supernodal {
         Some(Self { symbolic: Arc::new(symbolic), columns, start, entries, factor, room })
     }
 
-    /// Factors the entries. Returns the smallest ratio of a pivot to its diagonal entry, and where; 0 where there is no factor.
+    /// Factors the entries. Returns the smallest ratio of a pivot to its diagonal entry, and where; 0 where there is no
+    /// factor.
     pub(super) fn factor(&mut self) -> (f64, usize) {
         let m = self.start.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(m, m, &self.start, None, &self.columns);

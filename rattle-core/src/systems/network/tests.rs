@@ -133,7 +133,8 @@ fn trees_fill_in_nothing() {
     }
 }
 
-/// The fewest entries of L in any order, by the sets of rows that go first: a row takes those that it reaches through them.
+/// The fewest entries of L in any order, by the sets of rows that go first: a row takes those that it reaches through
+/// them.
 fn fewest(neighbours: &[Vec<usize>]) -> usize {
     let m = neighbours.len();
     let reaches = |first: usize, row: usize| {

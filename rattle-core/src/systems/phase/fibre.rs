@@ -5,8 +5,8 @@
 //! ```
 //!
 //! The fibres of a general constraint have no formula, so the flow is computed to rounding: by the Gauss method of five
-//! stages, order 10, which is symmetric, keeps quadratic g, and here takes parts so short that its error stays below 1e-16
-//! of the motion. For g(q) the flow is the kick p + Gᵀσ, found at once.
+//! stages, order 10, which is symmetric, keeps quadratic g, and here takes parts so short that its error stays below
+//! 1e-16 of the motion. For g(q) the flow is the kick p + Gᵀσ, found at once.
 
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::systems::phase::point::Point;
@@ -59,8 +59,8 @@ const B: [f64; STAGES] = [
     0.118_463_442_528_094_54,
 ];
 
-/// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is about 0.13, so that
-/// the error of a part, 4e-13 x¹⁰ of it with x the relative change of the field along it, stays below 1e-16.
+/// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is about 0.13, so
+/// that the error of a part, 4e-13 x¹⁰ of it with x the relative change of the field along it, stays below 1e-16.
 const CONTRACTION: f64 = 1.0 / 20.0;
 /// Iterations of the stages; with that factor a dozen suffice.
 const MAX_ITERATIONS: usize = 30;

@@ -6,9 +6,10 @@
 //! ```
 //!
 //! with the sign of λ as everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0, with
-//! {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the gᵢ
-//! then make *fibres* within g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden constraint,
-//! which a start must satisfy too; it is determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A step is
+//! {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the
+//! gᵢ then make *fibres* within g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden
+//! constraint, which a start must satisfy too; it is determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A
+//! step is
 //!
 //! ```text
 //! z̃  = z slid along its fibre by h/2 λ
@@ -17,16 +18,17 @@
 //! ```
 //!
 //! with the Störmer–Verlet step Φₕ of H as if it were free. It is symplectic on the hidden constraint, symmetric and of
-//! second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::methods::rattle). What z* is does not depend on where on
-//! its fibre z was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its own.
+//! second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::methods::rattle). What z* is does not depend
+//! on where on its fibre z was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its
+//! own.
 //!
-//! Where N loses its inverse the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes by
-//! half of itself is refused.
+//! Where N loses its inverse the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes
+//! by half of itself is refused.
 //!
 //! H is told as kinetic energy, and no shadow energy is known (NaN).
 //!
-//! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found. Comput.
-//! Math. 14 (2014) 339.
+//! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found.
+//! Comput. Math. 14 (2014) 339.
 
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::systems::phase::point::Point;

@@ -6,8 +6,9 @@
 //! ```
 //!
 //! Newton's method, from the first two terms of e in powers of h where e is short, and from the first elsewhere: a
-//! function of the momentum alone. A solve ends with a correction at the rounding floor, or one that no longer shrinks: where it ended
-//! with what the next correction was estimated to be, the energy of a needle drifted by 4e-19 of itself each step.
+//! function of the momentum alone. A solve ends with a correction at the rounding floor, or one that no longer shrinks:
+//! where it ended with what the next correction was estimated to be, the energy of a needle drifted by 4e-19 of itself
+//! each step.
 
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use std::array::from_fn;

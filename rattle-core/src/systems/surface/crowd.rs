@@ -4,8 +4,8 @@ use crate::error::Error;
 use crate::motion::record::{Reading, Record};
 use crate::solve::crowd::EVERY as SHARES_EVERY;
 
-/// After so many drifts it is asked again: for one step of a tile that has to be gone on from, it is asked more often than
-/// where a stretch can be gone through again.
+/// After so many drifts it is asked again: for one step of a tile that has to be gone on from, it is asked more often
+/// than where a stretch can be gone through again.
 pub(super) const EVERY: u64 = 16;
 
 /// It is asked for steps so much longer than the longest one.

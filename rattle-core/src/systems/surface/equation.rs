@@ -45,8 +45,8 @@ impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K
     }
 }
 
-/// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no straight line along the normal where the place
-/// is moved by some roundings of this size.
+/// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no straight line along the normal
+/// where the place is moved by some roundings of this size.
 #[cold]
 #[inline(never)]
 pub(crate) fn rounding_of<T: Real, const D: usize>(

@@ -16,14 +16,15 @@
 //! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not know how g is
 //! scaled. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With
 //! γ = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g do nothing. Once that is spare
-//! ([`crate::solve::stop`]), the slope there is evaluated, which the end of the step needs anyway. Its difference from the
-//! slope s̃ of the parabola tells what third derivatives do: (1 − s̃/s) δ₂ is left of g(q′). If that is spare too the solve
-//! ends. Otherwise it goes on until a correction is at the floor, or a Newton step below √ε of the place is no longer half the
-//! one before although the slope no longer changes: then it is the rounding of g itself. Where g jumps, Newton's steps
-//! do not shrink either, and are long.
+//! ([`crate::solve::stop`]), the slope there is evaluated, which the end of the step needs anyway. Its difference from
+//! the slope s̃ of the parabola tells what third derivatives do: (1 − s̃/s) δ₂ is left of g(q′). If that is spare too
+//! the solve ends. Otherwise it goes on until a correction is at the floor, or a Newton step below √ε of the place is
+//! no longer half the one before although the slope no longer changes: then it is the rounding of g itself. Where g
+//! jumps, Newton's steps do not shrink either, and are long.
 //!
-//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule is the same: the next
-//! correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the slope s there is evaluated, and
+//! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule
+//! is the same: the next correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the
+//! slope s there is evaluated, and
 //! |1 − s/s̃| δₖ is left with the slope s̃ that was used. They are on their own only while each correction is at most half the one
 //! before: else, and where the root found is not trusted, Newton's method makes the step.
 //!

@@ -1,15 +1,16 @@
 //! Whether a step that did not follow its root has ended on the sheet that it began on.
 //!
-//! Power series, explicit methods and collocation come to a place on *a* sheet. Two signs tell that it may be another one: g rises
-//! and falls along the normal, as it does where other sheets are near ([`crate::solve::crowd`]); or g *inside* the step, on a
-//! curve through its two ends, is not as small as it is along one sheet. Either is a reason to ask whether one can walk
-//! there: with short ways along the sheet, by way of the step's own curve, each of which lands as a step of RATTLE does and is
-//! looked at inside. On another sheet one arrives beside it, and only a way across is left.
+//! Power series, explicit methods and collocation come to a place on *a* sheet. Two signs tell that it may be another
+//! one: g rises and falls along the normal, as it does where other sheets are near ([`crate::solve::crowd`]); or g
+//! *inside* the step, on a curve through its two ends, is not as small as it is along one sheet. Either is a reason to
+//! ask whether one can walk there: with short ways along the sheet, by way of the step's own curve, each of which lands
+//! as a step of RATTLE does and is looked at inside. On another sheet one arrives beside it, and only a way across is
+//! left.
 //!
-//! The curve is Hermite's cubic, and where g is not small on that one, the quartic that knows the acceleration at the end
-//! as well. On the lemniscate at h = 0.02 and 0.05 a fifth and a half of all steps ask for the quartic, and 0.03 % and 2 % for a
-//! walk. Neither sign suffices: of a million random scenes the first one alone misses a sheet in 100 of those that
-//! Lobatto methods and power series move, and the second one, where sheets lie close, in one of 200.
+//! The curve is Hermite's cubic, and where g is not small on that one, the quartic that knows the acceleration at the
+//! end as well. On the lemniscate at h = 0.02 and 0.05 a fifth and a half of all steps ask for the quartic, and 0.03 %
+//! and 2 % for a walk. Neither sign suffices: of a million random scenes the first one alone misses a sheet in 100 of
+//! those that Lobatto methods and power series move, and the second one, where sheets lie close, in one of 200.
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
@@ -34,8 +35,8 @@ const MOST_WAYS: usize = 256;
 /// The smallest part of what is left to walk that is tried at once.
 const SMALLEST_SHARE: f64 = 1.0 / 1024.0;
 
-/// One is there within so many roundings of the size of places, or of the way: the rounding of g may be some thousand of
-/// that of places.
+/// One is there within so many roundings of the size of places, or of the way: the rounding of g may be some thousand
+/// of that of places.
 const THERE: f64 = 65536.0;
 
 /// Parts of the step that a walk goes by way of.
@@ -51,8 +52,8 @@ const OF_RADIUS: f64 = 0.1;
 const FARTHER: f64 = 4.0;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// Now and then, and after a step that may have led farther astray than was asked for, looks around each body; and while one is
-    /// near other sheets, whether all are still on their own.
+    /// Now and then, and after a step that may have led farther astray than was asked for, looks around each body; and
+    /// while one is near other sheets, whether all are still on their own.
     #[inline(always)]
     pub(super) fn check_each<T, const D: usize>(
         &self,
@@ -154,8 +155,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     }
 }
 
-/// How far a step of length h may have led astray: by how much more than its momenta say. Of a right step that is some part of
-/// h³; a sheet that was passed over makes it as large as the sheets are apart.
+/// How far a step of length h may have led astray: by how much more than its momenta say. Of a right step that is some
+/// part of h³; a sheet that was passed over makes it as large as the sheets are apart.
 #[inline(always)]
 fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> f64 {
     let half = T::from_f64(-0.5 * h);
@@ -164,7 +165,8 @@ fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>
     off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
 }
 
-/// Walks from one place towards another, by way of what places and momenta at both say. An error where that is not reached.
+/// Walks from one place towards another, by way of what places and momenta at both say. An error where that is not
+/// reached.
 #[cold]
 #[inline(never)]
 fn check_walk<T: Real, const D: usize>(

@@ -19,7 +19,8 @@ use crate::systems::surface::landing::Attempt;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use crate::systems::surface::position::{Departure, Landing};
 
-/// A body that departs: its path, force and, where a guess of λ is given, h·κ·|v| from that instead of second derivatives.
+/// A body that departs: its path, force and, where a guess of λ is given, h·κ·|v| from that instead of second
+/// derivatives.
 #[inline(always)]
 fn departure<'a, T, F, N, const D: usize>(
     kick: f64,

@@ -71,8 +71,8 @@ pub(super) fn plain<T: Real>(x: Number) -> T {
     T::from_f64(x.0)
 }
 
-/// Puts each of at most L into its lane; the last lanes repeat the last one. (A loop of a length that is not known when compiling
-/// stays one; unrolled, this would not fit the cache of instructions.)
+/// Puts each of at most L into its lane; the last lanes repeat the last one. (A loop of a length that is not known when
+/// compiling stays one; unrolled, this would not fit the cache of instructions.)
 #[inline(always)]
 fn spread<X, const L: usize>(each: &[X], mut put: impl FnMut(usize, &X)) {
     let number = each.len().min(L);
