@@ -136,7 +136,14 @@ impl Prices {
             });
             offers.min_by(|a, b| a.1.total_cmp(&b.1))
         };
-        (1..=15).filter_map(cheapest).collect()
+        let mut list: Vec<_> = (1..=15).filter_map(cheapest).collect();
+        // What is more exact for less serves fewer digits too.
+        for i in (1..list.len()).rev() {
+            if list[i].1 < list[i - 1].1 {
+                (list[i - 1].1, list[i - 1].2) = (list[i].1, list[i].2);
+            }
+        }
+        list
     }
 
     /// Where rounding takes over: the least error of position (of energy, where positions cannot be told) of a method whose shorter

@@ -81,10 +81,10 @@ fn passing(runner: &Runner<'_>, duration: f64) -> Result<f64, Stop> {
 /// Whether some steps of RATTLE of this length keep the energy.
 fn probe(runner: &Runner<'_>, h: f64) -> Result<bool, Stop> {
     let mut moving = runner.scene.begin(Rung { candidate: Candidate::Rattle, h, tolerance: 0.0 })?;
-    let (mut kinetic, mut error) = (moving.kinetic_energy(), 0.0_f64);
+    let (mut kinetic, mut error) = (moving.kinetic_energy().abs(), 0.0_f64); // in phase space all of H, of either sign
     for _ in 0..PROBE {
         moving.run(1)?;
-        kinetic = kinetic.max(moving.kinetic_energy());
+        kinetic = kinetic.max(moving.kinetic_energy().abs());
         error = error.max(moving.energy_error().abs());
         if runner.left() <= 0.0 {
             return Err(Stop::Late);
