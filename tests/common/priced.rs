@@ -9,7 +9,7 @@ use rattle::links::planar::{Rod, Slider};
 use rattle::nalgebra::Matrix3;
 use rattle::network::Network;
 use rattle::prelude::*;
-use rattle::price::{Clock, Planned};
+use rattle::price::{Clock, Planned, Prices};
 use rattle::scene::Hold;
 use rattle::{Error, counted::Counts};
 use std::fmt;
@@ -94,14 +94,18 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Counting<C, E, N, D> {
         bodies.map(distance).fold(0.0, f64::max)
     }
 
-    /// What a wish came to.
-    pub(crate) fn tried(&self, wish: f64, budget: f64, truth: &[f64]) -> Trial {
+    /// All ladders, whole.
+    pub(crate) fn prices(&self, budget: f64) -> Prices {
+        self.scene.price(&self.start, self.duration).budget(budget).clock(self.clock()).measure().unwrap()
+    }
+
+    /// What a wish came to, against the whole ladders.
+    pub(crate) fn tried(&self, wish: f64, budget: f64, truth: &[f64], all: &Prices) -> Trial {
         let (name, mut trial) = (self.name.clone(), Trial { wish, error: f64::INFINITY, ..Trial::default() });
         match self.within(wish, budget) {
             Ok(mut planned) => {
                 let spent = planned.run().unwrap();
-                let rows = &planned.prices.rows;
-                let met = rows.iter().filter(|row| row.position.is_some_and(|error| error <= wish));
+                let met = all.rows.iter().filter(|row| row.position.is_some_and(|error| error <= wish));
                 let least = met.map(|row| row.seconds).fold(f64::INFINITY, f64::min) * self.duration;
                 trial.error = self.off(&planned.simulation, truth);
                 trial.cost = spent.seconds / least;

@@ -36,6 +36,35 @@ pub struct Prices {
     pub seconds: f64,
 }
 
+/// Growth of errors from some parts of the pilot to others is not steady: they may be so many times as large as it lets expect.
+const UNSTEADY: f64 = 2.0;
+
+/// A run that may be longer than the pilot.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Longer {
+    pub(super) duration: f64,
+    pub(super) pilot: f64,
+    pub(super) lyapunov_time: Option<f64>,
+}
+
+impl Longer {
+    /// By what factor an error on the pilot interval is larger at the end of the whole run, at most.
+    pub(super) fn grown(self, price: &Price, what: Quantity) -> f64 {
+        let times = self.duration / self.pilot;
+        if times <= 1.0 {
+            return 1.0;
+        }
+        let [position, energy] = price.growth;
+        UNSTEADY
+            * match (what, self.lyapunov_time) {
+                (Quantity::Position, Some(time)) => ((self.duration - self.pilot) / time).exp(),
+                (Quantity::Position, None) => times.powf(position.clamp(1.0, 2.0)),
+                (Quantity::Energy, _) => times.powf(energy.clamp(0.0, 1.0)),
+                (Quantity::Average(_), _) => 1.0,
+            }
+    }
+}
+
 /// The mean of an observable over the looks of the pilot interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Average {
@@ -169,6 +198,12 @@ impl Prices {
     #[must_use]
     pub fn tells_positions(&self) -> bool {
         self.positions_until > 0.999_999 * self.pilot
+    }
+
+    /// By what factor an error on the pilot interval is larger at the end of the whole run, at most.
+    pub(super) fn grown(&self, price: &Price, what: Quantity) -> f64 {
+        let Self { duration, pilot, lyapunov_time, .. } = *self;
+        Longer { duration, pilot, lyapunov_time }.grown(price, what)
     }
 
     /// Marks the rows that nothing cheaper is as exact as.

@@ -14,17 +14,27 @@ use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
 use crate::run::price::ladder::{Pilot, Runner, Stop, distances};
 use crate::run::price::moving::{Movable, Observed, Rung, Set};
-use crate::run::price::prices::{Average, Price, Prices, Quantity, Refused};
+use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
 use crate::run::price::reference::{Reference, averages, most, pilot, runner_size};
 use crate::scene::Scene;
 use std::iter::zip;
 
 /// Seconds that measuring takes at most, if nothing is said.
 const BUDGET: f64 = 1.0;
-/// Of the budget, what finding the pilot and the reference may take.
-const FOR_REFERENCE: f64 = 0.35;
 /// Rungs of a ladder: each has at least √2 times as many steps as the one before, or a tenth of its tolerance.
 const RUNGS: usize = 48;
+/// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand times as long.
+const SHARE: f64 = 1e-3;
+/// The same where an error is aimed at, and no step is finer than that needs.
+const SHARE_OF_AIM: f64 = 1e-2;
+/// Of the budget, what finding the pilot and the reference may take, and what is spent when those of a longer one are found.
+const FOR_REFERENCE: f64 = 0.35;
+const FOR_LONGER: f64 = 0.5;
+/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must.
+const ENOUGH: usize = 2;
+const DEARER: usize = 3;
+/// There, a method may take a third of what is left: the next ones are cut short by what it finds.
+const SHARERS_OF_AIM: usize = 3;
 /// A row whose bodies are off by this part of their way says nothing.
 const USELESS: f64 = 0.3;
 
@@ -109,7 +119,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         refuse_random(self.scene, self.start, self.duration)?;
         let set = Set { scene: self.scene, start: self.start, observed: &self.observed };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
-        measure(&set, self.duration, &self.plan, &mut *tell).map(|measured| measured.prices)
+        measure(&set, self.duration, &self.plan, None, &mut *tell).map(|measured| measured.prices)
     }
 }
 
@@ -140,11 +150,60 @@ pub(super) struct Measured {
     pub(super) reference: Reference,
 }
 
-/// Finds the reference, and goes up every ladder.
+/// An error that is enough: ladders end where it is reached, or where it costs more than by another method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Aim {
+    pub(super) what: Quantity,
+    pub(super) error: f64,
+}
+
+/// How far a ladder is to be climbed.
+struct Climb<'a> {
+    pilot: &'a Pilot,
+    reference: &'a Reference,
+    /// The error that is enough at the end of the whole run, if any is, and by what it is more than that on the pilot interval.
+    aim: Option<(Aim, Longer)>,
+    /// What the cheapest row costs that is exact enough.
+    least: f64,
+}
+
+impl Climb<'_> {
+    fn is_enough(&self, row: &Price) -> bool {
+        self.aim.is_some_and(|(aim, longer)| {
+            row.error(aim.what).is_some_and(|error| error * longer.grown(row, aim.what) <= aim.error)
+        })
+    }
+}
+
+/// The pilot, for how long it can be told, and its motion.
+struct Exactly {
+    pilot: Pilot,
+    chaos: Chaos,
+    reference: Reference,
+}
+
+impl Exactly {
+    /// With a pilot on which RATTLE takes so many seconds.
+    fn with(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<Self, Stop> {
+        let mut pilot = pilot(runner, duration, seconds)?;
+        let chaos = Chaos::look_for(runner, &pilot, duration);
+        pilot.told = chaos.told(&pilot);
+        let reference = Reference::find(runner, &pilot)?;
+        Ok(Self { pilot, chaos, reference })
+    }
+
+    /// Whether a longer pilot would tell more about the whole run.
+    fn is_too_short(&self, duration: f64) -> bool {
+        self.pilot.length < duration && self.chaos.predictable.is_none()
+    }
+}
+
+/// Finds the reference, and goes up every ladder; where an error is enough, from the methods of high order on.
 pub(super) fn measure(
     scene: &dyn Movable,
     duration: f64,
     plan: &Plan,
+    aim: Option<Aim>,
     tell: &mut dyn FnMut(f64),
 ) -> Result<Measured, Error> {
     positive("budget", plan.budget)?;
@@ -154,24 +213,40 @@ pub(super) fn measure(
         Stop::Failed(error) => error,
         Stop::Late => Error::Price(PriceMistake::Late { budget: plan.budget }),
     };
-    let runner = until(FOR_REFERENCE);
-    let mut pilot = pilot(&runner, duration, plan.budget).map_err(late)?;
-    let chaos = Chaos::look_for(&runner, &pilot, duration);
-    pilot.told = chaos.told(&pilot);
-    let reference = Reference::find(&runner, &pilot).map_err(late)?;
+    let mut found = Exactly::with(&until(FOR_REFERENCE), duration, SHARE * plan.budget).map_err(late)?;
+    if aim.is_some() && found.is_too_short(duration) {
+        let longer = Exactly::with(&until(FOR_LONGER), duration, SHARE_OF_AIM * plan.budget);
+        found = longer.unwrap_or(found);
+    }
+    let Exactly { pilot, chaos, reference } = found;
     let mut tell = || tell(((plan.clock.now() - begun) / plan.budget).min(1.0));
     tell();
 
     let runner = until(1.0);
     let (mut rows, mut refused) = (Vec::new(), Vec::new());
-    for (number, method) in Candidate::ALL.into_iter().enumerate() {
-        let share = runner.left() / (Candidate::ALL.len() - number) as f64;
+    let longer = Longer { duration, pilot: pilot.length, lyapunov_time: chaos.lyapunov_time };
+    let aim = aim.map(|aim| (aim, longer));
+    let mut to_climb = Climb { pilot: &pilot, reference: &reference, aim, least: f64::INFINITY };
+    let mut methods = Candidate::ALL;
+    if aim.is_some() {
+        methods.reverse();
+    }
+    for (number, method) in methods.into_iter().enumerate() {
+        let sharers =
+            (methods.len() - number).min(if aim.is_some() { SHARERS_OF_AIM } else { methods.len() });
+        let share = runner.left() / sharers as f64;
         let own = Runner { deadline: plan.clock.now() + share, ..runner };
-        let (found, why) = climb(&own, &pilot, &reference, method);
+        let (found, why) = climb(&own, &to_climb, method);
+        let enough = found.iter().filter(|row| to_climb.is_enough(row));
+        to_climb.least = enough.map(|row| row.seconds).fold(to_climb.least, f64::min);
         if found.is_empty() {
             refused.push(Refused { method, why });
         }
-        rows.extend(found);
+        if aim.is_some() {
+            rows.splice(0..0, found);
+        } else {
+            rows.extend(found);
+        }
         tell();
     }
     let mut prices = Prices {
@@ -211,16 +286,13 @@ fn named_averages(scene: &dyn Movable, reference: &Reference) -> Vec<Average> {
 }
 
 /// The rows of one method, and why it failed if it did.
-fn climb(
-    runner: &Runner<'_>,
-    pilot: &Pilot,
-    reference: &Reference,
-    method: Candidate,
-) -> (Vec<Price>, Option<Error>) {
+fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<Price>, Option<Error>) {
+    let Climb { pilot, reference, .. } = *to_climb;
     let (mut rows, mut why): (Vec<Price>, _) = (Vec::new(), None);
     let size = runner_size(runner, pilot);
     let mut steps = pilot.steps(method.reach() * pilot.longest);
     let (mut tolerance, mut seconds, mut stuck) = (size * 0.01, 0.0, 0);
+    let (mut enough, mut dearer) = (0, 0);
     for _ in 0..RUNGS {
         // Sampled once and timed once or more often: what the next rung will take at least.
         if 3.0 * seconds > runner.left() {
@@ -234,6 +306,8 @@ fn climb(
                 let useless =
                     row.position.is_some_and(|error| error.is_nan() || error > USELESS * reference.way);
                 stuck = if row.rounding { stuck + 1 } else { 0 };
+                enough += usize::from(to_climb.is_enough(&row));
+                dearer += usize::from(row.seconds > to_climb.least);
                 if !useless || reference.way == 0.0 {
                     rows.push(row);
                 }
@@ -247,7 +321,7 @@ fn climb(
                 }
             }
         }
-        if stuck == 2 {
+        if stuck == 2 || enough == ENOUGH || dearer == DEARER {
             break;
         }
         if method.is_adaptive() {

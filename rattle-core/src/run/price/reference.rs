@@ -12,8 +12,6 @@ const KEEPS: f64 = 0.1;
 const PROBE: u64 = 32;
 /// The shortest step that is tried, as part of the whole time.
 const SHORTEST: i32 = 44;
-/// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand times as long.
-const SHARE: f64 = 1e-3;
 /// Bounds of the number of looks.
 const LOOKS: (f64, f64) = (4.0, 64.0);
 /// Methods of which two make a reference, the most exact first.
@@ -39,8 +37,8 @@ pub(super) struct Reference {
     pub(super) way: f64,
 }
 
-/// The pilot interval of a run of so long.
-pub(super) fn pilot(runner: &Runner<'_>, duration: f64, budget: f64) -> Result<Pilot, Stop> {
+/// The pilot interval of a run of so long: on which RATTLE takes so many seconds with its longest step.
+pub(super) fn pilot(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<Pilot, Stop> {
     let mut longest = passing(runner, duration)?;
     let shortest = duration * 0.5_f64.powi(SHORTEST);
     loop {
@@ -57,7 +55,7 @@ pub(super) fn pilot(runner: &Runner<'_>, duration: f64, budget: f64) -> Result<P
     let begun = runner.clock.now();
     moving.run(PROBE.min((duration / longest) as u64))?;
     let a_step = ((runner.clock.now() - begun) / PROBE as f64).max(1e-12);
-    let affordable = SHARE * budget / a_step * longest;
+    let affordable = seconds / a_step * longest;
     let length = duration / (duration / affordable).ceil().clamp(1.0, 1e15);
     let looks = (length / (16.0 * longest)).clamp(LOOKS.0, LOOKS.1).log2().floor().exp2() as u64;
     Ok(Pilot { length, looks, longest, told: looks as usize })

@@ -11,7 +11,7 @@ use crate::run::price::clock::Clock;
 use crate::run::price::ladder::Runner;
 use crate::run::price::moving::{Movable, Observed, Rung, Set};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
-use crate::run::price::pricing::{Measured, Plan, measure, positive, price, refuse_random};
+use crate::run::price::pricing::{Aim, Measured, Plan, measure, positive, price, refuse_random};
 use crate::scene::Scene;
 use std::fmt;
 
@@ -26,6 +26,8 @@ const TRIES: usize = 6;
 const NEARLY_ALL: f64 = 3.0;
 /// No forecast is told to be surer than this.
 const SUREST: f64 = 0.02;
+/// Nor than this for parts of a run that the pilot did not see.
+const SUREST_BEYOND: f64 = 0.15;
 /// An order below this, of a method of order 8 or more, tells that something is not smooth.
 const NOT_SMOOTH: f64 = 4.0;
 /// So many of the shortest steps of a method tell that.
@@ -101,6 +103,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
             choose(&set, duration, self.error, self.what, &self.plan, &mut *tell)?;
         let simulation = rung.candidate.simulation(self.scene, start.clone(), rung.h, rung.tolerance)?;
         let pilots = (duration / prices.pilot).round();
+        let surest = if pilots > 1.0 { SUREST_BEYOND } else { SUREST };
         Ok(Planned {
             simulation,
             method: price.method,
@@ -109,7 +112,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
             steps: pilots as u64 * price.steps,
             error,
             seconds: price.seconds * duration,
-            spread: (NEARLY_ALL * price.spread).clamp(SUREST, 1.0),
+            spread: (NEARLY_ALL * price.spread).clamp(surest, 1.0),
             prices,
             clock: self.plan.clock,
         })
@@ -130,13 +133,13 @@ pub struct Planned<const D: usize> {
     /// Steps of the whole run.
     pub steps: u64,
     /// The error that the whole run is expected to have, of what was wished for: measured on the pilot interval, and grown to the whole time
-    /// if that is longer.
+    /// if that is longer, and then doubled, since growth is not steady.
     pub error: f64,
     /// Seconds that the whole run is expected to take, on one core.
     pub seconds: f64,
-    /// By what part of it the run may take more or less.
+    /// By what part of it the run may take more or less, if a run that is longer than the pilot interval goes on as it began.
     pub spread: f64,
-    /// What was measured.
+    /// What was measured: ladders as far as they are needed.
     pub prices: Prices,
     clock: Clock,
 }
@@ -206,7 +209,8 @@ fn choose(
 ) -> Result<Choice, Error> {
     let begun = plan.clock.now();
     let ladders = Plan { budget: FOR_LADDERS * plan.budget, ..plan.clone() };
-    let measured = measure(scene, duration, &ladders, &mut |part| tell(FOR_LADDERS * part))?;
+    let aim = Aim { what, error: AIM * wish };
+    let measured = measure(scene, duration, &ladders, Some(aim), &mut |part| tell(FOR_LADDERS * part))?;
     let runner = Runner { scene, clock: &plan.clock, deadline: begun + plan.budget };
     let prices = &measured.prices;
     if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
@@ -217,7 +221,7 @@ fn choose(
     for method in Candidate::ALL {
         let rows = prices.of(method);
         let offer =
-            rows.last().and_then(|last| interpolate(&rows, what, AIM * wish / grown(prices, last, what)));
+            rows.last().and_then(|last| interpolate(&rows, what, AIM * wish / prices.grown(last, what)));
         offers.extend(offer.map(|offer| (method, offer)));
     }
     offers.sort_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
@@ -241,7 +245,7 @@ fn choose(
 /// The cheapest row that meets the wish, which any other must beat.
 fn cheapest_row(prices: &Prices, wish: f64, what: Quantity) -> Option<(Rung, Price, f64)> {
     let met = prices.rows.iter().filter_map(|row| {
-        let error = row.error(what)? * grown(prices, row, what);
+        let error = row.error(what)? * prices.grown(row, what);
         let rung = Rung { candidate: row.method, h: row.h, tolerance: row.tolerance.unwrap_or(0.0) };
         (error <= wish).then(|| (rung, row.clone(), error))
     });
@@ -268,7 +272,7 @@ fn verify(
         let rung = Rung { candidate: method, h: pilot.stretch() / steps as f64, tolerance };
         let again = steps == known.steps / looks && known.tolerance.is_none_or(|t| t == tolerance);
         let price = if again { known.clone() } else { price(runner, pilot, reference, steps, rung).ok()?.0 };
-        let error = price.error(what)? * grown(prices, &price, what);
+        let error = price.error(what)? * prices.grown(&price, what);
         if error <= wish {
             return Some((rung, price, error));
         }
@@ -286,21 +290,6 @@ fn verify(
     None
 }
 
-/// By what factor an error on the pilot interval is larger at the end of the whole run.
-fn grown(prices: &Prices, price: &Price, what: Quantity) -> f64 {
-    let longer = prices.duration / prices.pilot;
-    if longer <= 1.0 {
-        return 1.0;
-    }
-    let [position, energy] = price.growth;
-    match (what, prices.lyapunov_time) {
-        (Quantity::Position, Some(time)) => ((prices.duration - prices.pilot) / time).exp(),
-        (Quantity::Position, None) => longer.powf(position.clamp(1.0, 2.0)),
-        (Quantity::Energy, _) => longer.powf(energy.clamp(0.0, 1.0)),
-        (Quantity::Average(_), _) => 1.0,
-    }
-}
-
 /// Whether positions cannot be told to the end.
 fn lost(prices: &Prices) -> bool {
     !prices.tells_positions() || prices.predictable.is_some_and(|time| time < prices.duration)
@@ -316,7 +305,7 @@ fn uncertain(prices: &Prices, what: Quantity) -> Option<f64> {
 }
 
 fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error {
-    let at_end = |row: &Price| row.error(what).map(|error| error * grown(prices, row, what));
+    let at_end = |row: &Price| row.error(what).map(|error| error * prices.grown(row, what));
     let rows = prices.rows.iter().filter_map(|row| Some((at_end(row)?, row)));
     let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let (best, row) = best.map_or((f64::NAN, None), |(error, row)| (error, Some(row)));
