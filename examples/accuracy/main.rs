@@ -1,13 +1,17 @@
 //! What accuracy costs in time: error against time for every family of methods, in eleven scenes.
 //!
 //! ```text
-//! cargo run --release --example accuracy         # 10 s for each scene; `-- 2` for 2 s
+//! cargo run --release --example accuracy                # 10 s for each scene; `-- 2` for 2 s
+//! cargo run --release --example accuracy -- forecasts   # 50 runs, each against its forecast
 //! ```
 //!
 //! Prints tables, and writes into `out/accuracy` for each scene a diagram and all numbers (`torus.svg`, `torus.csv`), and one page with
-//! all of them (`index.html`), on which the pointer tells method, step, error and cost. Where a solution with 30 digits is known, what
+//! all of them (`index.html`), on which the pointer tells method, step, error and cost. Times are those of one core for this program
+//! alone, whatever else the machine does. Where a solution with 30 digits is known, what
 //! the wish for 1e-8 gives is compared with it.
 
+mod clock;
+mod long;
 mod page;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,7 +22,7 @@ use rattle::nalgebra::Matrix3;
 use rattle::plot::Chart;
 use rattle::potentials::{Gravity, Ricker, planar};
 use rattle::prelude::*;
-use rattle::price::{Candidate, Prices};
+use rattle::price::{Candidate, Clock, Prices};
 use rattle::scene::Hold;
 use rattle::surfaces::{Lemniscate, Sphere, TorusByDistance};
 use std::error::Error;
@@ -63,7 +67,11 @@ struct Report {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let budget = std::env::args().nth(1).map_or(Ok(10.0), |text| text.parse())?;
+    let asked = std::env::args().nth(1);
+    if asked.as_deref() == Some("forecasts") {
+        return forecasts();
+    }
+    let budget = asked.map_or(Ok(10.0), |text| text.parse())?;
     fs::create_dir_all(FOLDER)?;
     println!("on {}, one core, {budget} s for each scene", processor());
     let mut all = Vec::new();
@@ -145,7 +153,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = hopf.project(&State::at([-0.55, -0.83]).moving([0.03, 0.02]))?;
     price(measured("hopf", "The Hopf pendulum, in phase space", &hopf, &start, 5.0, budget)?)?;
 
-    fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor())?)?;
+    let runs = long::runs()?;
+    let chart = long::chart(&runs);
+    chart.save(format!("{FOLDER}/long_runs.svg"))?;
+    println!("\nLong runs: nanoseconds of a step, and the error of the energy after {:.0e} steps", 1e7);
+    for run in &runs {
+        println!(
+            "{:24} {:6.1} {:9.1e}",
+            run.numbers,
+            run.ns,
+            run.errors.last().map_or(f64::NAN, |end| end.1)
+        );
+    }
+    fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor(), &chart.to_svg()?)?)?;
     println!("\nWritten to {FOLDER}: open index.html");
     Ok(())
 }
@@ -160,7 +180,7 @@ fn measured<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 ) -> Result<Report, rattle::Error> {
     let style = ProgressStyle::with_template("{msg:24} {bar:40} {elapsed}").expect("a template");
     let bar = ProgressBar::new(1000).with_style(style).with_message(file);
-    let pricing = scene.price(start, duration).budget(budget);
+    let pricing = scene.price(start, duration).budget(budget).clock(Clock::of(clock::cpu_seconds));
     let prices = pricing.progress(|part| bar.set_position((1000.0 * part) as u64)).measure()?;
     bar.finish_and_clear();
     Ok(Report { file, title, prices })
@@ -174,13 +194,46 @@ fn check<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     budget: f64,
     exact: &[f64],
 ) -> Result<(), Box<dyn Error>> {
-    let mut planned = scene.within(WISH).budget(0.1 * budget).simulate(start, duration)?;
+    let mut planned = scene
+        .within(WISH)
+        .budget(0.1 * budget)
+        .clock(Clock::of(clock::cpu_seconds))
+        .simulate(start, duration)?;
     println!("within {WISH:e}: {planned}");
     let spent = planned.run()?;
     let found: Vec<f64> = planned.simulation.positions().flat_map(<[f64; D]>::from).collect();
     let found = &found[found.len() - exact.len()..];
     let off = found.iter().zip(exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     println!("it took {spent}, and is {off:.1e} off the exact solution");
+    Ok(())
+}
+
+/// How long runs take, over what was forecast: the distribution.
+fn forecasts() -> Result<(), Box<dyn Error>> {
+    let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
+    let start = State::at([0.0, 0.0, 1.0 / 6.0]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2.next_down(), 0.0]);
+    let mut ratios = Vec::new();
+    for number in 0..50 {
+        let wish = [1e-3, 1e-5, 1e-6, 1e-8, 1e-9][number % 5];
+        let wished = scene.within(wish).in_energy().budget(1.0).clock(Clock::of(clock::cpu_seconds));
+        let mut planned = wished.simulate(&start, 200.0)?;
+        let spent = planned.run()?;
+        println!("{wish:7.0e} {planned}: {spent}");
+        ratios.push(spent.seconds / spent.expected);
+    }
+    ratios.sort_by(f64::total_cmp);
+    let at = |part: usize| ratios[(ratios.len() - 1) * part / 10];
+    println!("\ntook, over what was forecast, on {}, one core, of 50 runs:", processor());
+    println!(
+        "least {:.2}, a tenth below {:.2}, median {:.2}, nine tenths below {:.2}, most {:.2}",
+        at(0),
+        at(1),
+        at(5),
+        at(9),
+        at(10)
+    );
+    let near = ratios.iter().filter(|&&ratio| (ratio - 1.0).abs() <= 0.15).count();
+    println!("{near} within 15 %");
     Ok(())
 }
 

@@ -3,11 +3,11 @@
 use crate::Report;
 use serde_json::{Value, json};
 
-/// The page.
-pub(crate) fn page(reports: &[Report], processor: &str) -> Result<String, serde_json::Error> {
+/// The page, with a diagram of long runs at its end.
+pub(crate) fn page(reports: &[Report], processor: &str, long: &str) -> Result<String, serde_json::Error> {
     let scenes: Vec<Value> = reports.iter().map(scene).collect();
     let data = serde_json::to_string(&json!({ "processor": processor, "scenes": scenes }))?;
-    Ok(include_str!("page.html").replace("\"DATA\"", &data.replace("</", "<\\/")))
+    Ok(include_str!("page.html").replace("LONG RUNS", long).replace("\"DATA\"", &data.replace("</", "<\\/")))
 }
 
 fn scene(report: &Report) -> Value {
