@@ -272,7 +272,7 @@ fn every_test_is_in_a_program() {
         let mut files = Vec::new();
         sources(&root.join(folder).join("programs"), &mut files);
         let mut taken: String = files.iter().map(|file| fs::read_to_string(file).unwrap()).collect();
-        taken += &fs::read_to_string(root.join("Cargo.toml"))
+        taken += &fs::read_to_string(root.join(folder).join("../Cargo.toml"))
             .unwrap()
             .replace("name = ", "\"../")
             .replace("../\"", "../");

@@ -145,7 +145,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let body = Rigid::new([0.6, 0.8, 1.0]);
     let start = Rigid::start(&Matrix3::identity(), &[1.8, 0.4, -0.9].into());
-    price(measured("free_body", "A free rigid body", &Scene::rigid(body.clone()), &start, 5.0, budget)?)?;
+    price(measured("free_body", "A free rigid body", &Scene::rigid(body), &start, 5.0, budget)?)?;
     let top = Scene::rigid(body).with(Top { weight: 1.0 });
     price(measured("heavy_body", "A heavy rigid body", &top, &start, 5.0, budget)?)?;
 
