@@ -3,6 +3,7 @@
 
 use crate::common::*;
 use rattle::Error;
+use rattle::effect::LinearDrag;
 use rattle::prelude::*;
 use rattle::record::{NpzParts, Stream, Vtu, Writer, Xyz};
 use rattle::watch::{Columns, Recorder, Rows};
@@ -15,6 +16,7 @@ fn ring(
     n: usize,
 ) -> Simulation<impl rattle::system::System<f64, 3, Count = rattle::bodies::Many>, Rattle, 3> {
     let scene = Scene::on(Torus { major: 2.0, minor: 0.7 }).bodies(n).with(Gravity { g: 1.0 });
+    let scene = scene.with(LinearDrag::new(0.1)).with(Gravity { g: 0.5 });
     let angle = |i: usize| i as f64;
     let places = State::of((0..n).map(|i| [2.7 * angle(i).cos(), 2.7 * angle(i).sin(), 0.0]));
     scene.simulate(places.moving([0.0, 0.0, 0.4]), Rattle::new(0.01)).unwrap()
@@ -26,6 +28,9 @@ fn everything() -> Columns<3> {
         .positions()
         .momenta()
         .energies()
+        .effect_energies()
+        .residuals()
+        .temperature()
         .multipliers()
         .constraint_forces()
         .quantity("height", height)
@@ -51,6 +56,12 @@ fn rows_are_what_a_look_tells() {
         assert_eq!(of("q"), flat(seen.positions().collect()));
         assert_eq!(of("p"), flat(seen.momenta().collect()));
         assert_eq!(of("energies"), [seen.kinetic_energy(), seen.potential_energy()]);
+        assert_eq!(of("effect_energies"), seen.effect_energies());
+        assert_eq!(of("effect_energies").len(), 2, "drag has no energy");
+        let [one, half] = of("effect_energies")[..] else { panic!() };
+        assert!((one + half - seen.potential_energy()).abs() < 1e-15 && (one - 2.0 * half).abs() < 1e-15);
+        assert_eq!(of("residuals"), seen.residuals());
+        assert_eq!(of("temperature"), [seen.temperature()]);
         assert_eq!(of("lambda"), seen.multipliers());
         assert_eq!(of("constraint_forces"), flat(seen.constraint_forces()));
         assert_eq!(of("height"), [seen.positions().next().unwrap().z]);
@@ -64,6 +75,29 @@ fn at_given_times_and_no_others() {
     let mut recorder = Recorder::of(&columns, Rows::default());
     simulation.observe(50, 1, &mut recorder).unwrap();
     assert_eq!(recorder.finish().unwrap().times, [0.1, 0.26, 0.37]);
+}
+
+/// A lane's columns are those of a simulation, to the rounding of ten steps.
+#[test]
+fn columns_of_lanes_are_those_of_simulations() {
+    let scene = Scene::on(Torus { major: 2.0, minor: 0.7 }).with(Gravity { g: 1.0 }).with(Gravity { g: 0.5 });
+    let columns = Columns::<3>::new().energies().effect_energies().residuals().temperature().multipliers();
+    let start = State::at([2.7, 0.0, 0.0]).moving([0.0, 0.3, 0.4]);
+    let mut lanes = scene.ensemble(vec![start.clone(); 9], Rattle::new(0.01)).unwrap();
+    let lanes = lanes.observe(10, 5, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+    let mut alone = scene.simulate(start, Rattle::new(0.01)).unwrap();
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    alone.observe(10, 5, &mut recorder).unwrap();
+    let alone = recorder.finish().unwrap();
+    for name in ["energies", "effect_energies", "temperature", "lambda", "residuals"] {
+        let both = lanes.numbers(name).zip(alone.numbers(name).flat_map(|row| [row; 9]));
+        for (lane, simulation) in both {
+            let apart = lane.iter().zip(simulation).map(|(a, b)| (a - b).abs());
+            // g here has terms up to 117.
+            assert!(lane.len() == simulation.len() && apart.fold(0.0, f64::max) < 1e-13, "{name}: {lane:?}");
+        }
+    }
+    assert_eq!(lanes.numbers("effect_energies").next().map(<[f64]>::len), Some(2));
 }
 
 #[test]

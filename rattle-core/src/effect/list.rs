@@ -116,6 +116,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U, summed over the effects. May allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
+    /// Appends U of each effect that is no flow, in the order in which they were named. May allocate.
+    fn energies(&self, _at: Moment<'_, T, D>, _to: &mut Vec<T>) {}
     /// ∂U/∂t, summed over the effects. Neither allocates nor panics.
     fn power(&self, at: Moment<'_, T, D>) -> T;
     /// The first effect whose force on `body` is not finite, by the name of its type, and that force. Allocates.
@@ -309,6 +311,12 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
     fn energy(&self, at: Moment<'_, T, D>) -> T {
         self.others.energy(at) + self.effect.energy(at)
+    }
+    fn energies(&self, at: Moment<'_, T, D>, to: &mut Vec<T>) {
+        self.others.energies(at, to);
+        if !A::FLOWS {
+            to.push(self.effect.energy(at));
+        }
     }
     #[inline(always)]
     fn power(&self, at: Moment<'_, T, D>) -> T {

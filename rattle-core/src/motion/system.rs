@@ -328,6 +328,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn velocity<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, body: usize) -> [T; D];
     /// U, from places alone.
     fn potential_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T;
+    /// Appends U of each effect that is no flow, in the order in which the scene names them.
+    fn effect_energies<X>(&self, _bodies: &Bodies<Self::Count, T, X, D>, _to: &mut Vec<T>) {}
 
     /// pᵀM⁻¹p/2, summed over the bodies, from places and momenta alone.
     fn kinetic_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T {

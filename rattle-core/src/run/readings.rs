@@ -6,7 +6,7 @@ use crate::motion::capability::Rates;
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::state::{Remembered, State};
-use crate::motion::system::System;
+use crate::motion::system::{BodiesOf, System};
 use crate::number::clock::after_steps;
 use crate::run::simulation::Simulation;
 use crate::run::watch::seen::Page;
@@ -122,18 +122,23 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// NaN where there are no independent momenta, and in phase space, which has no masses. The motion that moving
     /// links impose on bodies is no heat, and is left out of K.
     pub fn temperature(&self) -> f64 {
+        self.temperature_of(&self.bodies)
+    }
+
+    fn temperature_of(&self, bodies: &BodiesOf<Y, f64, D>) -> f64 {
         if self.system.rates().is_err() {
             return f64::NAN;
         }
-        2.0 * (self.kinetic_energy() - self.imposed_energy()) / self.freedom() as f64
+        let own = self.system.kinetic_energy(bodies) - self.imposed_energy(bodies);
+        2.0 * own / self.system.freedom(bodies) as f64
     }
 
     /// The part of the kinetic energy that constraints which move impose.
-    fn imposed_energy(&self) -> f64 {
+    fn imposed_energy(&self, bodies: &BodiesOf<Y, f64, D>) -> f64 {
         if !self.system.constraints_move() {
             return 0.0;
         }
-        let (mut bodies, zero) = (self.bodies.clone(), [0.0; D]);
+        let (mut bodies, zero) = (bodies.clone(), [0.0; D]);
         bodies.p.as_mut().fill(zero);
         bodies.p_low.as_mut().fill(zero);
         let settled = self.system.settle(0.0, 1.0, &mut bodies, &mut ());
@@ -143,6 +148,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Potential energy U of all effects.
     pub fn potential_energy(&self) -> f64 {
         self.system.potential_energy(&self.bodies)
+    }
+
+    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
+    /// none.
+    pub fn effect_energies(&self) -> Vec<f64> {
+        let mut energies = Vec::new();
+        self.system.effect_energies(&self.bodies, &mut energies);
+        energies
     }
 
     /// Energy H = K + U.
@@ -265,6 +278,18 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let (positions, momenta) = (sight.positions.iter().copied(), sight.momenta.iter().copied());
         sight.time == self.time() && self.positions().eq(positions) && self.momenta().eq(momenta)
     }
+
+    /// Bodies as this sight shows them.
+    fn bodies_at(&self, sight: &Sight<'_, D>) -> BodiesOf<Y, f64, D> {
+        let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
+            q: q.into(),
+            q_low: [0.0; D],
+            p: p.into(),
+            p_low: [0.0; D],
+        };
+        let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
+        self.system.bodies(&places, sight.time)
+    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {
@@ -286,19 +311,32 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
         if self.is_at(sight) {
             return (self.multipliers(), self.constraint_forces());
         }
-        let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
-            q: q.into(),
-            q_low: [0.0; D],
-            p: p.into(),
-            p_low: [0.0; D],
-        };
-        let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
-        let bodies = self.system.bodies(&places, sight.time);
+        let bodies = self.bodies_at(sight);
         let (mut multipliers, mut forces) =
             (vec![0.0; self.system.equations()], vec![[0.0; D]; self.bodies()]);
         self.system.multipliers(&bodies, &mut multipliers);
         self.system.constraint_forces(&bodies, &mut forces);
         (multipliers, forces.into_iter().map(Into::into).collect())
+    }
+
+    fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        if self.is_at(sight) {
+            return self.effect_energies();
+        }
+        let mut energies = Vec::new();
+        self.system.effect_energies(&self.bodies_at(sight), &mut energies);
+        energies
+    }
+
+    fn residuals(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        if self.is_at(sight) {
+            return self.residuals();
+        }
+        self.of_equations(|out| self.system.residuals(&self.bodies_at(sight), out))
+    }
+
+    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
+        if self.is_at(sight) { self.temperature() } else { self.temperature_of(&self.bodies_at(sight)) }
     }
 
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {

@@ -101,6 +101,18 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Alone<Y, S, D> 
         self.simulation.constraints(0, sight)
     }
 
+    fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        Source::effect_energies(&self.simulation, 0, sight)
+    }
+
+    fn residuals(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        Source::residuals(&self.simulation, 0, sight)
+    }
+
+    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
+        Source::temperature(&self.simulation, 0, sight)
+    }
+
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
         self.simulation.mass_product(0, body, a, b)
     }

@@ -107,6 +107,10 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark>;
     /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
     fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
+    /// U of each effect on such a body.
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64>;
+    /// g there.
+    fn residual(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
     /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
 }

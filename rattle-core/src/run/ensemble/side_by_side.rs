@@ -460,6 +460,18 @@ impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
         self.engine.constraints(lane, sight)
     }
 
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        self.engine.effect_energies(lane, sight)
+    }
+
+    fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        vec![self.engine.residual(lane, sight)]
+    }
+
+    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
+        sight.momentum().norm_squared() / (D - 1) as f64
+    }
+
     fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
         a.iter().zip(b).map(|(a, b)| a * b).sum()
     }

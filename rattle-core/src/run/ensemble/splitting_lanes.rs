@@ -173,6 +173,20 @@ where
         self.laws.effects(lane).borrow().energy(at).to_f64()
     }
 
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        let place: [f64; D] = sight.position().into();
+        let mut energies = Vec::new();
+        let at = Moment { time: sight.time, positions: &[place.map(S::from_f64)] };
+        self.laws.effects(lane).borrow().energies(at, &mut energies);
+        energies.into_iter().map(S::to_f64).collect()
+    }
+
+    fn residual(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let place: [f64; D] = sight.position().into();
+        let [g] = self.laws.constraint(lane).borrow().value(&place.map(S::from_f64));
+        g.to_f64()
+    }
+
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);

@@ -63,6 +63,25 @@ impl<const D: usize> Columns<D> {
         self.with("energies", 1, |now, to| to.extend([now.kinetic_energy(), now.potential_energy()]))
     }
 
+    /// And `effect_energies`, the potential energy of each effect in the order in which the scene names them; none of
+    /// flows.
+    #[must_use]
+    pub fn effect_energies(self) -> Self {
+        self.with("effect_energies", 1, |now, to| to.extend(now.effect_energies()))
+    }
+
+    /// And `residuals` g(q, t) of the equations, each in the unit of its g.
+    #[must_use]
+    pub fn residuals(self) -> Self {
+        self.with("residuals", 1, |now, to| to.extend(now.residuals()))
+    }
+
+    /// And the `temperature` kT, an energy.
+    #[must_use]
+    pub fn temperature(self) -> Self {
+        self.quantity("temperature", |now: &Sight<'_, D>| now.temperature())
+    }
+
     /// And multipliers `lambda` of the equations such that g̈ = 0.
     #[must_use]
     pub fn multipliers(self) -> Self {

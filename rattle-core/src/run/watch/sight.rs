@@ -9,6 +9,12 @@ pub trait Source<const D: usize> {
     fn energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> [f64; 2];
     /// λ of each equation, and Gᵀλ on each body.
     fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
+    /// U of each effect that is no flow, in the order in which the scene names them.
+    fn effect_energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
+    /// g of each equation.
+    fn residuals(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
+    /// kT: twice the kinetic energy that is not imposed, divided by the number of independent momenta.
+    fn temperature(&self, trajectory: usize, sight: &Sight<'_, D>) -> f64;
     /// aᵀM b, for changes of position of a body.
     fn mass_product(&self, trajectory: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64;
     /// The step size of the method.
@@ -65,6 +71,29 @@ impl<const D: usize> Sight<'_, D> {
     pub fn energy(&self) -> f64 {
         let [kinetic, potential] = self.energies();
         kinetic + potential
+    }
+
+    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
+    /// none. A call allocates.
+    #[must_use]
+    pub fn effect_energies(&self) -> Vec<f64> {
+        let (source, trajectory) = self.source;
+        source.effect_energies(trajectory, self)
+    }
+
+    /// g(q, t) of each equation, in the unit of g. A call allocates.
+    #[must_use]
+    pub fn residuals(&self) -> Vec<f64> {
+        let (source, trajectory) = self.source;
+        source.residuals(trajectory, self)
+    }
+
+    /// The temperature kT of the momenta, an energy; as
+    /// [`Simulation::temperature`](crate::run::simulation::Simulation::temperature).
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        let (source, trajectory) = self.source;
+        source.temperature(trajectory, self)
     }
 
     /// Multipliers λ of all equations, from g̈ = 0, as

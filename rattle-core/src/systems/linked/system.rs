@@ -424,6 +424,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
+    fn effect_energies<X>(&self, bodies: &Bodies<N, f64, X, D>, to: &mut Vec<f64>) {
+        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
+    }
+
     fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
         self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
     }

@@ -249,6 +249,10 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
     fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
         self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
+
+    fn effect_energies<X>(&self, bodies: &Bodies<N, f64, X, 9>, to: &mut Vec<f64>) {
+        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
+    }
 }
 
 impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {

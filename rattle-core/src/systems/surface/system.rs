@@ -311,6 +311,10 @@ where
         self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
     }
 
+    fn effect_energies<X>(&self, bodies: &Bodies<N, T, X, D>, to: &mut Vec<T>) {
+        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
+    }
+
     fn residuals(&self, bodies: &BodiesOf<N, T, F, D>, g: &mut [T]) {
         for (g, q) in g.iter_mut().zip(bodies.q.as_ref()) {
             [*g] = self.constraint.value(q);
