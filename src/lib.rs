@@ -76,7 +76,7 @@ pub use rattle_core::kernel::{counted, series};
 pub use rattle_core::methods::{self, composition};
 pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, system, table};
 pub use rattle_core::number::{instructions, lanes, real};
-pub use rattle_core::run::{bill, boxed, ensemble, simulation, watch};
+pub use rattle_core::run::{bill, boxed, ensemble, price, simulation, watch};
 pub use rattle_core::systems::{linked, network, phase, rigid, surface};
 pub use rattle_core::{effect, error, geometry as curvature, kernel, scene};
 

@@ -5,6 +5,7 @@ mod network;
 mod numbers;
 mod pairs;
 mod phase;
+mod price;
 mod record;
 mod sizes;
 mod start;
@@ -15,6 +16,7 @@ pub use network::{EquationAt, NetworkMistake};
 pub use numbers::{History, Passing};
 pub use pairs::PairMistake;
 pub use phase::PhaseMistake;
+pub use price::{Limit, PriceMistake};
 pub use record::RecordMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
@@ -181,6 +183,9 @@ pub enum Error {
         /// What is wrong with it.
         mistake: EffectMistake,
     },
+    /// Accuracy that could not be priced, or cannot be had.
+    #[error(transparent)]
+    Price(PriceMistake),
     /// Forces between pairs of bodies that make no sense.
     #[error(transparent)]
     Pairs(PairMistake),

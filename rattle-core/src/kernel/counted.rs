@@ -31,10 +31,10 @@ pub struct Counted<X> {
     counts: Counts,
 }
 
-/// How often each function was evaluated, for however many copies of a kernel; coefficients of power series do not
-/// count. Where lanes have parameters of their own, all count for the first lane of a group.
+/// How often each function was evaluated, for however many copies of a kernel; of power series, how many coefficients.
+/// Where lanes have parameters of their own, all count for the first lane of a group.
 #[derive(Debug, Clone, Default)]
-pub struct Counts(Arc<[AtomicU64; 3]>);
+pub struct Counts(Arc<[AtomicU64; 4]>);
 
 impl<X> Counted<X> {
     /// `inner`, counted from zero.
@@ -63,6 +63,16 @@ impl Counts {
     #[must_use]
     pub fn curvatures(&self) -> u64 {
         self.0[2].load(Relaxed)
+    }
+    /// Coefficients of the power series of the gradient.
+    #[must_use]
+    pub fn coefficients(&self) -> u64 {
+        self.0[3].load(Relaxed)
+    }
+    /// All evaluations, and coefficients.
+    #[must_use]
+    pub fn all(&self) -> u64 {
+        self.0.iter().map(|count| count.load(Relaxed)).sum()
     }
     /// Starts counting from zero again.
     pub fn reset(&self) {
@@ -122,6 +132,7 @@ impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Cons
         self.inner.series()
     }
     fn jacobian_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [[T; D]; M] {
+        self.counts.0[3].fetch_add(1, Relaxed);
         self.inner.jacobian_series(q, order)
     }
 }
@@ -154,6 +165,7 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> PotentialKernel<T, D> fo
         self.inner.series()
     }
     fn gradient_series<const FIRST: bool>(&self, q: &[T; D], order: &mut Order<'_, T, FIRST>) -> [T; D] {
+        self.counts.0[3].fetch_add(1, Relaxed);
         self.inner.gradient_series(q, order)
     }
 }

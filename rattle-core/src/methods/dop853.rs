@@ -84,6 +84,9 @@ impl Method for Dop853 {
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
     }
+    fn with_tolerance_times(&self, factor: f64) -> Option<Self> {
+        self.tolerance.map(|tolerance| Self { tolerance: Some(tolerance * factor), ..*self })
+    }
     fn is_symmetric(&self) -> bool {
         false
     }

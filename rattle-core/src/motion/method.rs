@@ -53,6 +53,11 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// The same method with another step size, which may be negative.
     #[must_use]
     fn with_step(&self, h: f64) -> Self;
+    /// The same method with so many times its tolerance; none if no tolerance decides on its errors.
+    #[must_use]
+    fn with_tolerance_times(&self, _factor: f64) -> Option<Self> {
+        None
+    }
     /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1, with nothing remembered: what
     /// [compositions](crate::methods::composition) are made of.
     fn is_symmetric(&self) -> bool;

@@ -322,6 +322,11 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
+    /// Corrections of position equations that were made since the start, where they are counted.
+    fn corrections(&self, _bodies: &BodiesOf<Self, T, D>) -> Option<u64> {
+        None
+    }
+
     /// The number of equations g = 0, that is of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.

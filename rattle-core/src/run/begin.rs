@@ -133,7 +133,10 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 }
 
 /// The bodies where a simulation starts, with room for flows.
-fn bodies_at<Y: System<f64, D>, const D: usize>(system: &Y, start: &State<D>) -> BodiesOf<Y, f64, D> {
+pub(in crate::run) fn bodies_at<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    start: &State<D>,
+) -> BodiesOf<Y, f64, D> {
     let mut bodies = system.bodies(&start.bodies, start.time);
     if Y::FLOWS > 0 {
         bodies.make_room(stir::ROOM);

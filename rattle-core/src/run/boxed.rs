@@ -64,6 +64,7 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
     fn energy_error(&self) -> f64;
     fn work(&self) -> f64;
     fn events(&self) -> u64;
+    fn corrections(&self) -> Option<u64>;
     fn residuals(&self) -> Vec<f64>;
     fn constraint_residual(&self) -> f64;
     fn cotangent_residual(&self) -> f64;
@@ -127,6 +128,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     }
     fn events(&self) -> u64 {
         self.events()
+    }
+    fn corrections(&self) -> Option<u64> {
+        self.corrections()
     }
     fn residuals(&self) -> Vec<f64> {
         self.residuals()
@@ -305,6 +309,12 @@ impl<const D: usize> BoxedSimulation<D> {
     #[must_use]
     pub fn events(&self) -> u64 {
         self.0.events()
+    }
+
+    /// Corrections of position equations since the start, see [`Simulation::corrections`].
+    #[must_use]
+    pub fn corrections(&self) -> Option<u64> {
+        self.0.corrections()
     }
 
     /// g(q, t) of each equation, in the unit of g.

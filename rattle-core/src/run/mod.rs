@@ -9,6 +9,7 @@ mod course;
 pub mod ensemble;
 pub(crate) mod events;
 mod fingerprint;
+pub mod price;
 mod readings;
 mod seldom;
 pub mod simulation;

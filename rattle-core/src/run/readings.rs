@@ -187,6 +187,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.energy() - self.start_energy - self.work()
     }
 
+    /// Corrections of position equations since the start, where they are counted: of linked bodies, see
+    /// [`counts`](Self::counts).
+    pub fn corrections(&self) -> Option<u64> {
+        self.system.corrections(&self.bodies)
+    }
+
     /// g(q, t) of each equation, in the unit of g.
     pub fn residuals(&self) -> Vec<f64> {
         self.of_equations(|out| self.system.residuals(&self.bodies, out))

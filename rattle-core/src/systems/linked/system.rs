@@ -394,6 +394,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
     }
 
+    fn corrections(&self, bodies: &BodiesOf<F, N, D>) -> Option<u64> {
+        Some(self.counts(bodies).corrections)
+    }
+
     fn equations(&self) -> usize {
         self.shape.equations
     }

@@ -1,0 +1,138 @@
+//! How far a finished simulation is from the truth, from other runs.
+//!
+//! ```text
+//! E(h) = C hᵖ:   d₁ = |q(h) − q(2h)| = (ρ − 1) E(h),   d₂ = |q(2h) − q(4h)| = ρ d₁,   E(h) = d₁/(ρ − 1)
+//! ```
+//!
+//! ρ is observed, as far as 2ᵖ and not below 2; so it is right also where a method has not yet reached its order, and where rounding has
+//! taken over E(h) is d₁. Errors of methods with a tolerance are no power of it: they are compared with a run at a hundredth of it.
+//!
+//! Source: L. F. Richardson, Phil. Trans. A 210 (1911) 307.
+
+use crate::error::{Error, PriceMistake};
+use crate::methods::able::view;
+use crate::motion::method::Method;
+use crate::motion::state::State;
+use crate::motion::system::System;
+use crate::run::begin::bodies_at;
+use crate::run::price::clock::Clock;
+use crate::run::price::pricing::positive;
+use crate::run::simulation::Simulation;
+use std::fmt;
+use std::iter::zip;
+
+/// An estimated error, and what it cost to know.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The distance of the body that is farthest from where it should be, a length.
+    pub position: f64,
+    /// The difference of the energies, estimated likewise, in the unit of energy.
+    pub energy: f64,
+    /// The order that the other runs show; none if there is only one.
+    pub order: Option<f64>,
+    /// Steps of the other runs.
+    pub steps: u64,
+    /// Seconds that they took.
+    pub seconds: f64,
+}
+
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { position, energy, steps, seconds, .. } = self;
+        write!(
+            f,
+            "error in position {position:.1e}, in energy {energy:.1e}; known after {steps} further steps, {seconds:.2e} s"
+        )
+    }
+}
+
+impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
+    /// How far the present positions are from the truth, for a simulation that was made from `start` and ran since: by runs with steps twice
+    /// and four times as long, together three quarters of its cost; of a method with a tolerance by one run at a hundredth of it. Where motion is chaotic and the error has grown to the size of the
+    /// motion, the estimate has that size.
+    ///
+    /// ```
+    /// # use rattle::{surfaces::Sphere, Rattle, Scene, State};
+    /// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    /// let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start.clone(), Rattle::new(0.01))?;
+    /// simulation.run(500)?;
+    /// let estimate = simulation.estimate_error(&start)?;
+    /// let truth = (simulation.position() - [5_f64.cos(), 0.6 * 5_f64.sin(), 0.8 * 5_f64.sin()].into()).norm();
+    /// assert!((estimate.position / truth - 1.0).abs() < 0.1, "{estimate}, in truth {truth:e}");
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// That of the first other run, if it cannot be made; [`Error::Price`] where no step was taken, or a step draws random numbers;
+    /// [`Error::BodyCount`] for a start with another number of bodies.
+    pub fn estimate_error(&self, start: &State<D>) -> Result<Estimate, Error> {
+        self.estimate_error_by(start, &Clock::default())
+    }
+
+    /// The same, with seconds by this clock.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn estimate_error_by(&self, start: &State<D>, clock: &Clock) -> Result<Estimate, Error> {
+        if start.len() != self.bodies() {
+            return Err(Error::BodyCount { scene: self.bodies(), state: start.len() });
+        }
+        positive("number of steps taken", self.steps as f64)?;
+        if S::DRAWS {
+            return Err(Error::Price(PriceMistake::Random { effect: self.method.name() }));
+        }
+        let begun = clock.now();
+        if let Some(finer) = self.method.with_tolerance_times(0.01) {
+            let exact = self.other(start, finer, self.steps)?;
+            let energy = (self.energy() - exact.energy()).abs();
+            let position = self.apart(&exact).max(self.rounding());
+            return Ok(Estimate {
+                position,
+                energy,
+                order: None,
+                steps: self.steps,
+                seconds: clock.now() - begun,
+            });
+        }
+        let twice = self.coarser(start, 2)?;
+        let first = self.apart(&twice);
+        let energy = (self.energy() - twice.energy()).abs();
+        let most = 2_f64.powi(self.method.order() as i32);
+        let (mut gain, mut steps, mut order) = (most, twice.steps, None);
+        if let Ok(fourfold) = self.coarser(start, 4) {
+            steps += fourfold.steps;
+            if first > 0.0 {
+                gain = (twice.apart(&fourfold) / first).clamp(2.0, most);
+                order = Some(gain.log2());
+            }
+        }
+        let position = (first / (gain - 1.0)).max(self.rounding());
+        Ok(Estimate { position, energy: energy / (gain - 1.0), order, steps, seconds: clock.now() - begun })
+    }
+
+    /// By how much a position is rounded.
+    fn rounding(&self) -> f64 {
+        0.5 * f64::EPSILON * self.positions().map(|q| q.amax()).fold(0.0, f64::max)
+    }
+
+    /// A run from this start to the same time, with steps so many times as long.
+    fn coarser(&self, start: &State<D>, times: u64) -> Result<Self, Error> {
+        let steps = (self.steps / times).max(1);
+        let h = self.step_size() * self.steps as f64 / steps as f64;
+        self.other(start, self.method.with_step(h), steps)
+    }
+
+    /// A run from this start by another method.
+    fn other(&self, start: &State<D>, method: S, steps: u64) -> Result<Self, Error> {
+        let mut bodies = bodies_at(&self.system, start);
+        method.prepare(view(&method, &self.system)?, &mut bodies);
+        let mut simulation = Self::new(self.system.clone(), bodies, start, method, self.first.trajectory)?;
+        simulation.run(steps)?;
+        Ok(simulation)
+    }
+
+    /// The largest distance of a body from where it is in the other simulation.
+    fn apart(&self, other: &Self) -> f64 {
+        zip(self.positions(), other.positions()).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max)
+    }
+}

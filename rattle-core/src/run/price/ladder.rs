@@ -1,0 +1,178 @@
+//! Runs over the pilot interval, looked at as often as the reference was.
+
+use crate::error::Error;
+use crate::run::price::clock::Clock;
+use crate::run::price::moving::{Movable, Moving, Rung};
+use std::iter::zip;
+
+/// Repeats of which the median time counts, where the budget allows; two that are alike to so much are enough.
+const REPEATS: usize = 5;
+const ALIKE: f64 = 0.01;
+/// A repeat takes so many seconds at least, by running several times.
+const SAMPLE: f64 = 1e-4;
+/// Between two looks, the energy is asked for so often.
+const GLANCES: u64 = 4;
+
+/// The pilot interval, and how it is looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pilot {
+    /// How long it is.
+    pub(super) length: f64,
+    /// How many looks.
+    pub(super) looks: u64,
+    /// The longest step of RATTLE that was found to pass.
+    pub(super) longest: f64,
+    /// At how many of the looks positions are compared: at those before chaos makes them unknown.
+    pub(super) told: usize,
+}
+
+impl Pilot {
+    /// The time between two looks.
+    pub(super) fn stretch(&self) -> f64 {
+        self.length / self.looks as f64
+    }
+
+    /// The part of these numbers, one for each look, at which positions are compared.
+    pub(super) fn told<'a>(&self, numbers: &'a [f64]) -> &'a [f64] {
+        &numbers[..self.told.min(numbers.len())]
+    }
+
+    /// Steps from look to look for steps of about this size; at least one.
+    pub(super) fn steps(&self, h: f64) -> u64 {
+        (self.stretch() / h).ceil().max(1.0) as u64
+    }
+}
+
+/// Why a run was not made to its end.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// The method failed.
+    Failed(Error),
+    /// There was no time left.
+    Late,
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Self {
+        Self::Failed(error)
+    }
+}
+
+/// What was seen of a run.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Path {
+    /// Positions at each look.
+    pub(super) positions: Vec<Vec<f64>>,
+    /// The largest error of the energy up to each look.
+    pub(super) energy: Vec<f64>,
+    /// What is observed, at each look.
+    pub(super) observed: Vec<Vec<f64>>,
+    pub(super) largest_momentum: f64,
+    pub(super) kinetic: f64,
+    pub(super) iterations: Option<u64>,
+    /// Seconds that it took, looks included.
+    pub(super) seconds: f64,
+}
+
+/// Who runs, and until when.
+pub(super) struct Runner<'a> {
+    pub(super) scene: &'a dyn Movable,
+    pub(super) clock: &'a Clock,
+    pub(super) deadline: f64,
+}
+
+impl Runner<'_> {
+    pub(super) fn left(&self) -> f64 {
+        self.deadline - self.clock.now()
+    }
+
+    fn look_at_clock(&self) -> Result<(), Stop> {
+        if self.left() > 0.0 { Ok(()) } else { Err(Stop::Late) }
+    }
+
+    /// Goes through the pilot interval with so many steps from look to look.
+    pub(super) fn path(&self, pilot: &Pilot, steps: u64, rung: Rung) -> Result<Path, Stop> {
+        self.go(pilot, steps, self.scene.begin(rung)?)
+    }
+
+    pub(super) fn go(
+        &self,
+        pilot: &Pilot,
+        steps: u64,
+        mut moving: Box<dyn Moving + '_>,
+    ) -> Result<Path, Stop> {
+        let mut path = Path { kinetic: moving.kinetic_energy(), ..Path::default() };
+        let mut energy = 0.0_f64;
+        let begun = self.clock.now();
+        for _ in 0..pilot.looks {
+            let mut left = steps;
+            while left > 0 {
+                let part = left.min(steps.div_ceil(GLANCES));
+                moving.run(part)?;
+                left -= part;
+                energy = largest(energy, moving.energy_error().abs());
+                self.look_at_clock()?;
+            }
+            path.energy.push(energy);
+            path.positions.push(moving.positions());
+            path.observed.push(moving.observed());
+            path.largest_momentum = path.largest_momentum.max(moving.largest_momentum());
+            path.kinetic = path.kinetic.max(moving.kinetic_energy());
+        }
+        path.seconds = self.clock.now() - begun;
+        path.iterations = moving.iterations();
+        Ok(path)
+    }
+
+    /// Seconds that the steps of the interval take, and by what part repeats differ: the median, and half of what lies between the
+    /// quartiles. As often as there is time, and none where there is no time for one.
+    pub(super) fn time(
+        &self,
+        pilot: &Pilot,
+        steps: u64,
+        rung: Rung,
+        about: f64,
+    ) -> Result<Option<(f64, f64)>, Stop> {
+        let fresh = self.scene.begin(rung)?;
+        let at_once = (SAMPLE / about.max(1e-9)).ceil().clamp(1.0, 64.0) as usize;
+        let mut times = Vec::new();
+        while times.len() < REPEATS && self.left() > 1.5 * about * at_once as f64 {
+            let mut copies: Vec<_> = (0..at_once).map(|_| fresh.again()).collect();
+            let begun = self.clock.now();
+            for copy in &mut copies {
+                copy.run(pilot.looks * steps)?;
+            }
+            times.push((self.clock.now() - begun) / at_once as f64);
+            if let [first, second] = times[..]
+                && (first - second).abs() <= ALIKE * first
+            {
+                break;
+            }
+        }
+        times.sort_by(f64::total_cmp);
+        let n = times.len();
+        let quarter = |k: usize| times[(k * (n - 1) + 2) / 4];
+        Ok((n > 0).then(|| (quarter(2), 0.5 * (quarter(3) - quarter(1)) / quarter(2).max(f64::MIN_POSITIVE))))
+    }
+}
+
+/// The larger one; NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+pub(super) fn largest(a: f64, b: f64) -> f64 {
+    larger(b, a)
+}
+
+/// At each look, how far the body is that is farthest from where it is on the other path.
+pub(super) fn distances(a: &Path, b: &Path, dimension: usize) -> Vec<f64> {
+    let at = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        let bodies = zip(a.chunks(dimension), b.chunks(dimension));
+        bodies.fold(0.0, |most, (a, b)| {
+            let square: f64 = zip(a, b).map(|(a, b)| (a - b) * (a - b)).sum();
+            larger(square.sqrt(), most)
+        })
+    };
+    zip(&a.positions, &b.positions).map(at).collect()
+}

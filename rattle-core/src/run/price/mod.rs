@@ -1,0 +1,45 @@
+//! What accuracy costs in time, measured before a run.
+//!
+//! ```text
+//! scene.price(&start, duration)       a ladder of steps for each method, on a pilot interval: errors, and seconds
+//! scene.within(1e-6)                  the method and the step that meet a wish for the least time, and what it will cost
+//! simulation.estimate_error(&start)   how far a finished simulation is from the truth
+//! ```
+//!
+//! ```
+//! use rattle::prelude::*;
+//! use rattle::surfaces::Sphere;
+//!
+//! let scene = Scene::on(Sphere { r: 1.0 });
+//! let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+//! let prices = scene.price(&start, 5.0).budget(0.2).measure()?;
+//! println!("{prices}");
+//! let mut planned = scene.within(1e-8).budget(0.2).simulate(&start, 5.0)?;
+//! println!("{planned}");
+//! let bill = planned.run()?;
+//! let q = planned.simulation.positions().next().unwrap();
+//! assert!((q.x - 5_f64.cos()).abs() < 1e-8, "{bill}");
+//! # Ok::<(), rattle::Error>(())
+//! ```
+//!
+//! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which another such
+//! method repeats; their difference is what is known of the reference's own error.
+
+mod candidate;
+mod chaos;
+mod clock;
+mod estimate;
+mod ladder;
+mod moving;
+mod prices;
+mod pricing;
+mod reference;
+mod show;
+mod within;
+
+pub use candidate::Candidate;
+pub use clock::Clock;
+pub use estimate::Estimate;
+pub use prices::{Average, Price, Prices, Refused};
+pub use pricing::Pricing;
+pub use within::{Planned, Spent, Within};

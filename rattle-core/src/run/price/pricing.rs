@@ -1,0 +1,398 @@
+//! Measuring: what is asked for, and the ladders of all methods.
+
+use crate::effect::interval::Rule;
+use crate::effect::list::Effects;
+use crate::error::{Error, PriceMistake};
+use crate::methods::rattle::Rattle;
+use crate::motion::bodies::Count;
+use crate::motion::hold::Hold;
+use crate::motion::state::State;
+use crate::motion::system::System;
+use crate::run::boxed::BoxedSimulation;
+use crate::run::price::candidate::Candidate;
+use crate::run::price::chaos::Chaos;
+use crate::run::price::clock::Clock;
+use crate::run::price::ladder::{Pilot, Runner, Stop, distances};
+use crate::run::price::moving::{Movable, Observed, Rung, Set};
+use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
+use crate::run::price::reference::{Reference, averages, most, pilot, runner_size};
+use crate::scene::Scene;
+use std::iter::zip;
+
+/// Seconds that measuring takes at most, if nothing is said.
+const BUDGET: f64 = 1.0;
+/// Rungs of a ladder: each has at least √2 times as many steps as the one before, or a tenth of its tolerance.
+const RUNGS: usize = 48;
+/// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand times as long.
+const SHARE: f64 = 1e-3;
+/// The same where an error is aimed at, and no step is finer than that needs.
+const SHARE_OF_AIM: f64 = 1e-2;
+/// Of the budget, what finding the pilot and the reference may take, and what is spent when those of a longer one are found.
+const FOR_REFERENCE: f64 = 0.35;
+const FOR_LONGER: f64 = 0.5;
+/// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must.
+const ENOUGH: usize = 2;
+const DEARER: usize = 3;
+/// There, a method may take a third of what is left: the next ones are cut short by what it finds.
+const SHARERS_OF_AIM: usize = 3;
+/// A row whose bodies are off by this part of their way says nothing.
+const USELESS: f64 = 0.3;
+
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
+    /// What accuracy costs in time in this scene: asks every method with a ladder of steps, on a pilot interval from `start`, and never
+    /// for longer than the [budget](Pricing::budget). `duration`, in the unit of time, is how long the run is to be.
+    ///
+    /// ```
+    /// # use rattle::{links::planar::Rod, potentials::planar::Gravity, BoxedSimulation, Scene, State};
+    /// let pendulum = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 2]).with(Gravity { g: 1.0 });
+    /// let start = State::of([[0.0, 0.0], [1.0, 0.0]]);
+    /// let height = |now: &BoxedSimulation<2>| now.positions().nth(1).unwrap().y;
+    /// let prices = pendulum.price(&start, 10.0).budget(0.2).observe("height", height).measure()?;
+    /// println!("{prices}");
+    /// assert!(prices.rows.iter().any(|row| row.position.unwrap() < 1e-9));
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    pub fn price<'a>(&'a self, start: &'a State<D>, duration: f64) -> Pricing<'a, C, E, N, D> {
+        Pricing { scene: self, start, duration, plan: Plan::default(), observed: Vec::new(), progress: None }
+    }
+}
+
+/// What is to be priced, and how; made by [`Scene::price`].
+#[must_use = "`.measure()` measures"]
+pub struct Pricing<'a, C, E, N, const D: usize> {
+    pub(super) scene: &'a Scene<C, E, N, D>,
+    pub(super) start: &'a State<D>,
+    pub(super) duration: f64,
+    pub(super) plan: Plan,
+    pub(super) observed: Vec<Observed<'a, D>>,
+    pub(super) progress: Option<Box<dyn FnMut(f64) + 'a>>,
+}
+
+/// For how long is measured, and by which clock.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    pub(super) budget: f64,
+    pub(super) clock: Clock,
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self { budget: BUDGET, clock: Clock::default() }
+    }
+}
+
+impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, N, D> {
+    /// Measures for at most so many seconds; for one if nothing is said. A step that takes longer than that is still made to its end.
+    pub fn budget(mut self, seconds: f64) -> Self {
+        self.plan.budget = seconds;
+        self
+    }
+
+    /// Tells errors of the average of `what` too, a number of the present state.
+    pub fn observe(
+        mut self,
+        name: impl Into<String>,
+        what: impl Fn(&BoxedSimulation<D>) -> f64 + 'a,
+    ) -> Self {
+        self.observed.push((name.into(), Box::new(what)));
+        self
+    }
+
+    /// Calls `tell` with the part of the budget that is spent, from 0 to 1, after every run.
+    pub fn progress(mut self, tell: impl FnMut(f64) + 'a) -> Self {
+        self.progress = Some(Box::new(tell));
+        self
+    }
+
+    /// Measures by this clock instead of the machine's.
+    pub fn clock(mut self, clock: Clock) -> Self {
+        self.plan.clock = clock;
+        self
+    }
+
+    /// Measures.
+    ///
+    /// # Errors
+    /// Those of [`Scene::simulate`]; that of the step by which every method failed; [`Error::Price`] for a duration or budget that is not
+    /// positive, a budget too short for a reference, and random forces.
+    pub fn measure(mut self) -> Result<Prices, Error> {
+        refuse_random(self.scene, self.start, self.duration)?;
+        let set = Set { scene: self.scene, start: self.start, observed: &self.observed };
+        let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
+        measure(&set, self.duration, &self.plan, None, &mut *tell).map(|measured| measured.prices)
+    }
+}
+
+/// Refuses a start that cannot be simulated, and effects that are random.
+pub(super) fn refuse_random<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    duration: f64,
+) -> Result<(), Error> {
+    positive("duration", duration)?;
+    let system = scene.ready(start, &Rattle::new(duration))?;
+    let flows = (0..<C::System<E, N> as System<f64, D>>::FLOWS).map(|number| system.flow_manner(number));
+    match flows.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
+        Some((_, effect)) => Err(Error::Price(PriceMistake::Random { effect })),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+    let fine = value > 0.0 && value.is_finite();
+    if fine { Ok(()) } else { Err(Error::Price(PriceMistake::NotPositive { what, value })) }
+}
+
+/// Prices, and what they were measured against.
+pub(super) struct Measured {
+    pub(super) prices: Prices,
+    pub(super) pilot: Pilot,
+    pub(super) reference: Reference,
+}
+
+/// An error that is enough: ladders end where it is reached, or where it costs more than by another method.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Aim {
+    pub(super) what: Quantity,
+    pub(super) error: f64,
+}
+
+/// How far a ladder is to be climbed.
+struct Climb<'a> {
+    pilot: &'a Pilot,
+    reference: &'a Reference,
+    /// The error that is enough at the end of the whole run, if any is, and by what it is more than that on the pilot interval.
+    aim: Option<(Aim, Longer)>,
+    /// What the cheapest row costs that is exact enough.
+    least: f64,
+}
+
+impl Climb<'_> {
+    fn is_enough(&self, row: &Price) -> bool {
+        self.aim.is_some_and(|(aim, longer)| {
+            row.error(aim.what).is_some_and(|error| error * longer.grown(row, aim.what) <= aim.error)
+        })
+    }
+}
+
+/// The pilot, for how long it can be told, and its motion.
+struct Exactly {
+    pilot: Pilot,
+    chaos: Chaos,
+    reference: Reference,
+}
+
+impl Exactly {
+    /// With a pilot on which RATTLE takes so many seconds.
+    fn with(runner: &Runner<'_>, duration: f64, seconds: f64) -> Result<Self, Stop> {
+        let mut pilot = pilot(runner, duration, seconds)?;
+        let chaos = Chaos::look_for(runner, &pilot, duration);
+        pilot.told = chaos.told(&pilot);
+        let reference = Reference::find(runner, &pilot)?;
+        Ok(Self { pilot, chaos, reference })
+    }
+
+    /// Whether a longer pilot would tell more about the whole run.
+    fn is_too_short(&self, duration: f64) -> bool {
+        self.pilot.length < duration && self.chaos.predictable.is_none()
+    }
+}
+
+/// Finds the reference, and goes up every ladder; where an error is enough, from the methods of high order on.
+pub(super) fn measure(
+    scene: &dyn Movable,
+    duration: f64,
+    plan: &Plan,
+    aim: Option<Aim>,
+    tell: &mut dyn FnMut(f64),
+) -> Result<Measured, Error> {
+    positive("budget", plan.budget)?;
+    let begun = plan.clock.now();
+    let until = |part: f64| Runner { scene, clock: &plan.clock, deadline: begun + part * plan.budget };
+    let late = |stop| match stop {
+        Stop::Failed(error) => error,
+        Stop::Late => Error::Price(PriceMistake::Late { budget: plan.budget }),
+    };
+    let mut found = Exactly::with(&until(FOR_REFERENCE), duration, SHARE * plan.budget).map_err(late)?;
+    if aim.is_some() && found.is_too_short(duration) {
+        let longer = Exactly::with(&until(FOR_LONGER), duration, SHARE_OF_AIM * plan.budget);
+        found = longer.unwrap_or(found);
+    }
+    let Exactly { pilot, chaos, reference } = found;
+    let mut tell = || tell(((plan.clock.now() - begun) / plan.budget).min(1.0));
+    tell();
+
+    let runner = until(1.0);
+    let (mut rows, mut refused) = (Vec::new(), Vec::new());
+    let longer = Longer { duration, pilot: pilot.length, lyapunov_time: chaos.lyapunov_time };
+    let aim = aim.map(|aim| (aim, longer));
+    let mut to_climb = Climb { pilot: &pilot, reference: &reference, aim, least: f64::INFINITY };
+    let mut methods = Candidate::ALL;
+    if aim.is_some() {
+        methods.reverse();
+    }
+    for (number, method) in methods.into_iter().enumerate() {
+        let sharers =
+            (methods.len() - number).min(if aim.is_some() { SHARERS_OF_AIM } else { methods.len() });
+        let share = runner.left() / sharers as f64;
+        let own = Runner { deadline: plan.clock.now() + share, ..runner };
+        let (found, why) = climb(&own, &to_climb, method);
+        let enough = found.iter().filter(|row| to_climb.is_enough(row));
+        to_climb.least = enough.map(|row| row.seconds).fold(to_climb.least, f64::min);
+        if found.is_empty() {
+            refused.push(Refused { method, why });
+        }
+        if aim.is_some() {
+            rows.splice(0..0, found);
+        } else {
+            rows.extend(found);
+        }
+        tell();
+    }
+    let mut prices = Prices {
+        duration,
+        pilot: pilot.length,
+        reference: [reference.candidate, reference.second],
+        reference_error: reference.error,
+        rounding: chaos.floor,
+        way: reference.way,
+        lyapunov_time: chaos.lyapunov_time,
+        predictable: chaos.predictable,
+        positions_until: pilot.told as f64 * pilot.stretch(),
+        averages: named_averages(scene, &reference),
+        rows,
+        refused,
+        seconds: plan.clock.now() - begun,
+    };
+    prices.mark_front();
+    Ok(Measured { prices, pilot, reference })
+}
+
+/// Averages of the reference, and their uncertainty from means over parts.
+fn named_averages(scene: &dyn Movable, reference: &Reference) -> Vec<Average> {
+    let looks = &reference.path.observed;
+    let parts: Vec<_> = looks.chunks(looks.len().div_ceil(8).max(1)).collect();
+    let uncertainty = |i: usize| {
+        let means: Vec<f64> = parts
+            .iter()
+            .map(|part| part.iter().map(|values| values[i]).sum::<f64>() / part.len() as f64)
+            .collect();
+        let n = means.len() as f64;
+        let mean = means.iter().sum::<f64>() / n;
+        (means.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (n * (n - 1.0)).max(1.0)).sqrt()
+    };
+    let named = zip(scene.names(), &reference.averages).enumerate();
+    named.map(|(i, (name, &mean))| Average { name, mean, uncertainty: uncertainty(i) }).collect()
+}
+
+/// The rows of one method, and why it failed if it did.
+fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<Price>, Option<Error>) {
+    let Climb { pilot, reference, .. } = *to_climb;
+    let (mut rows, mut why): (Vec<Price>, _) = (Vec::new(), None);
+    let size = runner_size(runner, pilot);
+    let mut steps = pilot.steps(method.reach() * pilot.longest);
+    let (mut tolerance, mut seconds, mut stuck) = (size * 0.01, 0.0, 0);
+    let (mut enough, mut dearer) = (0, 0);
+    for _ in 0..RUNGS {
+        // Sampled once and timed once or more often: what the next rung will take at least.
+        if 3.0 * seconds > runner.left() {
+            break;
+        }
+        let rung = Rung { candidate: method, h: pilot.stretch() / steps as f64, tolerance };
+        match price(runner, pilot, reference, steps, rung) {
+            Ok((price, took)) => {
+                seconds = took;
+                let row = follow(price, rows.last(), pilot, reference);
+                let useless =
+                    row.position.is_some_and(|error| error.is_nan() || error > USELESS * reference.way);
+                stuck = if row.rounding { stuck + 1 } else { 0 };
+                enough += usize::from(to_climb.is_enough(&row));
+                dearer += usize::from(row.seconds > to_climb.least);
+                if !useless || reference.way == 0.0 {
+                    rows.push(row);
+                }
+            }
+            Err(Stop::Late) => break,
+            Err(Stop::Failed(error)) => {
+                let hopeless = !matches!(error, Error::Step { .. });
+                why = Some(error);
+                if hopeless || (method.is_adaptive() && !rows.is_empty()) {
+                    break;
+                }
+            }
+        }
+        if stuck == 2 || enough == ENOUGH || dearer == DEARER {
+            break;
+        }
+        if method.is_adaptive() {
+            tolerance *= 0.1;
+            if tolerance < 1e-17 * size {
+                break;
+            }
+        } else {
+            steps = (steps as f64 * std::f64::consts::SQRT_2).ceil() as u64;
+        }
+    }
+    (rows, why)
+}
+
+/// One row, as far as it can be told without the row before it; and how long one run takes.
+pub(super) fn price(
+    runner: &Runner<'_>,
+    pilot: &Pilot,
+    reference: &Reference,
+    steps: u64,
+    rung: Rung,
+) -> Result<(Price, f64), Stop> {
+    let path = runner.path(pilot, steps, rung)?;
+    let timed = runner.time(pilot, steps, rung, path.seconds)?;
+    // What interrupts a run makes it longer, never shorter.
+    let (seconds, spread) =
+        timed.map_or((path.seconds, 1.0), |(median, spread)| (median.min(path.seconds), spread));
+    let distances = distances(&path, &reference.path, runner.scene.dimension());
+    let energy = most(&path.energy);
+    let off = |(a, b): (f64, &f64)| (a - b).abs();
+    let price = Price {
+        method: rung.candidate,
+        h: rung.h,
+        tolerance: rung.candidate.is_adaptive().then_some(rung.tolerance),
+        position: (pilot.told > 0).then(|| most(pilot.told(&distances))),
+        energy,
+        averages: zip(averages(&path), &reference.averages).map(off).collect(),
+        growth: [growth(pilot.told(&distances)), growth(&path.energy)],
+        seconds: seconds / pilot.length,
+        spread,
+        steps: steps * pilot.looks,
+        corrections: path.iterations,
+        order: None,
+        rounding: false,
+        front: false,
+    };
+    Ok((price, path.seconds.max(seconds)))
+}
+
+/// The exponent a of tᵃ between the middle and the end.
+fn growth(errors: &[f64]) -> f64 {
+    let (half, whole) = (most(&errors[..errors.len() / 2]), most(errors));
+    if half > 0.0 { (whole / half).log2() } else { 1.0 }
+}
+
+/// The row with what the one before it tells: the order, and whether rounding decides.
+fn follow(mut row: Price, before: Option<&Price>, pilot: &Pilot, reference: &Reference) -> Price {
+    let Some(before) = before else { return row };
+    let of = if pilot.told == pilot.looks as usize { Quantity::Position } else { Quantity::Energy };
+    let (Some(long), Some(short)) = (before.error(of), row.error(of)) else { return row };
+    let finer = before.fineness() / row.fineness();
+    let gained = (long / short).ln() / finer.ln();
+    if row.tolerance.is_none() && gained.is_finite() {
+        row.order = Some(gained);
+    }
+    let size = reference.way.max(f64::MIN_POSITIVE);
+    let expected = if row.tolerance.is_some() { 1.0 } else { f64::from(row.method.order()) };
+    let small = match of {
+        Quantity::Position => short <= 1e-9 * size,
+        _ => short <= 1e-9 * reference.path.kinetic.max(f64::MIN_POSITIVE),
+    };
+    row.rounding = small && gained < 0.4 * expected || short == 0.0;
+    row
+}

@@ -1,0 +1,132 @@
+//! Prices as text: tables for people, rows for programs.
+
+use crate::run::price::prices::{Price, Prices, Quantity};
+use std::fmt::{self, Write};
+
+impl fmt::Display for Prices {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [first, second] = self.reference;
+        write!(
+            f,
+            "measured on {:.4} of {:.4} units of time, in {:.2} s; ",
+            self.pilot, self.duration, self.seconds
+        )?;
+        writeln!(f, "errors against {first}, which {second} repeats to {:.1e}", self.reference_error)?;
+        if let (Some(lyapunov), Some(predictable)) = (self.lyapunov_time, self.predictable) {
+            writeln!(
+                f,
+                "chaotic: Lyapunov time {lyapunov:.3}; positions can be told until {predictable:.3} after the start"
+            )?;
+            if !self.tells_positions() {
+                let until = self.positions_until;
+                writeln!(
+                    f,
+                    "errors of position are those until {until:.3}; beyond, of energy and averages alone"
+                )?;
+            }
+        }
+        for average in &self.averages {
+            writeln!(f, "mean of {}: {:.6} ± {:.1e}", average.name, average.mean, average.uncertainty)?;
+        }
+        writeln!(
+            f,
+            "\n{:34}  {:>9}  {:>9}  {:>9}  {:>6}  {:>11}  {:>5}  {:>9}",
+            "method (* on the front)",
+            "h or tol.",
+            "position",
+            "energy",
+            "order",
+            "ns per time",
+            "±",
+            "steps"
+        )?;
+        for row in &self.rows {
+            let mark = if row.front { "*" } else { "" };
+            let order = row.order.map_or(String::new(), |order| format!("{order:.1}"));
+            let order = if row.rounding { "floor".into() } else { order };
+            let position = row.position.map_or("–".into(), |error| format!("{error:.1e}"));
+            write!(
+                f,
+                "{:34}  {:9.2e}  {position:>9}  {:9.1e}  {order:>6}  {:11.0}  {:4.0}%  {:9}",
+                format!("{} {mark}", row.method),
+                row.fineness(),
+                row.energy,
+                1e9 * row.seconds,
+                100.0 * row.spread,
+                row.steps,
+            )?;
+            for (average, error) in self.averages.iter().zip(&row.averages) {
+                write!(f, "  {}: {error:.1e}", average.name)?;
+            }
+            writeln!(f)?;
+        }
+        for refused in &self.refused {
+            match &refused.why {
+                Some(why) => writeln!(f, "{}: {why}", refused.method)?,
+                None => writeln!(f, "{}: no time within the budget", refused.method)?,
+            }
+        }
+        let what = if self.quantity() == Quantity::Position { "position" } else { "energy" };
+        writeln!(f, "\ndigits of {what}  ns per unit of time")?;
+        for (digits, nanoseconds, method) in self.digits() {
+            writeln!(f, "{digits:6}  {nanoseconds:19.0}  {method}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Prices {
+    /// All rows as comma-separated values under a line of names; seconds are for each unit of simulated time.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = String::from(
+            "method,h,tolerance,position,energy,seconds,spread,steps,corrections,order,rounding,front",
+        );
+        for average in &self.averages {
+            let _ = write!(text, ",{}", quoted(&average.name));
+        }
+        text.push('\n');
+        for Price {
+            method,
+            h,
+            tolerance,
+            position,
+            energy,
+            seconds,
+            spread,
+            steps,
+            corrections,
+            order,
+            rounding,
+            front,
+            averages,
+            ..
+        } in &self.rows
+        {
+            let number = |x: &Option<f64>| x.map_or(String::new(), |x| format!("{x:e}"));
+            let corrections = corrections.map_or(String::new(), |n| n.to_string());
+            let _ = write!(
+                text,
+                "{},{h:e},{},{},{energy:e},{seconds:e},{spread:e},{steps},{corrections},{},{rounding},{front}",
+                quoted(&method.to_string()),
+                number(tolerance),
+                number(position),
+                number(order),
+            );
+            for error in averages {
+                let _ = write!(text, ",{error:e}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
+
+/// A field of its own, whatever is in it.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.into()
+    }
+}

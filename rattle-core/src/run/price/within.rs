@@ -1,0 +1,362 @@
+//! A wish: the method and the step that meet it for the least time, and what the run will cost.
+
+use crate::effect::list::Effects;
+use crate::error::{Error, Limit, PriceMistake};
+use crate::motion::bodies::Count;
+use crate::motion::hold::Hold;
+use crate::motion::state::State;
+use crate::run::boxed::BoxedSimulation;
+use crate::run::price::candidate::Candidate;
+use crate::run::price::clock::Clock;
+use crate::run::price::ladder::Runner;
+use crate::run::price::moving::{Movable, Observed, Rung, Set};
+use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
+use crate::run::price::pricing::{Aim, Measured, Plan, measure, positive, price, refuse_random};
+use crate::scene::Scene;
+use std::fmt;
+
+/// Of the budget, what the ladders may take; the rest verifies.
+const FOR_LADDERS: f64 = 0.75;
+/// The step is chosen for this part of the wish.
+const AIM: f64 = 0.9;
+/// So many of the cheapest offers are verified, each with so many steps.
+const OFFERS: usize = 4;
+const TRIES: usize = 6;
+/// An interval of so many half quartile distances holds nearly all repeats.
+const NEARLY_ALL: f64 = 3.0;
+/// No forecast is told to be surer than this.
+const SUREST: f64 = 0.02;
+/// Nor than this for parts of a run that the pilot did not see.
+const SUREST_BEYOND: f64 = 0.15;
+/// An order below this, of a method of order 8 or more, tells that something is not smooth.
+const NOT_SMOOTH: f64 = 4.0;
+/// So many of the shortest steps of a method tell that.
+const SHORTEST: usize = 4;
+
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
+    /// A run whose error is to be at most this: a distance in position at all times of the run, if nothing else is said. Method and step
+    /// are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
+    pub fn within(&self, error: f64) -> Within<'_, C, E, N, D> {
+        let (what, observed) = (Quantity::Position, Vec::new());
+        Within { scene: self, error, what, observed, plan: Plan::default(), progress: None }
+    }
+}
+
+/// A wish; made by [`Scene::within`].
+#[must_use = "`.simulate(start, duration)` makes the simulation"]
+pub struct Within<'a, C, E, N, const D: usize> {
+    scene: &'a Scene<C, E, N, D>,
+    error: f64,
+    what: Quantity,
+    observed: Vec<Observed<'a, D>>,
+    plan: Plan,
+    progress: Option<Box<dyn FnMut(f64) + 'a>>,
+}
+
+impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
+    /// The error wished for is one of the energy, in its unit, at all times.
+    pub fn in_energy(mut self) -> Self {
+        self.what = Quantity::Energy;
+        self
+    }
+
+    /// The error wished for is one of the average of `what` over the run, a number of the present state.
+    pub fn in_average(
+        mut self,
+        name: impl Into<String>,
+        what: impl Fn(&BoxedSimulation<D>) -> f64 + 'a,
+    ) -> Self {
+        self.observed = vec![(name.into(), Box::new(what))];
+        self.what = Quantity::Average(0);
+        self
+    }
+
+    /// Measures for at most so many seconds; for one if nothing is said.
+    pub fn budget(mut self, seconds: f64) -> Self {
+        self.plan.budget = seconds;
+        self
+    }
+
+    /// Calls `tell` with the part of the budget that is spent, from 0 to 1, after every run.
+    pub fn progress(mut self, tell: impl FnMut(f64) + 'a) -> Self {
+        self.progress = Some(Box::new(tell));
+        self
+    }
+
+    /// Measures by this clock instead of the machine's.
+    pub fn clock(mut self, clock: Clock) -> Self {
+        self.plan.clock = clock;
+        self
+    }
+
+    /// Measures, and makes the simulation that meets the wish for the least time.
+    ///
+    /// # Errors
+    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the best that can be had and what limits it;
+    /// else as [`measure`](crate::run::price::Pricing::measure).
+    pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
+        positive("error wished for", self.error)?;
+        refuse_random(self.scene, start, duration)?;
+        let set = Set { scene: self.scene, start, observed: &self.observed };
+        let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
+        let Choice { rung, price, error, prices } =
+            choose(&set, duration, self.error, self.what, &self.plan, &mut *tell)?;
+        let simulation = rung.candidate.simulation(self.scene, start.clone(), rung.h, rung.tolerance)?;
+        let pilots = (duration / prices.pilot).round();
+        let surest = if pilots > 1.0 { SUREST_BEYOND } else { SUREST };
+        Ok(Planned {
+            simulation,
+            method: price.method,
+            h: price.h,
+            tolerance: price.tolerance,
+            steps: pilots as u64 * price.steps,
+            error,
+            seconds: price.seconds * duration,
+            spread: (NEARLY_ALL * price.spread).clamp(surest, 1.0),
+            prices,
+            clock: self.plan.clock,
+        })
+    }
+}
+
+/// A simulation that meets a wish, before its run; `Display` says how and what it will cost.
+#[derive(Debug, Clone)]
+pub struct Planned<const D: usize> {
+    /// The simulation, at its start: [`run`](Self::run) runs it, or whoever wants to watch takes [`steps`](Self::steps) of it.
+    pub simulation: BoxedSimulation<D>,
+    /// The method that was chosen.
+    pub method: Candidate,
+    /// Its step size.
+    pub h: f64,
+    /// Its tolerance, if it has one.
+    pub tolerance: Option<f64>,
+    /// Steps of the whole run.
+    pub steps: u64,
+    /// The error that the whole run is expected to have, of what was wished for: measured on the pilot interval, and grown to the whole time
+    /// if that is longer, and then doubled, since growth is not steady.
+    pub error: f64,
+    /// Seconds that the whole run is expected to take, on one core.
+    pub seconds: f64,
+    /// By what part of it the run may take more or less, if a run that is longer than the pilot interval goes on as it began.
+    pub spread: f64,
+    /// What was measured: ladders as far as they are needed.
+    pub prices: Prices,
+    clock: Clock,
+}
+
+/// What a run cost; `Display` compares with what was expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spent {
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// Seconds that it was expected to take.
+    pub expected: f64,
+}
+
+impl<const D: usize> Planned<D> {
+    /// Takes the steps that are left of the run; says what it cost, and what these steps were expected to cost.
+    ///
+    /// # Errors
+    /// As [`Simulation::run`](crate::run::simulation::Simulation::run).
+    pub fn run(&mut self) -> Result<Spent, Error> {
+        let left = self.steps.saturating_sub(self.simulation.steps());
+        let begun = self.clock.now();
+        self.simulation.run(left)?;
+        let expected = self.seconds * left as f64 / self.steps.max(1) as f64;
+        Ok(Spent { seconds: self.clock.now() - begun, expected })
+    }
+}
+
+impl<const D: usize> fmt::Display for Planned<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, h = {:.4e}", self.method, self.h)?;
+        if let Some(tolerance) = self.tolerance {
+            write!(f, ", tolerance {tolerance:.1e}")?;
+        }
+        write!(
+            f,
+            ": {} steps in {:.3e} s ± {:.0} % on one core, to an error of {:.1e}",
+            self.steps,
+            self.seconds,
+            100.0 * self.spread,
+            self.error
+        )
+    }
+}
+
+impl fmt::Display for Spent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let off = 100.0 * (self.seconds / self.expected - 1.0);
+        write!(f, "{:.3e} s, {off:+.0} % of what was expected", self.seconds)
+    }
+}
+
+/// What was chosen.
+struct Choice {
+    rung: Rung,
+    price: Price,
+    error: f64,
+    prices: Prices,
+}
+
+fn choose(
+    scene: &dyn Movable,
+    duration: f64,
+    wish: f64,
+    what: Quantity,
+    plan: &Plan,
+    tell: &mut dyn FnMut(f64),
+) -> Result<Choice, Error> {
+    let begun = plan.clock.now();
+    let ladders = Plan { budget: FOR_LADDERS * plan.budget, ..plan.clone() };
+    let aim = Aim { what, error: AIM * wish };
+    let measured = measure(scene, duration, &ladders, Some(aim), &mut |part| tell(FOR_LADDERS * part))?;
+    let runner = Runner { scene, clock: &plan.clock, deadline: begun + plan.budget };
+    let prices = &measured.prices;
+    if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
+        return Err(unreachable(prices, wish, what, plan.budget));
+    }
+
+    let mut offers: Vec<(Candidate, Offer)> = Vec::new();
+    for method in Candidate::ALL {
+        let rows = prices.of(method);
+        let offer =
+            rows.last().and_then(|last| interpolate(&rows, what, AIM * wish / prices.grown(last, what)));
+        offers.extend(offer.map(|offer| (method, offer)));
+    }
+    offers.sort_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds));
+    let mut best = cheapest_row(prices, wish, what);
+    for (number, (method, offer)) in offers.into_iter().enumerate() {
+        let dearer = best.as_ref().is_some_and(|(_, price, _)| price.seconds <= offer.seconds);
+        if number >= OFFERS && best.is_some() || dearer {
+            break;
+        }
+        if let Some(found) = verify(&runner, &measured, method, offer, wish, what)
+            && best.as_ref().is_none_or(|(_, price, _)| found.1.seconds < price.seconds)
+        {
+            best = Some(found);
+        }
+    }
+    tell(1.0);
+    let Some((rung, price, error)) = best else { return Err(unreachable(prices, wish, what, plan.budget)) };
+    Ok(Choice { rung, price, error, prices: measured.prices })
+}
+
+/// The cheapest row that meets the wish, which any other must beat.
+fn cheapest_row(prices: &Prices, wish: f64, what: Quantity) -> Option<(Rung, Price, f64)> {
+    let met = prices.rows.iter().filter_map(|row| {
+        let error = row.error(what)? * prices.grown(row, what);
+        let rung = Rung { candidate: row.method, h: row.h, tolerance: row.tolerance.unwrap_or(0.0) };
+        (error <= wish).then(|| (rung, row.clone(), error))
+    });
+    met.min_by(|a, b| a.1.seconds.total_cmp(&b.1.seconds))
+}
+
+/// An offer run on the pilot interval, with shorter steps until the wish is met.
+fn verify(
+    runner: &Runner<'_>,
+    measured: &Measured,
+    method: Candidate,
+    offer: Offer,
+    wish: f64,
+    what: Quantity,
+) -> Option<(Rung, Price, f64)> {
+    let Measured { prices, pilot, reference } = measured;
+    let rows = prices.of(method);
+    let known = rows[offer.row];
+    let looks = pilot.looks;
+    let tolerance = known.tolerance.map_or(0.0, |_| offer.fineness);
+    let first = if known.tolerance.is_some() { known.steps / looks } else { pilot.steps(offer.fineness) };
+    let (mut steps, mut tolerance) = (first.min(known.steps / looks), tolerance);
+    for _ in 0..TRIES {
+        let rung = Rung { candidate: method, h: pilot.stretch() / steps as f64, tolerance };
+        let again = steps == known.steps / looks && known.tolerance.is_none_or(|t| t == tolerance);
+        let price = if again { known.clone() } else { price(runner, pilot, reference, steps, rung).ok()?.0 };
+        let error = price.error(what)? * prices.grown(&price, what);
+        if error <= wish {
+            return Some((rung, price, error));
+        }
+        if again {
+            break;
+        }
+        match known.tolerance {
+            Some(least) => tolerance = (tolerance * (0.8 * wish / error)).max(least),
+            None => {
+                let more = (error / wish).powf(1.0 / f64::from(method.order()));
+                steps = ((steps as f64 * more).ceil() as u64).max(steps + 1).min(known.steps / looks);
+            }
+        }
+    }
+    None
+}
+
+/// Whether positions cannot be told to the end.
+fn lost(prices: &Prices) -> bool {
+    !prices.tells_positions() || prices.predictable.is_some_and(|time| time < prices.duration)
+}
+
+/// By how much an average is uncertain on principle: where motion is chaotic and positions are lost.
+fn uncertain(prices: &Prices, what: Quantity) -> Option<f64> {
+    let Quantity::Average(number) = what else { return None };
+    if prices.tells_positions() {
+        return None;
+    }
+    prices.averages.get(number).map(|average| average.uncertainty * (prices.pilot / prices.duration).sqrt())
+}
+
+fn unreachable(prices: &Prices, wish: f64, what: Quantity, budget: f64) -> Error {
+    let at_end = |row: &Price| row.error(what).map(|error| error * prices.grown(row, what));
+    let rows = prices.rows.iter().filter_map(|row| Some((at_end(row)?, row)));
+    let best = rows.min_by(|a, b| a.0.total_cmp(&b.0));
+    let (best, row) = best.map_or((f64::NAN, None), |(error, row)| (error, Some(row)));
+    let chaos = prices.lyapunov_time.zip(prices.predictable);
+    let limit = match (chaos, uncertain(prices, what)) {
+        (Some((lyapunov_time, predictable)), _) if what == Quantity::Position && lost(prices) => {
+            Limit::Chaos { lyapunov_time, predictable }
+        }
+        (_, Some(uncertainty)) => Limit::Statistics { uncertainty },
+        _ => limit(prices, row, best),
+    };
+    let method = row.map_or_else(|| "no method".into(), |row| row.method.to_string());
+    let what = match what {
+        Quantity::Position => "in position".into(),
+        Quantity::Energy => "in energy".into(),
+        Quantity::Average(number) => format!("in the average of {}", prices.averages[number].name),
+    };
+    Error::Price(PriceMistake::Unreachable { wish, what, best, method, limit: with_budget(limit, budget) })
+}
+
+fn with_budget(limit: Limit, seconds: f64) -> Limit {
+    if let Limit::Budget { .. } = limit { Limit::Budget { seconds } } else { limit }
+}
+
+/// What limits motion that can be predicted.
+fn limit(prices: &Prices, best: Option<&Price>, error: f64) -> Limit {
+    let known = prices.reference_error.max(prices.rounding);
+    let rounding = match prices.lyapunov_time.zip(prices.predictable) {
+        Some((lyapunov_time, predictable)) => Limit::Chaos { lyapunov_time, predictable },
+        None => Limit::Rounding,
+    };
+    if best.is_some_and(|row| row.rounding) {
+        return rounding;
+    }
+    match order(prices) {
+        Some(order) if order < NOT_SMOOTH => Limit::Kink { order },
+        _ if error <= 100.0 * known => rounding,
+        _ => Limit::Budget { seconds: 0.0 },
+    }
+}
+
+/// The order that methods of order 8 and more show with their shortest steps: the median.
+fn order(prices: &Prices) -> Option<f64> {
+    let high = Candidate::ALL.into_iter().filter(|method| method.order() >= 8 && !method.is_adaptive());
+    let mut orders: Vec<f64> = high
+        .flat_map(|method| {
+            let rows = prices.of(method);
+            let smooth = rows.into_iter().rev().filter(|row| !row.rounding).take(SHORTEST);
+            smooth.filter_map(|row| row.order).collect::<Vec<_>>()
+        })
+        .collect();
+    orders.sort_by(f64::total_cmp);
+    (orders.len() >= SHORTEST).then(|| orders[orders.len() / 2])
+}

@@ -1,0 +1,119 @@
+//! Prices of accuracy: orders, errors, limits and wishes refused, by a clock that counts evaluations. Wishes met, chaos, and errors
+//! estimated are asked in `optimised/tests/price.rs`.
+
+mod common;
+#[path = "common/priced.rs"]
+#[allow(dead_code, reason = "each test uses its part")]
+mod priced;
+
+use priced::{FREE, Forces, NONE, Several, double_pendulum, on, pendulum, sphere};
+use rattle::Error;
+use rattle::effect::{Langevin, LinearDrag};
+use rattle::error::{Limit, PriceMistake};
+use rattle::prelude::*;
+use rattle::price::{Candidate, Clock};
+
+#[test]
+fn orders_and_errors_are_those_of_the_methods() {
+    let scene = sphere();
+    let prices = scene.scene.price(&scene.start, 5.0).budget(0.2).clock(scene.clock()).measure().unwrap();
+    assert!(prices.tells_positions() && prices.lyapunov_time.is_none() && prices.reference_error < 1e-14);
+    let (mut orders, mut checked) = (0, 0);
+    for row in &prices.rows {
+        let error = row.position.unwrap();
+        // The error that a run of one's own has against the great circle, at the last look or before.
+        if row.method == Candidate::Rattle && error > 1e-9 {
+            let mut own = scene.scene.simulate(scene.start.clone(), Rattle::new(row.h)).unwrap();
+            let mut worst = 0.0_f64;
+            for step in 1..=row.steps {
+                own.step().unwrap();
+                let (sin, cos) = (0.5 * own.time()).sin_cos();
+                if step % (row.steps / 4) == 0 {
+                    let exact = rattle::nalgebra::Vector3::new(2.0 * cos, 1.2 * sin, 1.6 * sin);
+                    worst = worst.max((own.position() - exact).norm());
+                }
+            }
+            assert!((worst / error - 1.0).abs() < 1e-5, "{worst:e} and {error:e} at h = {}", row.h);
+            checked += 1;
+        }
+        // On a circle every method is of its order long before rounding, to one part in seven.
+        let order = f64::from(row.method.order());
+        if let (Some(found), true) = (row.order, (1e-12..1e-3).contains(&error) && !row.rounding) {
+            assert!((found / order - 1.0).abs() < 0.15, "{}: order {found} at h = {}", row.method, row.h);
+            orders += 1;
+        }
+    }
+    assert!(orders > 15 && checked > 5, "{orders} orders, {checked} errors\n{prices}");
+    assert!(prices.floor(Candidate::Lobatto5).is_some_and(|floor| floor < 1e-13), "{prices}");
+    // The front goes up in time and down in error, and the list of digits lies on it.
+    let front: Vec<_> = prices.front().map(|row| (row.seconds, row.position.unwrap())).collect();
+    assert!(front.len() > 3 && front.windows(2).all(|pair| pair[0].0 <= pair[1].0 && pair[0].1 >= pair[1].1));
+    let digits = prices.digits();
+    assert!(digits.len() > 10 && digits.windows(2).all(|pair| pair[0].1 <= pair[1].1), "{digits:?}");
+    assert_eq!(prices.csv().lines().count(), prices.rows.len() + 1);
+}
+
+#[test]
+fn time_is_never_longer_than_asked() {
+    for budget in [0.003, 0.03, 0.3] {
+        let scene = double_pendulum(5.0);
+        let clock = scene.clock();
+        let begun = clock.now();
+        let measured = scene.scene.price(&scene.start, 5.0).budget(budget).clock(clock.clone()).measure();
+        let spent = clock.now() - begun;
+        // A quarter of a look's steps are made to their end.
+        assert!(spent <= 1.05 * budget + 1e-4, "{spent} of {budget}");
+        match measured {
+            Ok(prices) => assert!(prices.seconds <= 1.05 * budget + 1e-4 && !prices.rows.is_empty()),
+            Err(error) => {
+                assert!(budget < 0.1 && matches!(error, Error::Price(PriceMistake::Late { .. })), "{error}")
+            }
+        }
+    }
+}
+
+#[test]
+fn what_limits_accuracy_is_named() {
+    let scene = pendulum();
+    match scene.within(1e-18, 0.5) {
+        Err(Error::Price(PriceMistake::Unreachable { limit: Limit::Rounding, best, .. })) => {
+            assert!((1e-18..1e-13).contains(&best), "{best:e}");
+        }
+        other => panic!("{other:?}"),
+    }
+    match scene.within(1e-11, 0.01) {
+        Err(Error::Price(PriceMistake::Unreachable { limit: Limit::Budget { seconds }, best, .. })) => {
+            assert!(seconds == 0.01 && best > 1e-11);
+        }
+        Err(Error::Price(PriceMistake::Late { budget })) => assert_eq!(budget, 0.0075),
+        other => panic!("{other:?}"),
+    }
+    let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+    let kinked = on("kink", Several { sphere: 1.0, ..NONE }, Forces { kink: 0.3, ..FREE }, start, 5.0);
+    match kinked.within(1e-12, 0.5) {
+        Err(Error::Price(PriceMistake::Unreachable { limit: Limit::Kink { order }, best, .. })) => {
+            assert!(order < 4.0 && best < 1e-2, "{order} {best:e}");
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn senseless_wishes_are_refused() {
+    let scene = sphere();
+    for (wish, budget, duration) in
+        [(0.0, 1.0, 5.0), (f64::NAN, 1.0, 5.0), (1e-6, 0.0, 5.0), (1e-6, 1.0, -5.0)]
+    {
+        let asked = scene.scene.within(wish).budget(budget).simulate(&scene.start, duration);
+        assert!(matches!(asked, Err(Error::Price(PriceMistake::NotPositive { .. }))), "{asked:?}");
+    }
+    let hot = Scene::points::<1>(1).with(Langevin { friction: 1.0, temperature: 1.0, seed: 1 });
+    let asked = hot.price(&State::at([0.0]), 5.0).measure();
+    assert!(matches!(asked, Err(Error::Price(PriceMistake::Random { .. }))), "{asked:?}");
+    let surface = Counted::new(Several { sphere: 1.0, ..NONE });
+    let counts = surface.counts();
+    let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+    let slow = Scene::on(surface).with(LinearDrag::new(1.0));
+    let prices = slow.price(&scene.start, 5.0).budget(0.05).clock(clock).measure().unwrap();
+    assert!(prices.refused.iter().any(|refused| matches!(refused.why, Some(Error::CannotMove { .. }))));
+}
