@@ -13,7 +13,7 @@ cp docs/*.md docs/*.png docs/*.svg out/book-source/docs
 cp docs/guide/*.md out/book-source/docs/guide
 cp benches/peers/README.md benches/peers/results.json out/book-source/benches/peers
 cp -r docs/accuracy out/book-source/docs
-if [ -d docs/gallery ]; then cp -r docs/gallery out/book-source/docs; fi
+cp -r docs/gallery docs/accuracy out/book-source/docs
 {
     printf '# Summary\n\n[rattle](README.md)\n'
     sed '1d; s#](#](docs/#' docs/SUMMARY.md

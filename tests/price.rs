@@ -1,5 +1,5 @@
-//! Prices of accuracy: orders, errors, limits and wishes refused, by a clock that counts evaluations. Wishes met, chaos, and errors
-//! estimated are asked in `optimised/tests/price.rs`.
+//! Prices of accuracy: orders, errors, limits and wishes refused, by a clock that counts evaluations. Wishes met,
+//! chaos, and errors estimated are asked in `optimised/tests/price.rs`.
 
 mod common;
 #[path = "common/priced.rs"]

@@ -5,10 +5,10 @@
 //! cargo run --release --example accuracy -- forecasts   # 50 runs, each against its forecast
 //! ```
 //!
-//! Prints tables, and writes into `out/accuracy` for each scene a diagram and all numbers (`torus.svg`, `torus.csv`), and one page with
-//! all of them (`index.html`), on which the pointer tells method, step, error and cost. Times are those of one core for this program
-//! alone, whatever else the machine does. Where a solution with 30 digits is known, what
-//! the wish for 1e-8 gives is compared with it.
+//! Prints tables, and writes into `out/accuracy` for each scene a diagram and all numbers (`torus.svg`, `torus.csv`),
+//! and one page with all of them (`index.html`), on which the pointer tells method, step, error and cost. Times are
+//! those of one core for this program alone, whatever else the machine does. Where a solution with 30 digits is known,
+//! what the wish for 1e-8 gives is compared with it.
 
 mod clock;
 mod long;

@@ -1,4 +1,5 @@
-//! Wishes met, chaos told and errors estimated, by a clock that counts evaluations; the machine's clock decides nothing.
+//! Wishes met, chaos told and errors estimated, by a clock that counts evaluations; the machine's clock decides
+//! nothing.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;

@@ -73,7 +73,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Counting<C, E, N, D> {
         self.scene.within(wish).budget(budget).clock(self.clock()).simulate(&self.start, self.duration)
     }
 
-    /// The exact positions at the end; else by a series of another order and other steps than any reference of prices has.
+    /// The exact positions at the end; else by a series of another order and other steps than any reference of prices
+    /// has.
     pub(crate) fn truth(&self) -> Vec<f64> {
         self.exact.clone().unwrap_or_else(|| {
             let steps = (self.duration / 0.07).ceil();

@@ -150,7 +150,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.potential_energy(&self.bodies)
     }
 
-    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have none.
+    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
+    /// none.
     pub fn effect_energies(&self) -> Vec<f64> {
         let mut energies = Vec::new();
         self.system.effect_energies(&self.bodies, &mut energies);

@@ -5,7 +5,8 @@
 //! d(t) ~ d(0) tⁿ        else
 //! ```
 //!
-//! Both runs are by RATTLE with a step that is not exact: what is asked is how neighbours part, which is the same for neighbours of the motion.
+//! Both runs are by RATTLE with a step that is not exact: what is asked is how neighbours part, which is the same for
+//! neighbours of the motion.
 //!
 //! Source: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
 
@@ -27,7 +28,8 @@ const FURTHER: f64 = 10.0;
 const STEP: f64 = 0.25;
 /// Growth like a power of time is at most of this power.
 const POWER: f64 = 3.0;
-/// Where positions are lost within the pilot, they are compared for this part of the time until then: the reference is still exact.
+/// Where positions are lost within the pilot, they are compared for this part of the time until then: the reference is
+/// still exact.
 const TOLD: f64 = 0.5;
 
 /// How neighbours part.

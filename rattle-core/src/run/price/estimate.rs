@@ -4,8 +4,9 @@
 //! E(h) = C hᵖ:   d₁ = |q(h) − q(2h)| = (ρ − 1) E(h),   d₂ = |q(2h) − q(4h)| = ρ d₁,   E(h) = d₁/(ρ − 1)
 //! ```
 //!
-//! ρ is observed, as far as 2ᵖ and not below 2; so it is right also where a method has not yet reached its order, and where rounding has
-//! taken over E(h) is d₁. Errors of methods with a tolerance are no power of it: they are compared with a run at a hundredth of it.
+//! ρ is observed, as far as 2ᵖ and not below 2; so it is right also where a method has not yet reached its order, and
+//! where rounding has taken over E(h) is d₁. Errors of methods with a tolerance are no power of it: they are compared
+//! with a run at a hundredth of it.
 //!
 //! Source: L. F. Richardson, Phil. Trans. A 210 (1911) 307.
 
@@ -47,9 +48,10 @@ impl fmt::Display for Estimate {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// How far the present positions are from the truth, for a simulation that was made from `start` and ran since: by runs with steps twice
-    /// and four times as long, together three quarters of its cost; of a method with a tolerance by one run at a hundredth of it. Where motion is chaotic and the error has grown to the size of the
-    /// motion, the estimate has that size.
+    /// How far the present positions are from the truth, for a simulation that was made from `start` and ran since: by
+    /// runs with steps twice and four times as long, together three quarters of its cost; of a method with a tolerance
+    /// by one run at a hundredth of it. Where motion is chaotic and the error has grown to the size of the motion, the
+    /// estimate has that size.
     ///
     /// ```
     /// # use rattle::{surfaces::Sphere, Rattle, Scene, State};
@@ -63,8 +65,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// That of the first other run, if it cannot be made; [`Error::Price`] where no step was taken, or a step draws random numbers;
-    /// [`Error::BodyCount`] for a start with another number of bodies.
+    /// That of the first other run, if it cannot be made; [`Error::Price`] where no step was taken, or a step draws
+    /// random numbers; [`Error::BodyCount`] for a start with another number of bodies.
     pub fn estimate_error(&self, start: &State<D>) -> Result<Estimate, Error> {
         self.estimate_error_by(start, &Clock::default())
     }

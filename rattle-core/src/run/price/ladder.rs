@@ -124,8 +124,8 @@ impl Runner<'_> {
         Ok(path)
     }
 
-    /// Seconds that the steps of the interval take, and by what part repeats differ: the median, and half of what lies between the
-    /// quartiles. As often as there is time, and none where there is no time for one.
+    /// Seconds that the steps of the interval take, and by what part repeats differ: the median, and half of what lies
+    /// between the quartiles. As often as there is time, and none where there is no time for one.
     pub(super) fn time(
         &self,
         pilot: &Pilot,

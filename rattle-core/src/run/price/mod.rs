@@ -22,8 +22,8 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which another such
-//! method repeats; their difference is what is known of the reference's own error.
+//! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which
+//! another such method repeats; their difference is what is known of the reference's own error.
 
 mod candidate;
 mod chaos;

@@ -84,7 +84,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
     }
 }
 
-/// The state with every momentum off by at most this much, in directions without a pattern: multiples of the golden ratio.
+/// The state with every momentum off by at most this much, in directions without a pattern: multiples of the golden
+/// ratio.
 fn aside<const D: usize>(state: &State<D>, off: f64) -> State<D> {
     let number = |i: usize| (0.618_033_988_749_895 * (i + 1) as f64).fract() - 0.5;
     let momenta = zip(state.momenta(), 0..).map(|(mut p, body): (_, usize)| {

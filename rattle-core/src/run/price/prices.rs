@@ -3,8 +3,8 @@
 use crate::error::Error;
 use crate::run::price::candidate::Candidate;
 
-/// What accuracy costs in time in one scene, by each method that can move it. Made by [`Scene::price`](crate::scene::Scene::price);
-/// `Display` shows tables, [`csv`](Self::csv) all numbers.
+/// What accuracy costs in time in one scene, by each method that can move it. Made by
+/// [`Scene::price`](crate::scene::Scene::price); `Display` shows tables, [`csv`](Self::csv) all numbers.
 #[derive(Debug, Clone)]
 pub struct Prices {
     /// The time that was asked about, in the unit of time.
@@ -23,8 +23,8 @@ pub struct Prices {
     pub lyapunov_time: Option<f64>,
     /// How long positions can be told before rounding has grown to a hundredth of the way, if not for ever.
     pub predictable: Option<f64>,
-    /// Until when, counted from the start, errors of position are told: on all of the pilot interval, or for as long as chaos lets them be
-    /// known.
+    /// Until when, counted from the start, errors of position are told: on all of the pilot interval, or for as long as
+    /// chaos lets them be known.
     pub positions_until: f64,
     /// Averages by the reference.
     pub averages: Vec<Average>,
@@ -36,7 +36,8 @@ pub struct Prices {
     pub seconds: f64,
 }
 
-/// Growth of errors from some parts of the pilot to others is not steady: they may be so many times as large as it lets expect.
+/// Growth of errors from some parts of the pilot to others is not steady: they may be so many times as large as it lets
+/// expect.
 const UNSTEADY: f64 = 2.0;
 
 /// A run that may be longer than the pilot.
@@ -72,7 +73,8 @@ pub struct Average {
     pub name: String,
     /// By the reference.
     pub mean: f64,
-    /// What a mean over so short a time is uncertain by, from means over eighths of it: where motion is chaotic no method is nearer.
+    /// What a mean over so short a time is uncertain by, from means over eighths of it: where motion is chaotic no
+    /// method is nearer.
     pub uncertainty: f64,
 }
 
@@ -85,8 +87,8 @@ pub struct Price {
     pub h: f64,
     /// The tolerance, of methods that have one.
     pub tolerance: Option<f64>,
-    /// The largest distance of a body from where it should be, at any look until [`positions_until`](Prices::positions_until); none if that
-    /// is before the first look.
+    /// The largest distance of a body from where it should be, at any look until
+    /// [`positions_until`](Prices::positions_until); none if that is before the first look.
     pub position: Option<f64>,
     /// The largest error of the energy, in its unit.
     pub energy: f64,
@@ -102,7 +104,8 @@ pub struct Price {
     pub steps: u64,
     /// Corrections of position equations in it, of linked bodies.
     pub corrections: Option<u64>,
-    /// The order observed between this step and the longer one before it, in the position or, if that cannot be told, the energy.
+    /// The order observed between this step and the longer one before it, in the position or, if that cannot be told,
+    /// the energy.
     pub order: Option<f64>,
     /// Whether rounding decides here: a shorter step gives nothing.
     pub rounding: bool,
@@ -152,8 +155,9 @@ impl Prices {
         front.into_iter()
     }
 
-    /// Nanoseconds for each unit of simulated time at which errors of position (of energy, where positions cannot be told) reach
-    /// 10⁻ᵈ, with the method: for d = 1 … 15 those that were reached. Between two rows errors and times are powers of the step.
+    /// Nanoseconds for each unit of simulated time at which errors of position (of energy, where positions cannot be
+    /// told) reach 10⁻ᵈ, with the method: for d = 1 … 15 those that were reached. Between two rows errors and times are
+    /// powers of the step.
     #[must_use]
     pub fn digits(&self) -> Vec<(u32, f64, Candidate)> {
         let of = self.quantity();
@@ -175,8 +179,8 @@ impl Prices {
         list
     }
 
-    /// Where rounding takes over: the least error of position (of energy, where positions cannot be told) of a method whose shorter
-    /// steps gave nothing.
+    /// Where rounding takes over: the least error of position (of energy, where positions cannot be told) of a method
+    /// whose shorter steps gave nothing.
     #[must_use]
     pub fn floor(&self, method: Candidate) -> Option<f64> {
         let rows = self.of(method);

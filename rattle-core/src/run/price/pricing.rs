@@ -23,11 +23,13 @@ use std::iter::zip;
 const BUDGET: f64 = 1.0;
 /// Rungs of a ladder: each has at least √2 times as many steps as the one before, or a tenth of its tolerance.
 const RUNGS: usize = 48;
-/// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand times as long.
+/// The pilot is as long as this part of the budget lets RATTLE run with its longest step: finer steps take a thousand
+/// times as long.
 const SHARE: f64 = 1e-3;
 /// The same where an error is aimed at, and no step is finer than that needs.
 const SHARE_OF_AIM: f64 = 1e-2;
-/// Of the budget, what finding the pilot and the reference may take, and what is spent when those of a longer one are found.
+/// Of the budget, what finding the pilot and the reference may take, and what is spent when those of a longer one are
+/// found.
 const FOR_REFERENCE: f64 = 0.35;
 const FOR_LONGER: f64 = 0.5;
 /// Where an error is aimed at, a ladder ends after so many rows that reach it, or so many that cost more than it must.
@@ -39,8 +41,9 @@ const SHARERS_OF_AIM: usize = 3;
 const USELESS: f64 = 0.3;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// What accuracy costs in time in this scene: asks every method with a ladder of steps, on a pilot interval from `start`, and never
-    /// for longer than the [budget](Pricing::budget). `duration`, in the unit of time, is how long the run is to be.
+    /// What accuracy costs in time in this scene: asks every method with a ladder of steps, on a pilot interval from
+    /// `start`, and never for longer than the [budget](Pricing::budget). `duration`, in the unit of time, is how long
+    /// the run is to be.
     ///
     /// ```
     /// # use rattle::{links::planar::Rod, potentials::planar::Gravity, BoxedSimulation, Scene, State};
@@ -82,7 +85,8 @@ impl Default for Plan {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, N, D> {
-    /// Measures for at most so many seconds; for one if nothing is said. A step that takes longer than that is still made to its end.
+    /// Measures for at most so many seconds; for one if nothing is said. A step that takes longer than that is still
+    /// made to its end.
     pub fn budget(mut self, seconds: f64) -> Self {
         self.plan.budget = seconds;
         self
@@ -113,8 +117,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
     /// Measures.
     ///
     /// # Errors
-    /// Those of [`Scene::simulate`]; that of the step by which every method failed; [`Error::Price`] for a duration or budget that is not
-    /// positive, a budget too short for a reference, and random forces.
+    /// Those of [`Scene::simulate`]; that of the step by which every method failed; [`Error::Price`] for a duration or
+    /// budget that is not positive, a budget too short for a reference, and random forces.
     pub fn measure(mut self) -> Result<Prices, Error> {
         refuse_random(self.scene, self.start, self.duration)?;
         let set = Set { scene: self.scene, start: self.start, observed: &self.observed };
@@ -161,7 +165,8 @@ pub(super) struct Aim {
 struct Climb<'a> {
     pilot: &'a Pilot,
     reference: &'a Reference,
-    /// The error that is enough at the end of the whole run, if any is, and by what it is more than that on the pilot interval.
+    /// The error that is enough at the end of the whole run, if any is, and by what it is more than that on the pilot
+    /// interval.
     aim: Option<(Aim, Longer)>,
     /// What the cheapest row costs that is exact enough.
     least: f64,

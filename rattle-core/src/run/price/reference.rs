@@ -143,7 +143,8 @@ pub(super) fn runner_size(runner: &Runner<'_>, pilot: &Pilot) -> f64 {
     if largest > 0.0 { largest } else { 1.0 }
 }
 
-/// Steps from look to look, and what is set, of a method with a tolerance near rounding; of others with steps a sixteenth of RATTLE's longest.
+/// Steps from look to look, and what is set, of a method with a tolerance near rounding; of others with steps a
+/// sixteenth of RATTLE's longest.
 fn most_exact(pilot: &Pilot, candidate: Candidate, size: f64) -> (u64, Rung) {
     let adaptive = candidate.is_adaptive();
     let steps = pilot.steps(if adaptive { candidate.reach() } else { 1.0 / 16.0 } * pilot.longest);
@@ -151,8 +152,8 @@ fn most_exact(pilot: &Pilot, candidate: Candidate, size: f64) -> (u64, Rung) {
     (steps, Rung { candidate, h: pilot.stretch() / steps as f64, tolerance })
 }
 
-/// The path of a method at its most exact: with steps halved for as long as that makes the path come nearer to the other, or to the one
-/// before.
+/// The path of a method at its most exact: with steps halved for as long as that makes the path come nearer to the
+/// other, or to the one before.
 fn finest(
     runner: &Runner<'_>,
     pilot: &Pilot,

@@ -34,8 +34,8 @@ const NOT_SMOOTH: f64 = 4.0;
 const SHORTEST: usize = 4;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A run whose error is to be at most this: a distance in position at all times of the run, if nothing else is said. Method and step
-    /// are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
+    /// A run whose error is to be at most this: a distance in position at all times of the run, if nothing else is
+    /// said. Method and step are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
     pub fn within(&self, error: f64) -> Within<'_, C, E, N, D> {
         let (what, observed) = (Quantity::Position, Vec::new());
         Within { scene: self, error, what, observed, plan: Plan::default(), progress: None }
@@ -92,8 +92,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
     /// Measures, and makes the simulation that meets the wish for the least time.
     ///
     /// # Errors
-    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the best that can be had and what limits it;
-    /// else as [`measure`](crate::run::price::Pricing::measure).
+    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the best that can be had
+    /// and what limits it; else as [`measure`](crate::run::price::Pricing::measure).
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
         refuse_random(self.scene, start, duration)?;
@@ -122,7 +122,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
 /// A simulation that meets a wish, before its run; `Display` says how and what it will cost.
 #[derive(Debug, Clone)]
 pub struct Planned<const D: usize> {
-    /// The simulation, at its start: [`run`](Self::run) runs it, or whoever wants to watch takes [`steps`](Self::steps) of it.
+    /// The simulation, at its start: [`run`](Self::run) runs it, or whoever wants to watch takes [`steps`](Self::steps)
+    /// of it.
     pub simulation: BoxedSimulation<D>,
     /// The method that was chosen.
     pub method: Candidate,
@@ -132,12 +133,13 @@ pub struct Planned<const D: usize> {
     pub tolerance: Option<f64>,
     /// Steps of the whole run.
     pub steps: u64,
-    /// The error that the whole run is expected to have, of what was wished for: measured on the pilot interval, and grown to the whole time
-    /// if that is longer, and then doubled, since growth is not steady.
+    /// The error that the whole run is expected to have, of what was wished for: measured on the pilot interval, and
+    /// grown to the whole time if that is longer, and then doubled, since growth is not steady.
     pub error: f64,
     /// Seconds that the whole run is expected to take, on one core.
     pub seconds: f64,
-    /// By what part of it the run may take more or less, if a run that is longer than the pilot interval goes on as it began.
+    /// By what part of it the run may take more or less, if a run that is longer than the pilot interval goes on as it
+    /// began.
     pub spread: f64,
     /// What was measured: ladders as far as they are needed.
     pub prices: Prices,

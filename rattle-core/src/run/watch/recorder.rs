@@ -63,7 +63,8 @@ impl<const D: usize> Columns<D> {
         self.with("energies", 1, |now, to| to.extend([now.kinetic_energy(), now.potential_energy()]))
     }
 
-    /// And `effect_energies`, the potential energy of each effect in the order in which the scene names them; none of flows.
+    /// And `effect_energies`, the potential energy of each effect in the order in which the scene names them; none of
+    /// flows.
     #[must_use]
     pub fn effect_energies(self) -> Self {
         self.with("effect_energies", 1, |now, to| to.extend(now.effect_energies()))

@@ -73,8 +73,8 @@ impl<const D: usize> Sight<'_, D> {
         kinetic + potential
     }
 
-    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have none.
-    /// A call allocates.
+    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
+    /// none. A call allocates.
     #[must_use]
     pub fn effect_energies(&self) -> Vec<f64> {
         let (source, trajectory) = self.source;
