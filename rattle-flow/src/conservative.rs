@@ -66,8 +66,8 @@ const REUSED: f64 = 0.1;
 /// Up to here LU factors, used again, take less time than iterations.
 const DIRECT: usize = 5000;
 
-/// What is left of linear equations that are solved by iteration. With 1e-3 and 1e-5 the dam break on 17 000 vertices took longer:
-/// Newton's method then takes more iterations, each with new incomplete factors.
+/// What is left of linear equations that are solved by iteration. With 1e-3 and 1e-5 the dam break on 17 000 vertices
+/// took longer.
 const INEXACT: f64 = 1e-8;
 
 /// When an iteration ends.

@@ -1,4 +1,4 @@
-//! Sparse linear equations by iteration: BiCGStab (van der Vorst 1992), preconditioned by ILU(0), incomplete factors without fill.
+//! Sparse linear equations by iteration: BiCGStab (van der Vorst 1992), preconditioned by ILU(0), factors without fill.
 //!
 //! A mesh of N triangles has LU factors of some N log N numbers, made in N^1.5 operations; an iteration takes N. The
 //! answer is inexact, and would move the volume: what is left, r = b − A x, is spread so that its sum is 0: see `solve`.
