@@ -113,6 +113,14 @@ pub enum FlowError {
         /// How many are needed.
         expected: usize,
     },
+    /// The method leaves out something that the flow has.
+    #[error("{method} does not have {what}; take it out of the flow, or simulate by the conservative method")]
+    NotServed {
+        /// Which method.
+        method: &'static str,
+        /// What it leaves out.
+        what: &'static str,
+    },
     /// A time step that is none.
     #[error("the time step is {found}; expected a positive number")]
     TimeStep {

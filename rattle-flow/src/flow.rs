@@ -169,6 +169,11 @@ impl Flow {
         boundary.filter(|&edge| chosen(middle(edge))).map(|edge| (edge, 0.5 * length(edge))).collect()
     }
 
+    /// Whether water is let in over the boundary.
+    pub(crate) fn has_inflow(&self) -> bool {
+        !self.inflow.is_empty()
+    }
+
     /// The mesh.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
@@ -220,7 +225,7 @@ impl Flow {
     /// The same by a method of one's choice, made of the flow.
     ///
     /// # Errors
-    /// Those of [`simulate`](Flow::simulate).
+    /// Those of [`simulate`](Flow::simulate), and [`FlowError::NotServed`] for what the method leaves out.
     pub fn simulate_by<M: Method>(
         self,
         depth: Vec<f64>,
@@ -239,6 +244,7 @@ impl Flow {
         checked("friction", &self.friction, 0.0, f64::MIN_POSITIVE, "a positive coefficient")?;
         checked("infiltration", &self.infiltration, 0.0, 0.0, AT_LEAST_ZERO)?;
         let method = method(&self);
+        method.serves(&self)?;
         Simulation::new(self, depth, step, method)
     }
 }

@@ -41,6 +41,7 @@ pub mod dam_break;
 mod error;
 mod flow;
 mod gmsh;
+mod krylov;
 pub mod law;
 mod mesh;
 mod method;

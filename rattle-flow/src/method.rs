@@ -1,6 +1,7 @@
 //! The contract of a method: one implicit step in time.
 
 use crate::budget::Budget;
+use crate::error::FlowError;
 use crate::flow::Flow;
 
 /// How a step ended.
@@ -37,6 +38,14 @@ pub enum Trouble {
 /// (h′ − h)/Δt + ∇·q(h′) = rain − infiltration(h′)
 /// ```
 pub trait Method: Send {
+    /// Whether the method has all that a flow has; asked once, before the first step.
+    ///
+    /// # Errors
+    /// [`FlowError::NotServed`].
+    fn serves(&self, _flow: &Flow) -> Result<(), FlowError> {
+        Ok(())
+    }
+
     /// Makes `guess`, at first a guess of it, the depth after a step from `depth`. `rain` and `inflow` are volumes per
     /// time at the vertices. After an error `guess` is meaningless and the method as it was before the call.
     ///

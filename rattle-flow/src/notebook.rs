@@ -17,7 +17,8 @@
 //! Shapero, "Overland flow" (notebook); Arnold, Brezzi, Fortin 1984 for the element.
 
 use crate::budget::Budget;
-use crate::flow::Flow;
+use crate::error::FlowError;
+use crate::flow::{Flow, Resistance};
 use crate::mesh::signed_area;
 use crate::method::{Method, StepInfo, Trouble};
 use crate::sparse::Sparse;
@@ -83,8 +84,8 @@ struct Element {
 }
 
 impl Notebook {
-    /// The method for a flow by the law of Darcy and Weisbach, ε = 10⁻³ as in the notebook. Other laws get its g = 1
-    /// and their coefficient as k; infiltration, inflow and outlets are left out.
+    /// The method for a flow by the law of Darcy and Weisbach, ε = 10⁻³ as in the notebook. Another law,
+    /// infiltration, inflow and outlets are [refused](crate::FlowError::NotServed) before the run.
     pub fn of(flow: &Flow) -> Self {
         let mesh = flow.mesh();
         let n = mesh.points().len();
@@ -367,6 +368,20 @@ fn quadrature() -> Vec<Point> {
 }
 
 impl Method for Notebook {
+    fn serves(&self, flow: &Flow) -> Result<(), FlowError> {
+        let some = |rates: &[f64]| rates.iter().any(|&rate| rate != 0.0);
+        let wanting = [
+            (!matches!(flow.resistance, Resistance::DarcyWeisbach { .. }), "the law of Gauckler and Manning"),
+            (some(&flow.infiltration), "infiltration"),
+            (flow.has_inflow(), "inflow"),
+            (some(&flow.outlet), "outlets"),
+        ];
+        match wanting.into_iter().find(|(wanted, _)| *wanted) {
+            Some((_, what)) => Err(FlowError::NotServed { method: "the notebook's method", what }),
+            None => Ok(()),
+        }
+    }
+
     fn step(
         &mut self,
         flow: &Flow,

@@ -1,5 +1,6 @@
 //! Sparse linear equations of one pattern: analysed once, factorised for every new set of numbers, by faer.
 
+use crate::krylov::Iterative;
 use faer::MatMut;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
@@ -11,7 +12,8 @@ pub(crate) struct Sparse {
     rows: Vec<u32>,
     /// The numbers, column by column.
     pub(crate) values: Vec<f64>,
-    symbolic: SymbolicLu<u32>,
+    /// Made when first needed: never, where iterations serve.
+    symbolic: Option<SymbolicLu<u32>>,
     factors: Option<Lu<u32, f64>>,
 }
 
@@ -35,10 +37,8 @@ impl Sparse {
             rows.extend_from_slice(column);
             columns.push(rows.len() as u32);
         }
-        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &columns, None, &rows);
-        let symbolic = SymbolicLu::try_new(pattern).expect("memory for the analysis");
         let values = vec![0.0; rows.len()];
-        Sparse { columns, rows, values, symbolic, factors: None }
+        Sparse { columns, rows, values, symbolic: None, factors: None }
     }
 
     /// Where the entry of a row and a column is among the values.
@@ -62,8 +62,17 @@ impl Sparse {
         let n = self.columns.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);
         let matrix = SparseColMatRef::new(pattern, &self.values[..]);
-        self.factors = Lu::try_new_with_symbolic(self.symbolic.clone(), matrix).ok();
+        if self.symbolic.is_none() {
+            self.symbolic = SymbolicLu::try_new(pattern).ok();
+        }
+        let symbolic = self.symbolic.clone();
+        self.factors = symbolic.and_then(|symbolic| Lu::try_new_with_symbolic(symbolic, matrix).ok());
         self.factors.is_some()
+    }
+
+    /// The same matrix, to be solved by iteration.
+    pub(crate) fn iterative(&self) -> Iterative {
+        Iterative::of(&self.columns, &self.rows)
     }
 
     /// Solves with the factors, in place.

@@ -1,45 +1,18 @@
 //! The conservative method held to what is known exactly: volume, sign, rest, and solutions in closed form.
 //!
 //! Orders are those of a method that is of first order where the solution is smooth. At a front h ~ √distance, which no
-//! method of low order resolves better than its mesh; bounds on orders are those measured, less a tenth.
+//! method of low order resolves better than its mesh. Orders measured are
+//! 0.92 and 0.8 for the drop on a line and in the plane, 0.92 for the front (`--example accuracy`), and bounds are
+//! below.
 
-use rattle_flow::{Flow, FlowError, Mesh, Resistance, Simulation};
+mod exact;
 
-const UNIT: Resistance = Resistance::DarcyWeisbach { gravity: 1.0 };
-
-/// A strip of squares of side dx, each of two triangles, from 0 to `length` along x.
-fn strip(cells: usize, length: f64) -> Mesh {
-    let dx = length / cells as f64;
-    let points = (0..=cells).flat_map(|i| [[i as f64 * dx, 0.0], [i as f64 * dx, dx]]).collect();
-    let triangles = (0..cells as u32).flat_map(|i| {
-        let [a, b, c, d] = [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1];
-        [[a, b, c], [a, c, d]]
-    });
-    Mesh::new(points, triangles.collect()).unwrap()
-}
-
-/// Σ M |h − exact| / Σ M exact.
-fn error(simulation: &Simulation<impl rattle_flow::Method>, exact: impl Fn([f64; 2]) -> f64) -> f64 {
-    let mesh = simulation.flow().mesh();
-    let exact = mesh.at_vertices(exact);
-    let difference: Vec<f64> = simulation.depth().iter().zip(&exact).map(|(h, e)| (h - e).abs()).collect();
-    mesh.volume(&difference) / mesh.volume(&exact)
-}
+use exact::{UNIT, barenblatt, error, strip, wave};
+use rattle_flow::{Flow, FlowError, Mesh, Resistance};
 
 fn order(errors: &[f64]) -> f64 {
     let last = errors.len() - 1;
     (errors[last - 1] / errors[last]).log2()
-}
-
-/// Depth of the spreading drop of Barenblatt in N dimensions, hᵅ √|∇h| with α = power, c = 1; ξ₀ = 0.4.
-///
-/// h = t^(−Nβ) f(r t^−β), β f ξ = f^α √|f′|, so f^(2α−2) f′ = −β² ξ²: f = ((2α−1) β² (ξ₀³ − ξ³)/3)^(1/(2α−1)).
-fn barenblatt(dimensions: f64, power: f64, r: f64, t: f64) -> f64 {
-    let n = 2.0 * power - 1.0;
-    let beta = 1.0 / (dimensions * (power - 0.5) + 1.5);
-    let xi = r * t.powf(-beta);
-    t.powf(-dimensions * beta)
-        * (n * beta * beta * (0.4_f64.powi(3) - xi.powi(3)).max(0.0) / 3.0).powf(1.0 / n)
 }
 
 /// A third of each triangle belongs to each of its vertices: then, and only then, depth that is linear has its volume.
@@ -57,9 +30,9 @@ fn linear_depth_has_its_volume() {
 
 #[test]
 fn the_drop_spreads_in_one_dimension_at_first_order() {
-    for (resistance, power, least) in [(UNIT, 1.5, 0.8), (Resistance::Manning, 5.0 / 3.0, 0.8)] {
+    for (resistance, power, least) in [(UNIT, 1.5, 0.85), (Resistance::Manning, 5.0 / 3.0, 0.85)] {
         let mut errors = Vec::new();
-        for cells in [50, 100, 200] {
+        for cells in [100, 200, 400] {
             let mesh = strip(cells, 1.2);
             let depth = mesh.at_vertices(|[x, _]| barenblatt(1.0, power, x, 1.0));
             let steps = 4 * cells;
@@ -75,14 +48,14 @@ fn the_drop_spreads_in_one_dimension_at_first_order() {
             );
             errors.push(error(&simulation, |[x, _]| barenblatt(1.0, power, x, 8.0)));
         }
-        assert!(order(&errors) > least && errors[2] < 1.5e-2, "{resistance:?}: {errors:?}");
+        assert!(order(&errors) > least && errors[2] < 7e-3, "{resistance:?}: {errors:?}");
     }
 }
 
 #[test]
 fn the_drop_spreads_in_two_dimensions_alike_in_all_directions() {
     let mut errors = Vec::new();
-    for spacing in [0.1, 0.05] {
+    for spacing in [1.0 / 16.0, 1.0 / 32.0] {
         let corner = 1.0;
         let mesh =
             Mesh::polygon(&[[0.0, 0.0], [corner, 0.0], [corner, corner], [0.0, corner]], spacing).unwrap();
@@ -102,22 +75,7 @@ fn the_drop_spreads_in_two_dimensions_alike_in_all_directions() {
         let spread = fronts.iter().fold(0.0, |spread: f64, r| spread.max((r - fronts[0]).abs()));
         assert!(fronts[0] > 0.7 && spread < spacing, "{fronts:?}");
     }
-    assert!(order(&errors) > 0.6 && errors[1] < 0.13, "{errors:?}");
-}
-
-/// On a plane of slope S a front moves on with c = √(h∞ S); behind it h = h∞ u with −u − ln(1 − u) = S (ct − x)/h∞.
-fn wave(x: f64, t: f64) -> f64 {
-    let (deep, slope) = (1.0, 1.0_f64);
-    let z = slope * ((deep * slope).sqrt() * t - x) / deep;
-    if z <= 0.0 {
-        return 0.0;
-    }
-    // The function of u is increasing and convex; Newton's method from above.
-    let mut u = 1.0 - (-z - 1.0_f64).exp();
-    for _ in 0..60 {
-        u -= (-u - (1.0 - u).ln() - z) * (1.0 - u) / u;
-    }
-    deep * u
+    assert!(order(&errors) > 0.7 && errors[1] < 0.08, "{errors:?}");
 }
 
 #[test]
@@ -140,7 +98,7 @@ fn a_front_runs_down_a_dry_plane_at_first_order() {
         assert!(budget.remainder().abs() < 1e-14, "{:e}", budget.remainder());
         errors.push(error(&simulation, |[x, _]| wave(x, 3.0)));
     }
-    assert!(order(&errors) > 0.8 && errors[2] < 2e-2, "{errors:?}");
+    assert!(order(&errors) > 0.85 && errors[2] < 2e-2, "{errors:?}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! Its own figures take minutes: `cargo run --release --example dam_break -- notebook` finds 0.0137 and 266.4 cm²/s,
 //! where the notebook has 0.013 and 266.5 on a mesh of Gmsh's.
 
-use rattle_flow::{Notebook, dam_break};
+use rattle_flow::{Flow, FlowError, Notebook, Resistance, dam_break};
 
 #[test]
 fn the_notebook_gains_volume_while_ground_gets_wet_and_none_after() {
@@ -48,4 +48,24 @@ fn the_two_methods_come_together_as_the_mesh_gets_fine() {
         (mesh.volume(&difference) / ours.volume(), (theirs.mean_flux() / ours.mean_flux() - 1.0).abs())
     });
     assert!(apart[1].0 < 0.75 * apart[0].0 && apart[1].1 < 0.75 * apart[0].1, "{apart:?}");
+}
+
+/// What the notebook does not have is said before a step, and what would change nothing is let through.
+#[test]
+fn what_the_notebook_leaves_out_is_refused() {
+    let mesh = dam_break::mesh(0.5).unwrap();
+    let start = |flow: Flow| {
+        let depth = dam_break::depth(flow.mesh());
+        match flow.simulate_by(depth, 0.1, Notebook::of) {
+            Ok(_) => None,
+            Err(FlowError::NotServed { what, .. }) => Some(what),
+            Err(other) => panic!("{other}"),
+        }
+    };
+    let flow = || dam_break::flow(mesh.clone());
+    assert_eq!(start(flow().infiltration(|[_, y]| if y < 1.0 { 0.01 } else { 0.0 })), Some("infiltration"));
+    assert_eq!(start(flow().outlet(0.1, |[_, y]| y < 1e-9)), Some("outlets"));
+    assert_eq!(start(flow().inflow(|_, _| 0.1, |[_, y]| y < 1e-9)), Some("inflow"));
+    assert_eq!(start(Flow::over(mesh.clone(), Resistance::Manning)), Some("the law of Gauckler and Manning"));
+    assert_eq!(start(flow().rain(|_, _| 0.1).infiltration(|_| 0.0)), None);
 }

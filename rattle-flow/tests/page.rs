@@ -1,0 +1,97 @@
+//! The page of a flow in a headless Chromium: water moves, stands still when told, and what is shown fits the window.
+
+#[path = "../../tests/browser/mod.rs"]
+#[allow(dead_code)]
+mod browser;
+
+use browser::Browser;
+use rattle_flow::{Page, dam_break};
+use std::io::Cursor;
+
+/// Width, and red, green and blue from the top left.
+fn pixels(page: &mut Browser) -> (usize, Vec<[u8; 3]>) {
+    let shot = page.screenshot(None);
+    let mut reader = png::Decoder::new(Cursor::new(shot)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let channels = info.color_type.samples();
+    let pixels = bytes.chunks_exact(channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+    (info.width as usize, pixels.collect())
+}
+
+/// How many pixels have more blue than red, as only water does.
+fn water(pixels: &[[u8; 3]]) -> usize {
+    pixels.iter().filter(|[red, _, blue]| i32::from(*blue) > 40 + i32::from(*red)).count()
+}
+
+fn keep(page: &mut Browser, name: &str) {
+    if let Some(folder) = std::env::var_os("SCREENSHOTS") {
+        std::fs::write(std::path::Path::new(&folder).join(name), page.screenshot(None)).unwrap();
+    }
+}
+
+/// `SCREENSHOTS=folder` keeps the pictures.
+#[test]
+fn a_browser_plays_the_dam_break() {
+    let Some(chromium) = browser::find() else { return };
+    let mesh = dam_break::mesh(0.25).unwrap();
+    let depth = dam_break::depth(&mesh);
+    let mut simulation = dam_break::flow(mesh).simulate(depth, 1.0 / 16.0).unwrap();
+    let mut film = Page::new("A dam breaks & <water> runs", simulation.flow());
+    film.add(0.0, simulation.depth());
+    for _ in 0..60 {
+        simulation.run(4).unwrap();
+        film.add(simulation.time(), simulation.depth());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("dam.html");
+    film.caption("An upper basin, a ramp with plants, a lower basin.").write(&file).unwrap();
+
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(1280, 720, false);
+    page.open(&file);
+    page.wait("frame > 0 && playing"); // it starts by playing
+    assert_eq!(page.evaluate("document.title"), "A dam breaks & <water> runs");
+    assert_eq!(page.evaluate("document.getElementById('problem').textContent"), "");
+
+    // Where the slider is put the page stands still: water above at first, below at the end.
+    let seek = |page: &mut Browser, frame: usize| {
+        let put = format!(
+            "slider.value = {frame}; slider.dispatchEvent(new Event('input')); window.settled = false; \
+             requestAnimationFrame(() => requestAnimationFrame(() => {{ window.settled = true; }}))"
+        );
+        page.evaluate(&put);
+        page.wait(&format!("frame == {frame} && !playing && settled"));
+        page.wait(&format!("document.getElementById('now').textContent == 't = {:.2}'", 0.25 * frame as f64));
+        pixels(page)
+    };
+    let (_, start) = seek(&mut page, 0);
+    keep(&mut page, "start.png");
+    let (_, end) = seek(&mut page, 60);
+    keep(&mut page, "desktop.png");
+    let (_, again) = seek(&mut page, 60);
+    assert!(end == again, "the picture moves while paused");
+    assert!(water(&start) > 10_000, "{}", water(&start));
+    assert!(water(&end) as f64 > 1.3 * water(&start) as f64, "{} {}", water(&end), water(&start));
+
+    page.click("#play");
+    page.wait("playing && frame < 59 && frame > 0"); // from the end it begins again
+
+    page.dark(true);
+    let (_, dark) = seek(&mut page, 20);
+    keep(&mut page, "dark.png");
+    assert!(dark[0].iter().all(|&x| x < 60), "{:?} at the corner of a dark page", dark[0]);
+    page.dark(false);
+
+    page.resize(390, 844, true);
+    let (width, phone) = seek(&mut page, 20);
+    keep(&mut page, "phone.png");
+    assert!(width >= 390 && water(&phone) > 1000, "{width} {}", water(&phone));
+    let fits = "[...document.querySelectorAll('button, input, output, h1, header p')].every(e => {
+        const r = e.getBoundingClientRect();
+        return r.left >= 0 && r.right <= innerWidth && r.bottom <= innerHeight;
+    })";
+    assert_eq!(page.evaluate(fits), true);
+    assert!(page.evaluate("slider.getBoundingClientRect().width").as_f64().unwrap() > 100.0);
+    assert!(page.complaints.is_empty(), "{:?}", page.complaints);
+}
