@@ -54,12 +54,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// estimate has that size.
     ///
     /// ```
-    /// # use rattle::{surfaces::Sphere, Rattle, Scene, State};
+    /// # use rattle::{nalgebra::Vector3, surfaces::Sphere, Rattle, Scene, State};
     /// let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
     /// let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start.clone(), Rattle::new(0.01))?;
     /// simulation.run(500)?;
     /// let estimate = simulation.estimate_error(&start)?;
-    /// let truth = (simulation.position() - [5_f64.cos(), 0.6 * 5_f64.sin(), 0.8 * 5_f64.sin()].into()).norm();
+    /// let (sin, cos) = 5_f64.sin_cos();
+    /// let truth = (simulation.position() - Vector3::new(cos, 0.6 * sin, 0.8 * sin)).norm();
     /// assert!((estimate.position / truth - 1.0).abs() < 0.1, "{estimate}, in truth {truth:e}");
     /// # Ok::<(), rattle::Error>(())
     /// ```
