@@ -14,7 +14,7 @@ use rattle::ensemble::{Double, Ensemble, Precision, Single};
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-use rattle::surfaces::{Gyroid, Lemniscate, Sphere, TorusByDistance};
+use rattle::surfaces::{Gyroid, Lemniscate, TorusByDistance};
 use std::process::Command;
 
 constraint! {
@@ -93,8 +93,8 @@ fn sweep<C: Hold<3> + 'static, E: Effects<3> + 'static>(
     assert_eq!(ensemble.failures().count(), 0);
 }
 
-/// The ensembles that this program has, one of them in single precision, three of them sweeps …
-const ENSEMBLES: usize = 11;
+/// The ensembles that this program has, one of them in single precision, two of them sweeps …
+const ENSEMBLES: usize = 9;
 
 /// … and other loops: pair forces, the first and the second half of a step of particles, and their looks around.
 const OTHERS: usize = 5;
@@ -103,7 +103,6 @@ const OTHERS: usize = 5;
 fn entries_are_vectorised() {
     run(&Scene::on(Lemniscate { a: 1.0, r: 0.2 }).with(Gravity { g: 1.0 }), [0.0, 0.0, 0.2]);
     run(&Scene::on(TorusByDistance { major: 1.0, minor: 0.3 }), [1.3, 0.0, 0.0]);
-    run(&Scene::on(Sphere { r: 1.0 }), [1.0, 0.0, 0.0]);
     run(&Scene::on(Gyroid { k: 2.0, epsilon: 0.1 }), [0.1, 0.0, 0.0]);
     run(&Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
     run_in(Single, &Scene::on(Landscape { height: 0.5 }).with(Gravity { g: 1.0 }), [0.1, 0.2, 0.3]);
@@ -112,7 +111,6 @@ fn entries_are_vectorised() {
 
     let tube = |t| Scene::on(Lemniscate { a: 1.0 + 0.1 * t, r: 0.2 - 0.05 * t });
     let dent = |t| Dented { a: 1.0 + t, b: 1.2, c: 0.9 + 0.2 * t, depth: 0.1 + 0.1 * t, width: 0.3 };
-    sweep(tube, [0.0, 0.0, 0.2]);
     sweep(|t| tube(t).with(Gravity { g: 1.0 + t }), [0.0, 0.0, 0.2]);
     sweep(
         |t| Scene::on(dent(t)).with(Trap { stiffness: 1.0, scale: 0.3 + t, g: t }).with(Gravity { g: t }),
