@@ -75,6 +75,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mesh = Mesh::within(value, [0.0; 3], [TAU; 3], 60)?;
     let caption = "240 particles that push themselves along, on one period of a gyroid: who leaves it at one side comes in at the other.";
     let motion = Scene3::new("Active particles").surface(&mesh).bodies(&times, &films).caption(caption);
+    let motion = motion.periods([TAU; 3]).trail(8);
     Page::new("Active particles on a gyroid").scene(motion).write("out/active/index.html")?;
     println!("\nWritten to out/active: index.html");
     Ok(())

@@ -50,6 +50,7 @@ pub(super) fn scene_json(scene: &Scene3, meshes: &[usize]) -> Value {
         "heat": heat,
         "trail": scene.trail.min(scene.times.len()),
         "seconds": scene.seconds,
+        "periods": scene.periods,
         "particles": bodies,
         "times": singles(&scene.times),
         "positions": points_json(scene.positions.iter().flatten()),

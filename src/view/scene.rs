@@ -18,6 +18,8 @@ pub struct Scene3 {
     pub(super) positions: Vec<Vec<[f64; 3]>>,
     pub(super) trail: usize,
     pub(super) seconds: f64,
+    /// Of space along the axes, 0 where it has none.
+    pub(super) periods: [f64; 3],
     /// By body, one number or one for each time.
     pub(super) sizes: Option<Vec<Vec<f64>>>,
     pub(super) tints: Option<(String, Vec<Vec<f64>>)>,
@@ -48,6 +50,7 @@ impl Scene3 {
             positions: Vec::new(),
             trail: 0,
             seconds: 30.0,
+            periods: [0.0; 3],
             sizes: None,
             tints: None,
             names: Vec::new(),
@@ -202,6 +205,26 @@ impl Scene3 {
     pub fn seconds(mut self, seconds: f64) -> Self {
         assert!(seconds.is_finite() && seconds > 0.0, "a motion takes a positive time, not {seconds} s");
         self.seconds = seconds;
+        self
+    }
+
+    /// Periods of space along the axes, 0 along one without: bodies glide, and trails and rods lead, to the nearest image
+    /// of a place, so that who leaves on one side comes in on the other without a streak across the picture.
+    ///
+    /// ```
+    /// let out_and_in = [[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]];
+    /// let scene = rattle::view::Scene3::new("around").bodies(&[0.0, 1.0], &[out_and_in]).periods([1.0, 0.0, 0.0]);
+    /// assert!(rattle::view::Page::new("Around").scene(scene).to_html()?.contains(r#""periods":[1.0,0.0,0.0]"#));
+    /// # Ok::<(), rattle::view::PageError>(())
+    /// ```
+    ///
+    /// # Panics
+    /// When a period is negative, or not a number.
+    #[track_caller]
+    pub fn periods(mut self, periods: [f64; 3]) -> Self {
+        let odd = periods.iter().find(|period| !(period.is_finite() && **period >= 0.0));
+        assert!(odd.is_none(), "a period is positive, or 0 where there is none, not {odd:?}");
+        self.periods = periods;
         self
     }
 

@@ -17,17 +17,23 @@ function texture(texels, count) {
 const reading = `
 uniform highp sampler2D samples, each;
 uniform float frame, frames, particles, eachFrames;
+uniform vec3 periods; // of space, 0 where it has none
 vec4 texel(highp sampler2D from, int i) {
   return texelFetch(from, ivec2(i % ${TEXTURE_WIDTH}, i / ${TEXTURE_WIDTH}), 0);
 }
 vec3 sampled(float body, float index) {
   return texel(samples, int(body) * int(frames) + int(clamp(index, 0.0, frames - 1.0))).xyz;
 }
+// The image of a place that is nearest to another.
+vec3 nearest(vec3 place, vec3 to) {
+  return place + periods * floor((to - place) / max(periods, vec3(1e-20)) + 0.5);
+}
 // Bodies glide between samples; what has a number beyond theirs is a fixed place.
 vec3 placed(float body) {
   if (body >= particles) return texel(samples, int(particles) * int(frames) + int(body - particles)).xyz;
   float whole = floor(frame);
-  return mix(sampled(body, whole), sampled(body, whole + 1.0), frame - whole);
+  vec3 here = sampled(body, whole);
+  return mix(here, nearest(sampled(body, whole + 1.0), here), frame - whole);
 }
 // Colour's place on the scale, and size.
 vec2 own(float body) {
@@ -101,8 +107,9 @@ attribute vec4 corner; // from end to end, side −1 or 1, the two ends
 varying vec3 place, across, toward, up;
 varying float side, radius;
 void main() {
-  vec3 a = (modelViewMatrix * vec4(placed(corner.z), 1.0)).xyz;
-  vec3 b = (modelViewMatrix * vec4(placed(corner.w), 1.0)).xyz;
+  vec3 from = placed(corner.z);
+  vec3 a = (modelViewMatrix * vec4(from, 1.0)).xyz;
+  vec3 b = (modelViewMatrix * vec4(nearest(placed(corner.w), from), 1.0)).xyz;
   vec3 middle = mix(a, b, corner.x);
   vec3 along = b - a + vec3(0.0, 0.0, 1e-20);
   across = normalize(cross(along, -middle) + vec3(1e-30, 0.0, 0.0));
@@ -142,7 +149,8 @@ varying vec3 hue;
 varying float fade, side;
 // The head glides between samples; the older points are the samples themselves.
 vec3 aged(float age) {
-  return age <= 0.0 ? placed(corner.z) : sampled(corner.z, floor(frame) + 1.0 - age);
+  vec3 head = placed(corner.z);
+  return age <= 0.0 ? head : nearest(sampled(corner.z, floor(frame) + 1.0 - age), head);
 }
 vec4 seen(vec3 point) {
   vec4 view = modelViewMatrix * vec4(point, 1.0);

@@ -230,6 +230,7 @@ class Motion {
       frame: { value: 0 },
       frames: { value: frames },
       particles: { value: particles },
+      periods: { value: new THREE.Vector3(...this.periods) },
       trail: { value: this.trail },
       width: { value: 0.0055 * this.radius },
       thin: { value: 1 },

@@ -109,7 +109,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
             method: price.method,
             h: price.h,
             tolerance: price.tolerance,
-            steps: pilots as u64 * price.steps,
+            steps: (pilots as u64).saturating_mul(price.steps),
             error,
             seconds: price.seconds * duration,
             spread: (NEARLY_ALL * price.spread).clamp(surest, 1.0),
