@@ -57,3 +57,13 @@ impl fmt::Display for History {
 pub(crate) fn many(number: usize, one: &str, more: &str) -> String {
     format!("{number} {}", if number == 1 { one } else { more })
 }
+
+/// A number with so many digits after the point; a very large one with its power of ten, not with all its digits.
+pub(crate) struct Digits(pub(crate) f64, pub(crate) usize);
+
+impl fmt::Display for Digits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(x, digits) = *self;
+        if x.abs() < 1e6 { write!(f, "{x:.digits$}") } else { write!(f, "{x:.digits$e}") }
+    }
+}

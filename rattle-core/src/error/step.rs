@@ -1,7 +1,7 @@
 //! Steps.
 
 use crate::error::network::EquationAt;
-use crate::error::numbers::{History, Passing};
+use crate::error::numbers::{Digits, History, Passing};
 
 /// What stopped a step.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -10,8 +10,9 @@ pub enum StepFailure {
     /// h·κ·|v| > 1: the surface curves away within one step, so that the position equation has no
     /// solution that the motion could follow.
     #[error(
-        "step too long for the curvature: h·κ·|v| = {reach:.3} must be below 1 (h = {h:.3e}, κ = {curvature:.4}, \
-         |v| = {speed:.4}); that needs |h| < {longest:.3e} here, and accurate runs stay below a fifth of it"
+        "step too long for the curvature: h·κ·|v| = {} must be below 1 (h = {h:.3e}, κ = {}, \
+         |v| = {}); that needs |h| < {longest:.3e} here, and accurate runs stay below a fifth of it",
+        Digits(*reach, 3), Digits(*curvature, 4), Digits(*speed, 4)
     )]
     StepTooLong {
         /// The step size: in a composition, that of the stage.
