@@ -208,8 +208,8 @@ impl Scene3 {
         self
     }
 
-    /// Periods of space along the axes, 0 along one without: bodies glide, and trails and rods lead, to the nearest image
-    /// of a place, so that who leaves on one side comes in on the other without a streak across the picture.
+    /// Periods of space along the axes, 0 along one without: bodies glide, and trails and rods lead, to the nearest
+    /// image of a place, so that who leaves on one side comes in on the other without a streak across the picture.
     ///
     /// ```
     /// let out_and_in = [[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]];
