@@ -82,6 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         shown.iter_mut().zip(simulation.positions()).for_each(|(shown, q)| shown.push([q.x, 0.0, q.y]));
         simulation.run(25)?;
     }
+    println!("\n{}", simulation.bill()?);
     let shown = Scene3::new("Bicycle chain")
         .bodies(&times, &shown)
         .ring(0..LINKS)

@@ -77,6 +77,7 @@ fn swing() -> Result<(), Box<dyn Error>> {
         snapshots.push((label, simulation.positions().map(|q| (q.x, q.y)).collect::<Vec<_>>()));
         simulation.observe(1000, 50, &mut film)?;
     }
+    println!("\n{}", simulation.bill()?);
     Chart::new("A chain of 1000 links let go from a lopsided V")
         .x("x / distance of the supports")
         .y("y / distance of the supports")

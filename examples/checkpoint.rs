@@ -40,6 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     match saving.run_to(&mut simulation, steps)? {
         Ended::Done => {
             println!("{} steps, q = {:?}", simulation.steps(), simulation.position());
+            println!("{}", simulation.bill()?);
             println!("to begin anew, remove {path}");
         }
         Ended::Stopped => {

@@ -11,6 +11,7 @@
 //!
 //! Prints both as tables and draws them into `out/curvature/`.
 
+use rattle::bill::Bill;
 use rattle::curvature::{Curvature, measure};
 use rattle::nalgebra::SVector;
 use rattle::plot::Chart;
@@ -71,6 +72,8 @@ struct Parts {
     bending: Vec<f64>,
     /// −n·f.
     pressure: Vec<f64>,
+    /// What a step costs.
+    bill: Option<Bill>,
 }
 
 impl Parts {
@@ -82,7 +85,7 @@ impl Parts {
         let mut path = Trajectory::with_multipliers(&simulation);
         simulation.observe((T / h).round() as u64, 1, &mut path)?;
 
-        let mut parts = Self::default();
+        let mut parts = Self { bill: Some(simulation.bill()?), ..Self::default() };
         let Some(found) = path.multipliers() else { return Ok(parts) };
         let (positions, momenta) = (path.positions().as_chunks().0, path.momenta().as_chunks().0);
         for n in 1..path.times().len() - 1 {
@@ -120,6 +123,9 @@ fn multipliers() -> Result<(), Box<dyn Error>> {
     println!("Ratios of the last two rows: {:.2} and {:.2}; second order is 4.", ratios[0], ratios[1]);
 
     let (free, falling) = (Parts::of(0.0, 0.00125)?, Parts::of(1.0, 0.00125)?);
+    if let Some(bill) = &falling.bill {
+        println!("\n{bill}");
+    }
     Chart::new("Billiard under gravity 1 (a = 1, r = 1/6): what the multiplier is made of")
         .x("time t")
         .y("force along the normal, per mass")

@@ -11,6 +11,7 @@
 //! Draws the path of the lower mass and the angles of both starts into `out/double_pendulum/`, and writes a
 //! page on which both swing.
 
+use rattle::bill::Bill;
 use rattle::links::planar::Rod;
 use rattle::plot::Chart;
 use rattle::potentials::planar::weights;
@@ -47,6 +48,7 @@ fn swing(masses: [f64; 2], angle: f64, h: f64, time: f64) -> Result<Swing, rattl
     see(&simulation);
     simulation.run_with((time / h).round() as u64, see)?;
     swing.energy_error /= kinetic;
+    swing.bill = Some(simulation.bill()?);
     swing.corrections = simulation.counts().corrections as f64 / simulation.steps() as f64;
     Ok(swing)
 }
@@ -61,6 +63,7 @@ struct Swing {
     energy_error: f64,
     residual: f64,
     corrections: f64,
+    bill: Option<Bill>,
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -81,6 +84,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         apart.find(|((a, b), _)| (a.0 - b.0).hypot(a.1 - b.1) > 0.1).map_or(f64::NAN, |(_, (t, _))| *t);
     println!("\nEqual masses from 120°, and 10⁻⁹ rad beside: 0.1 apart at t = {parted:.1}");
     println!("energy error / kinetic energy {:.1e}", one.energy_error);
+    if let Some(bill) = &one.bill {
+        println!("\n{bill}");
+    }
 
     Chart::new("Double pendulum, equal masses, from 120° at rest: the lower mass until t = 40")
         .x("x / rod length")

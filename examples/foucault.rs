@@ -103,6 +103,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{h:7.3} {measured:15.6} {worst:24.2e} {ratio:>15}");
         last = Some(worst);
     }
+    println!("\n{}", scene.simulate(start, Rattle::new(0.005))?.bill()?);
 
     let (times, bob): (Vec<f64>, Vec<[f64; 3]>) =
         gain.iter().map(|(t, _)| *t).zip(bob).step_by(20).take((PI / expected / 0.1) as usize).unzip();

@@ -78,6 +78,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         simulation.run(40)?;
     }
     println!("highest: {highest:.4} (1 is upright)");
+    println!("\n{}", simulation.bill()?);
     let shown = Scene3::new("Furuta pendulum")
         .bodies(&times, &places)
         .chain(0..3)

@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (off, kinetic) = (simulation.energy_error(), simulation.kinetic_energy() / ATOMS as f64);
         println!("{:6.0} {:17.1e} {kinetic:27.3}", simulation.time(), off / simulation.energy().abs());
     }
+    println!("\n{}", simulation.bill()?);
     let g = |q: [f64; 3]| (sphere.value(&q.into())[0], sphere.jacobian(&q.into()).into());
     let mesh = Mesh::of(g, [-1.1 * r; 3], [1.1 * r; 3], 60)?;
     let motion = Scene3::new("atoms on a sphere").surface(&mesh).trajectory(&trajectory);

@@ -46,6 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let (off, near) = (gas.energy_error(), nearest - DIAMETER);
         println!("{:6.1} {:12} {off:14.1e} {near:20.1e}", gas.time(), gas.events());
     }
+    println!("\n{}", gas.bill()?);
     let surface = |q: [f64; 3]| {
         let (g, gradient) = SURFACE.value_and_jacobian(&q.into());
         (g[0], gradient.row(0).transpose().into())

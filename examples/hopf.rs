@@ -71,6 +71,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         );
         simulation.run_with(20, |now| path.push(point(now)))?;
     }
+    println!("\n{}", simulation.bill()?);
 
     let fibres = path[..200].iter().step_by(12).map(|&at| {
         let circle = (0..=200).map(move |k| seen(turned(at, f64::from(k) * std::f64::consts::TAU / 200.0)));

@@ -101,6 +101,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         fine_angle.push((now.time(), now.position().x));
         fine_momentum.push((now.time(), now.momentum().x));
     })?;
+    println!("\n{}", fine.bill()?);
     Chart::new("The same pendulum by a method of order 10, h = 1.2")
         .x("time, in √(L/g)")
         .y("angle θ, momentum p")

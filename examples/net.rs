@@ -68,6 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         snapshots.push((simulation.time(), threads(&simulation.positions().collect::<Vec<_>>())));
         simulation.observe(200, 20, &mut film)?;
     }
+    println!("\n{}", simulation.bill()?);
 
     // Side by side and drawn slantwise: what is further back is further up and to the right.
     let apart = 1.6;

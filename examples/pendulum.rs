@@ -36,5 +36,6 @@ fn main() -> Result<(), rattle::Error> {
         );
         simulation.run(50)?;
     }
+    println!("\n{}", simulation.bill()?); // what a step costs
     Ok(())
 }

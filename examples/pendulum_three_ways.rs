@@ -17,6 +17,7 @@
 //! Draws φ(t) and the tension as texts on multipliers do, energy errors, and the fall with a multiplier on x alone,
 //! into `out/pendulum_three_ways/`.
 
+use rattle::bill::Bill;
 use rattle::plot::Chart;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
@@ -63,6 +64,8 @@ struct Run {
     tension: Curve,
     kinetic: Curve,
     energy_error: Curve,
+    /// What a step costs.
+    bill: Option<Bill>,
     /// Why it ended before its time.
     ended: Option<rattle::Error>,
 }
@@ -84,6 +87,7 @@ fn by_multiplier(method: impl Method, acting: [bool; 2]) -> Result<Run, rattle::
     };
     see(&simulation);
     run.ended = simulation.run_with(steps, see).err();
+    run.bill = simulation.bill().ok();
     Ok(run)
 }
 
@@ -136,6 +140,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(error) = falling.ended {
         let bottom = (2.0 * LENGTH * (1.0 - START.cos()) / G).sqrt();
         println!("\nMultiplier on x alone; free fall reaches the bottom at t = {bottom:.4}:\n  {error}");
+    }
+
+    for bill in [&rattle.bill, &bdf2.bill].into_iter().flatten() {
+        println!("\n{bill}");
     }
 
     let time = "time t / √(l/g)";

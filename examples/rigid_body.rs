@@ -5,6 +5,7 @@
 //! cargo run --release --example rigid_body        # then open out/rigid_body/index.html and *.svg
 //! ```
 
+use rattle::bill::Bill;
 use rattle::bodies::One;
 use rattle::links::RotationMatrix;
 use rattle::nalgebra::{Matrix3, Rotation3, Vector3};
@@ -35,13 +36,14 @@ type Sample = (f64, Matrix3<f64>, Vector3<f64>);
 struct Run {
     path: Vec<Sample>,
     energy_error: f64,
+    bill: Bill,
 }
 
 fn run<Y: System<f64, 9, Count = One>>(
     mut simulation: Simulation<Y, Rattle, 9>,
     momentum: fn(&Matrix3<f64>, &[f64; 9]) -> Vector3<f64>,
 ) -> Result<Run, rattle::Error> {
-    let mut run = Run { path: Vec::new(), energy_error: 0.0 };
+    let mut run = Run { path: Vec::new(), energy_error: 0.0, bill: simulation.bill()? };
     for _ in 0..STEPS {
         let attitude = Rigid::attitude(&simulation.position().into());
         run.path.push((simulation.time(), attitude, momentum(&attitude, &simulation.momentum().into())));
@@ -83,13 +85,19 @@ fn formulations(
 
 /// Prints how far the formulations are apart, and how well each keeps what should stay.
 fn compare(runs: &[(&'static str, Run); 3], kept: &str, constant: fn(&Matrix3<f64>, &Vector3<f64>) -> f64) {
-    println!("  {:16} {:>22} {:>14} {:>18}", "", "largest energy error", kept, "apart from reduced");
+    println!(
+        "  {:16} {:>22} {:>14} {:>18} {:>10}",
+        "", "largest energy error", kept, "apart from reduced", "ns a step"
+    );
     let reduced = &runs[2].1.path;
     for (name, run) in runs {
         let at_start = constant(&run.path[0].1, &run.path[0].2);
         let change = run.path.iter().map(|(_, q, m)| (constant(q, m) - at_start).abs()).fold(0.0, f64::max);
         let apart = run.path.iter().zip(reduced).map(|(a, b)| (a.1 - b.1).amax()).fold(0.0, f64::max);
-        println!("  {name:16} {:22.1e} {change:14.1e} {apart:18.1e}", run.energy_error);
+        println!(
+            "  {name:16} {:22.1e} {change:14.1e} {apart:18.1e} {:10.0}",
+            run.energy_error, run.bill.step
+        );
     }
 }
 
@@ -146,6 +154,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .turning_box([0.5, 0.5, 1.0], &centres, &turns(&top))
         .wall([-1.0, -1.0, 0.0], [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
     Page::new("Rigid bodies").scene(tumbling).scene(leaning).write("out/rigid_body/index.html")?;
+    println!("\n{}", top[2].1.bill);
     println!("\nout/rigid_body/free.svg and top.svg: the formulations lie on each other");
     Ok(())
 }

@@ -17,6 +17,7 @@
 //!
 //! Draws the mechanism and the multipliers into `out/slider_crank/`, and writes a page on which it turns.
 
+use rattle::bill::Bill;
 use rattle::links::planar::Rod;
 use rattle::plot::Chart;
 use rattle::potentials::planar::Gravity;
@@ -74,6 +75,8 @@ struct Run {
     pulls: Vec<(f64, Vec<f64>)>,
     /// φ at the end, without jumps.
     angle: f64,
+    /// What a step costs.
+    bill: Option<Bill>,
 }
 
 /// Runs one variant and prints its row, without the end of the line.
@@ -111,6 +114,7 @@ fn run(crank: bool, guide: bool, h: f64) -> Result<(Run, Option<rattle::Error>),
     };
     see(&simulation);
     let ended = simulation.run_with((T / h).round() as u64, see);
+    run.bill = simulation.bill().ok();
     print!("{:6} {rank:6} {h:8.4} {energy_error:12.1e} {residual:9.0e}", gradients.len());
     Ok((run, ended.err()))
 }
@@ -152,6 +156,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         largest(&six.forces, &five.forces)
     );
     println!("√ of the mean of Σ (λ|∇g|)²: {:.3} and {:.3}", size(&six), size(&five));
+    if let Some(bill) = &six.bill {
+        println!("\n{bill}\n");
+    }
     if let Some(error) = ended {
         println!("Without the cross guide, at φ = {:.2}°:\n  {error}", branching.angle.to_degrees());
     }

@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     println!("exact: {:49.5}°", exact.to_degrees());
+    println!("\n{}", scene.simulate(start, Rattle::new(0.005))?.bill()?);
 
     let folder = "out/spherical_pendulum";
     Chart::new("Spherical pendulum seen from above, until t = 60")

@@ -37,5 +37,6 @@ fn main() -> Result<(), rattle::Error> {
         );
         simulation.run(1000)?;
     }
+    println!("\n{}", simulation.bill()?);
     Ok(())
 }

@@ -14,6 +14,7 @@
 mod pictures;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use rattle::bill::Bill;
 use rattle::potentials::{Gravity, Ricker};
 use rattle::prelude::*;
 use rattle::surfaces::Lemniscate;
@@ -60,6 +61,8 @@ struct Run {
     cotangent_residual: f64,
     /// Of the steps alone.
     time: Duration,
+    /// Of a step.
+    bill: Bill,
 }
 
 impl Run {
@@ -84,8 +87,17 @@ impl Run {
             constraint_residual = constraint_residual.max(simulation.constraint_residual());
             cotangent_residual = cotangent_residual.max(simulation.cotangent_residual());
         }
+        let bill = simulation.bill()?;
         let mean_kinetic = kinetic / (steps + 1) as f64;
-        Ok(Self { trajectory, energy_errors, mean_kinetic, constraint_residual, cotangent_residual, time })
+        Ok(Self {
+            trajectory,
+            energy_errors,
+            mean_kinetic,
+            constraint_residual,
+            cotangent_residual,
+            time,
+            bill,
+        })
     }
 
     /// The largest energy error until `t`, over the mean kinetic energy.
@@ -131,6 +143,7 @@ fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
     println!("  simulated in {time:.1?}: {:.3e} steps per second", steps / time.as_secs_f64());
     println!("  max |g|    {:.1e}", worst(falling, &|run| run.constraint_residual));
     println!("  max |∇g·p| {:.1e}", worst(falling, &|run| run.cotangent_residual));
+    println!("{}\n", falling[0].bill);
     println!("gas: {} particles × {STEPS} steps, h = {H}", gas.trajectory.shape()[1]);
     println!(
         "  simulated in {:.1?}: {:.3e} steps per second",
@@ -139,6 +152,7 @@ fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
     );
     println!("  max |g|    {:.1e}", gas.constraint_residual);
     println!("  max |∇g·p| {:.1e}", gas.cotangent_residual);
+    println!("{}", gas.bill);
 
     println!("\n{:46} {:>10} {:>10} {:>8}", "energy deviation over mean kinetic energy", "h", "h/2", "ratio");
     let until = |t: f64| move |run: &Run| run.deviation(t);
