@@ -54,6 +54,26 @@ pub(crate) fn short_name<P>() -> &'static str {
     for wrapper in ["over::Over<", "kinds::Kinds<", "within::Along<", "within::Within<"] {
         name = name.split_once(wrapper).map_or(name, |(_, potential)| potential);
     }
-    let name = name.split(',').next().unwrap_or(name);
-    name.split('<').next().and_then(|path| path.rsplit("::").next()).unwrap_or(name)
+    let name = name.split(['<', ',', '>']).next().unwrap_or(name);
+    name.rsplit("::").next().unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::kinds::Kinds;
+    use crate::kernel::space::Periodic;
+    use crate::kernel::within::Within;
+
+    #[test]
+    fn potentials_are_named_without_what_they_stand_in() {
+        struct Pull;
+        struct Between<P>(P);
+        assert_eq!(short_name::<Pull>(), "Pull");
+        assert_eq!(short_name::<Between<Pull>>(), "Between");
+        assert_eq!(short_name::<Within<Pull>>(), "Pull");
+        assert_eq!(short_name::<Within<Between<Pull>, Periodic<3>>>(), "Between");
+        assert_eq!(short_name::<Kinds<Within<Pull>>>(), "Pull");
+        assert_eq!(short_name::<Over<Pull, 2>>(), "Pull");
+    }
 }
