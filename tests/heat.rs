@@ -6,6 +6,7 @@ use crate::common::statistics::{DEVIATIONS, fits};
 use rattle::bodies::Many;
 use rattle::curvature::points;
 use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
+use rattle::error::StepFailure;
 use rattle::links::Rod;
 use rattle::potentials::{Gravity, Harmonic, LennardJones};
 use rattle::prelude::*;
@@ -306,6 +307,23 @@ fn a_bath_without_chance() {
     again.run(10).unwrap();
     simulation.run(10).unwrap();
     assert_eq!(again.state(), simulation.state());
+}
+
+/// Far hotter than its bath, in steps as long as the bath's swing: exp(−hξ) would overflow.
+#[test]
+fn a_bath_that_steps_do_not_resolve() {
+    let start =
+        State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).with_momenta([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let gas = Scene::on(Sphere { r: 1.0 }).bodies(2);
+    let mut simulation = gas.simulate(start.clone(), NoseHoover::new(0.01, 1.0, 1.0)).unwrap();
+    let Err(rattle::Error::Step { cause: StepFailure::BathTooFast { factor, hot, .. }, .. }) =
+        simulation.run(10)
+    else {
+        panic!("the bath is not followed")
+    };
+    assert!(!(1e-3..=1e3).contains(&factor) && hot.is_finite(), "{factor:e} {hot:e}");
+    let mut simulation = gas.simulate(start, NoseHoover::new(0.01, 1.0, 0.01)).unwrap();
+    simulation.run(10_000).unwrap();
 }
 
 /// ⟨(q(t) − q(0))²⟩ = 2R² (1 − exp(−2Dt/R²)) on a sphere with D = kT/γ; cos of the angle has the variance

@@ -303,6 +303,22 @@ pub enum StepFailure {
         /// For what time.
         h: f64,
     },
+    /// A Nosé–Hoover bath changes momenta by more than a thousand times within half a step.
+    #[error(
+        "the bath takes momenta times {factor:.1e} within half a step h = {h:.3e}, and cannot be followed so: it swings \
+         within {time:.1e}, and the kinetic energy was {hot:.1e} times that of its temperature; try a smaller step or a \
+         longer time, or start near the temperature (`scene.maxwell`)"
+    )]
+    BathTooFast {
+        /// What momenta are multiplied by.
+        factor: f64,
+        /// The step size.
+        h: f64,
+        /// The time within which the bath swings.
+        time: f64,
+        /// The kinetic energy before, over that of the temperature.
+        hot: f64,
+    },
     /// The momentum is beyond what can be squared, about 1e154.
     #[error("the momentum is no longer finite at q = {position:?}; try a smaller step, or other units")]
     MomentumNotFinite {
@@ -376,7 +392,7 @@ pub enum StepFailure {
     },
     /// There is no end of impacts within a step: bodies have come to rest on each other, or on a wall.
     #[error(
-        "the contact `{contact}` of bodies {bodies:?} stays closed after {impacts} more impacts within the step (restitution {restitution}):          what rests \
+        "the contact `{contact}` of bodies {bodies:?} stays closed after {impacts} more impacts within the step (restitution {restitution}): what rests \
          there must be held by a link from here on, or be left out"
     )]
     Rests {

@@ -12,7 +12,7 @@
 //!
 //! Source: G. Martyna, M. Tuckerman, D. Tobias, M. Klein, Mol. Phys. 87 (1996) 1117.
 
-use crate::error::{EffectMistake, Error};
+use crate::error::{EffectMistake, Error, StepFailure};
 use crate::methods::rattle;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
@@ -64,7 +64,7 @@ pub struct NoseHoover {
 
 impl NoseHoover {
     /// The method at the temperature kT, an energy, whose bath swings within the time `time` (τ above, with step size
-    /// `h`): some tens of steps.
+    /// `h`): some tens of steps. A step is an error in which the bath would change momenta by more than a thousand times.
     #[must_use]
     pub fn new(temperature: f64, time: f64, h: f64) -> Self {
         Self { temperature, time, h }
@@ -90,11 +90,11 @@ impl NoseHoover {
         system: &Y,
         bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
-    ) {
+    ) -> Result<(), Failure> {
         let number = |x: f64| T::from_f64(x);
         let freedom = system.freedom(bodies) as f64;
         if freedom == 0.0 {
-            return;
+            return Ok(());
         }
         let start = system.kinetic_energy(bodies);
         let (rates, places) = memory.split_at_mut(LINKS);
@@ -121,10 +121,19 @@ impl NoseHoover {
                 rates[i] = (rates[i] * half + number(0.5 * h) * pull(i, rates, factor)) * half;
             }
         }
+        // Nearer bounds would refuse starts that are far from the temperature.
+        if let Some((factor, start)) =
+            factor.lanes().zip(start.lanes()).find(|(factor, _)| !(1e-3..=1e3).contains(factor))
+        {
+            let hot = 2.0 * start / (freedom * self.temperature);
+            let cause = StepFailure::BathTooFast { factor, h: self.h, time: self.time, hot };
+            return Err(Failure { body: 0, cause });
+        }
         for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {
             (*p, *low) = (scaled(factor, p), scaled(factor, low));
         }
         bodies.work = bodies.work + (system.kinetic_energy(bodies) - start);
+        Ok(())
     }
 }
 
@@ -178,9 +187,8 @@ impl Method for NoseHoover {
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        self.exchange(0.5 * self.h, system, bodies, memory);
+        self.exchange(0.5 * self.h, system, bodies, memory)?;
         rattle::step::<Newton, _, _, _, D>(self.h, &[], system, bodies, witness)?;
-        self.exchange(0.5 * self.h, system, bodies, memory);
-        Ok(())
+        self.exchange(0.5 * self.h, system, bodies, memory)
     }
 }
