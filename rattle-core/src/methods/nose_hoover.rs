@@ -64,7 +64,8 @@ pub struct NoseHoover {
 
 impl NoseHoover {
     /// The method at the temperature kT, an energy, whose bath swings within the time `time` (τ above, with step size
-    /// `h`): some tens of steps. A step is an error in which the bath would change momenta by more than a thousand times.
+    /// `h`): some tens of steps. A step is an error in which the bath would change momenta by more than a thousand
+    /// times.
     #[must_use]
     pub fn new(temperature: f64, time: f64, h: f64) -> Self {
         Self { temperature, time, h }
