@@ -154,6 +154,37 @@ fn what_cannot_be_written_ends_the_run_and_leaves_it_as_it_was() {
     assert_eq!((error.rows, error.source.kind()), (2048, io::ErrorKind::StorageFull));
 }
 
+/// By the method's kind in lanes, in three groups, or each by itself: all stop after the same step, as if they had been
+/// told to, and can go on.
+#[test]
+fn what_cannot_be_written_ends_an_ensemble_at_one_time() {
+    fn check(method: impl Method, trajectories: usize, steps: u64, every: u64) {
+        let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+        let starts = || (0..6).flat_map(|_| directions()).map(billiard).take(trajectories);
+        let mut ensemble = scene.ensemble(starts(), method.clone()).unwrap();
+        let stream = Stream::to(Full(3000));
+        let columns = Columns::new().positions();
+        let recorder = ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink()));
+        let error = recorder.finish().unwrap_err();
+        assert!(matches!(error, Error::Recorder { .. }), "{error}");
+        assert_eq!(stream.finish().unwrap_err().source.kind(), io::ErrorKind::StorageFull);
+        let taken = ensemble.steps();
+        assert!(taken < steps && taken.is_multiple_of(64), "{taken}");
+        let mut other = scene.ensemble(starts(), method).unwrap();
+        other.run(taken);
+        for further in [0, 10] {
+            ensemble.run(further);
+            other.run(further);
+            for trajectory in 0..ensemble.len() {
+                let states = [&ensemble, &other].map(|ensemble| bits(&ensemble.state(trajectory)));
+                assert_eq!(states[0], states[1], "{trajectory} after {further}");
+            }
+        }
+    }
+    check(Rattle::new(1e-3), 150, 50_000, 10);
+    check(Dop853::new(1e-4), 3, 9_000, 1);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_full_disk() {

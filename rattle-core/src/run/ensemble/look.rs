@@ -24,7 +24,7 @@ pub struct Onlooker<'a, const D: usize> {
     /// anything twice.
     pub(crate) next: u64,
     pub(crate) every: u64,
-    pub(crate) now: Seen<D>,
+    pub(crate) now: &'a mut Seen<D>,
     /// Is given what is seen, and may put other such memory in its place.
     pub(crate) show: &'a mut (dyn FnMut(&mut Seen<D>, &dyn Watched<D>) + Send),
 }
@@ -34,6 +34,6 @@ impl<const D: usize> Onlooker<'_, D> {
     pub(crate) fn show(&mut self, group: &dyn Watched<D>) {
         self.now.steps = self.next;
         self.next = self.next.saturating_add(self.every);
-        (self.show)(&mut self.now, group);
+        (self.show)(self.now, group);
     }
 }

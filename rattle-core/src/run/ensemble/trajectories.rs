@@ -5,6 +5,7 @@ use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, InLanes, Precision};
+use crate::run::ensemble::side_by_side::STRETCH;
 
 use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
@@ -216,6 +217,9 @@ impl<const D: usize> Ensemble<D> {
     /// trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple of `every` are
     /// taken and not shown. If an observer panics, groups of trajectories are left at different times.
     ///
+    /// Where an observer can watch no more, such as a recorder whose disk is full, the run ends within 8192 steps, all
+    /// trajectories at the same [`steps`](Self::steps): the recorder's `finish` says why, and the ensemble can go on.
+    ///
     /// **Cost.** To show a trajectory that goes in lanes takes the time of 1.5 steps, and the observer's work comes on
     /// top. Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height takes the
     /// time of 1.9 steps per step where `every` is 1, of 0.2 where it is 10, and of 0.04 where it is 100; the mean of
@@ -240,24 +244,22 @@ impl<const D: usize> Ensemble<D> {
     ) -> O {
         assert!(every > 0, "an ensemble is observed after every 1 or more steps");
         let (set, taken, next) = (self.set, self.steps, self.steps.saturating_add(every));
-        let look = |(group, &first): (&mut Box<dyn Group<D>>, &usize)| {
-            let mut own = observer();
+        let start = |group: &mut Box<dyn Group<D>>| {
             let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
-            let mut before = now.clone();
-            let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
-                let sights = before.sights(group, first).zip(now.sights(group, first));
-                for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
-                    own.see(&before, &now);
-                }
-                std::mem::swap(&mut before, now);
-            };
-            group.run(steps, set, Some(&mut Onlooker { next, every, now, show: &mut show }));
-            own
+            Watching { observer: observer(), before: now.clone(), now, next }
         };
-        let observers: Vec<O> = self.groups.par_iter_mut().zip(&self.first).map(look).collect();
-        self.steps = self.steps.saturating_add(steps);
+        let mut watching: Vec<_> = self.groups.par_iter_mut().map(start).collect();
+        let mut left = steps;
+        while left > 0 && watching.iter().all(|of| of.observer.failure().is_none()) {
+            let moves = self.groups.iter().any(|group| group.moving().contains(&true));
+            let part = if moves { left.min(UNWATCHED) } else { left };
+            let groups = self.groups.par_iter_mut().zip(&self.first).zip(&mut watching);
+            groups.for_each(|((group, &first), of)| of.run(group, first, part, every, set));
+            self.steps = self.steps.saturating_add(part);
+            left -= part;
+        }
         let mut all = observer();
-        observers.into_iter().for_each(|next| all.join(next));
+        watching.into_iter().for_each(|next| all.join(next.observer));
         all
     }
 
@@ -414,6 +416,41 @@ impl<const D: usize> Ensemble<D> {
         groups.flat_map(|(group, &first)| {
             (0..group.len()).filter_map(move |own| group.failure(own).map(|error| (first + own, error)))
         })
+    }
+}
+
+/// After so many steps it is asked whether observers can go on: seldom, since all threads wait for the last, and where
+/// groups in lanes stop anyway.
+const UNWATCHED: u64 = 8 * STRETCH;
+
+/// An observer of a group, what it saw, and after how many steps it is shown the group again.
+struct Watching<O, const D: usize> {
+    observer: O,
+    before: Seen<D>,
+    now: Seen<D>,
+    next: u64,
+}
+
+impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
+    fn run(
+        &mut self,
+        group: &mut Box<dyn Group<D>>,
+        first: usize,
+        steps: u64,
+        every: u64,
+        set: InstructionSet,
+    ) {
+        let Self { observer, before, now, next } = self;
+        let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
+            let sights = before.sights(group, first).zip(now.sights(group, first));
+            for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
+                observer.see(&before, &now);
+            }
+            std::mem::swap(before, now);
+        };
+        let mut onlooker = Onlooker { next: *next, every, now, show: &mut show };
+        group.run(steps, set, Some(&mut onlooker));
+        *next = onlooker.next;
     }
 }
 

@@ -46,7 +46,8 @@ pub trait Observer<const D: usize> {
     fn join(&mut self, next: Self)
     where
         Self: Sized;
-    /// Why it can watch no more: a simulation then ends its run with that, as it was at the last sight.
+    /// Why it can watch no more: a simulation then ends its run with that, as it was at the last sight, and an ensemble
+    /// ends its run some steps later.
     #[inline(always)]
     fn failure(&self) -> Option<Error> {
         None
