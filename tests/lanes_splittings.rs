@@ -45,11 +45,18 @@ fn as_alone_but_for_rounding() {
         off(Double, Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(0.02)), 25),
         off(Double, Rattle::new(0.01), 50),
         off(Double, Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
+        off(Double, Lobatto::<2>::new(0.01), 50),
+        off(Double, Lobatto::<3>::new(0.01), 50),
+        off(Compensated, Lobatto::<3>::new(0.01), 50),
+        off(Double, Lobatto::<5>::new(0.02), 25),
+        off(Compensated, Lobatto::<5>::new(0.02).guess(Extrapolated), 25),
+        off(Double, Lobatto::<9>::new(0.05), 10),
     ];
     println!("{found:?}");
     let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
     assert!(found.iter().all(|&off| off < 1e-12 && (off > 0.0) == fused), "{found:?}");
     assert!(off(Single, PositionVerlet::new(0.01), 50) < 1e-3);
+    assert!(off(Single, Lobatto::<4>::new(0.02), 25) < 1e-3);
 }
 
 #[test]

@@ -33,7 +33,11 @@
 //! the others go on. With [`Ensemble::retry`] the failed step is made again in parts.
 
 mod alone;
+mod around;
+mod asked;
 mod block;
+mod collocation_lanes;
+mod crossing;
 mod engine;
 pub mod group;
 mod laws;
@@ -42,6 +46,7 @@ mod loops;
 pub mod precision;
 mod side_by_side;
 mod splitting_lanes;
+mod stages;
 pub mod stream;
 pub mod trajectories;
 
