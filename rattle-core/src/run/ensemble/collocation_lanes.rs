@@ -185,7 +185,10 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
                 if !advance(row, &laws, &tableau, scratch) {
                     for lane in 0..L {
                         if scratch.going[lane] != S::default() {
-                            apart_in_row(row, lane, &laws, table, *h, scratch)?;
+                            if scratch.going[lane] != S::from_f64(LOOKING) {
+                                move_apart(row, lane, &laws, table, *h, scratch)?;
+                            }
+                            ask_around(row, lane, &laws, scratch)?;
                         }
                     }
                 }
@@ -233,39 +236,51 @@ fn reach<S: Lane, const D: usize>(far: S, p: &[S; D], normal: &[S; D], pull: &[S
     S::select(most.le(shift), most, shift)
 }
 
-/// Takes a lane on that cannot go with the others, or has to look around first.
+/// Finds where the step leads a lane that cannot go with the others.
 #[cold]
 #[inline(never)]
-fn apart_in_row<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &mut Row<S, L, D, SUMS, N>,
+fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &Row<S, L, D, SUMS, N>,
     lane: usize,
     laws: &impl Laws<S, D>,
     table: &Table<N>,
     h: f64,
     scratch: &mut Scratch<S, L, D, N>,
 ) -> Result<(), Stuck> {
-    if scratch.going[lane] != S::from_f64(LOOKING) {
-        let body = row.body(lane);
-        let mut memory = vec![S::default(); 1 + N * (D + 1)];
-        match apart(laws, lane, table, h, 1, &body, &mut memory) {
-            Ok(end) => scratch.land(lane, laws, h, [&body.q, &body.p], &end, &memory),
-            Err(failure) => {
-                let to = add_scaled(&body.q, S::from_f64(h), &body.p);
-                return kink(laws, lane, body.q, to, Err(Stuck { lane, failure: Some(failure) }));
-            }
+    let body = row.body(lane);
+    let mut memory = vec![S::default(); 1 + N * (D + 1)];
+    match apart(laws, lane, table, h, 1, &body, &mut memory) {
+        Ok(end) => {
+            scratch.land(lane, laws, h, [&body.q, &body.p], &end, &memory);
+            Ok(())
+        }
+        Err(failure) => {
+            let to = add_scaled(&body.q, S::from_f64(h), &body.p);
+            kink(laws, lane, body.q, to, Err(Stuck { lane, failure: Some(failure) }))
         }
     }
+}
+
+/// Looks for other sheets where the step leads a lane that has gone farther astray than it was looked before.
+#[inline(always)]
+fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &mut Row<S, L, D, SUMS, N>,
+    lane: usize,
+    laws: &impl Laws<S, D>,
+    scratch: &Scratch<S, L, D, N>,
+) -> Result<(), Stuck> {
     let Landed { q, p, normal, pull, astray } = scratch.landed(lane);
+    if astray.le(row.asked[lane]) {
+        return Ok(());
+    }
     let asked = S::from_f64(FARTHER) * astray;
     let (square, reach) = (dot(&normal, &normal), reach(asked, &p, &normal, &pull));
-    let constraint = laws.constraint(lane);
-    let plain = |share: f64| {
-        S::default().le(rises(constraint.borrow(), &q, &normal, square, S::from_f64(share) * reach))
-    };
-    if shares(0).all(plain) {
-        row.asked[lane] = asked.max(row.asked[lane]);
-        Ok(())
-    } else {
-        Err(Stuck { lane, failure: None })
+    row.asked[lane] = asked;
+    for share in shares(0) {
+        let shift = S::from_f64(share) * reach;
+        if !S::default().le(rises(laws.constraint(lane).borrow(), &q, &normal, square, shift)) {
+            return Err(Stuck { lane, failure: None });
+        }
     }
+    Ok(())
 }

@@ -186,7 +186,7 @@ where
 }
 
 /// Lanes of a row of trajectories by collocation: so many that what is kept of their stages fits the nearest cache.
-const ROW: usize = 16;
+const ROW: usize = 32;
 
 fn collocated<S, C, E, const D: usize, const SUMS: usize, const N: usize>(
     (constraint, effects): (&C, &E),

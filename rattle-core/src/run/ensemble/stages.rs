@@ -31,10 +31,11 @@ use std::array::from_fn;
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.
-const MOST_PASSES: usize = 16;
+const MOST_PASSES: usize = 24;
 
-/// A guess that is off by more than this part of the path is not trusted.
-const FAR_GUESS: f64 = 1e-2;
+/// A guess that is off by more than this part of the path is not trusted. (Where the step ends is looked at whatever the
+/// guess was, so that this may be more than in a simulation.)
+const FAR_GUESS: f64 = 5e-2;
 
 /// No pass is trusted to shrink what is left by more than this.
 const SHRINKS: f64 = 1e-3;
@@ -614,22 +615,25 @@ fn factor<S: Lane, const L: usize, const D: usize, const N: usize>(
             }
         }
     }
+    // Rows are copied: loops over lanes are short, and compilers would vectorise those around them, across rows.
     for k in 0..N - 1 {
+        let mut pivot = matrix[k + 1][k];
         for l in 0..L {
-            matrix[k + 1][k][l] = S::from_f64(1.0) / matrix[k + 1][k][l];
+            pivot[l] = S::from_f64(1.0) / pivot[l];
         }
+        matrix[k + 1][k] = pivot;
         for i in k + 1..N - 1 {
-            let pivot = matrix[k + 1][k];
+            let mut factor = matrix[i + 1][k];
             for l in 0..L {
-                matrix[i + 1][k][l] = matrix[i + 1][k][l] * pivot[l];
+                factor[l] = factor[l] * pivot[l];
             }
-            let factor = matrix[i + 1][k];
+            matrix[i + 1][k] = factor;
             for j in k + 1..N - 1 {
-                let of_pivot = matrix[k + 1][j];
-                let to = &mut matrix[i + 1][j];
+                let (mut to, of_pivot) = (matrix[i + 1][j], &matrix[k + 1][j]);
                 for l in 0..L {
                     to[l] = (-factor[l]).multiply_add(of_pivot[l], to[l]);
                 }
+                matrix[i + 1][j] = to;
             }
         }
     }
