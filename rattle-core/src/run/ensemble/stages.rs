@@ -678,17 +678,13 @@ fn correct<S: Lane, const L: usize, const D: usize, const N: usize>(
     lambda: &mut [[S; L]; N],
     push: &mut [Vectors<S, L, D>; N],
 ) {
+    // One loop over lanes: compilers would unroll shorter ones, and vectorise those around them, across stages.
     for j in 0..N - 1 {
-        let (solved, lambda) = (&solved[j], &mut lambda[j]);
+        let (solved, lambda, normal, push) = (&solved[j], &mut lambda[j], &normal[j], &mut push[j]);
         for l in 0..L {
             let better = lambda[l] - solved[l];
             lambda[l] = S::select(S::default().lt(going[l]), better, lambda[l]);
-        }
-        for d in 0..D {
-            let (normal, push) = (&normal[j][d], &mut push[j][d]);
-            for l in 0..L {
-                push[l] = -solved[l] * normal[l];
-            }
+            put(push, l, scaled(-solved[l], &at(normal, l)));
         }
     }
 }
