@@ -1,4 +1,5 @@
-//! Splittings of kicks and drifts, compositions of them, and collocation, in lanes: as each trajectory alone but for rounding.
+//! Splittings of kicks and drifts, compositions of them, and collocation, in lanes: as each trajectory alone but for
+//! rounding.
 
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::InstructionSet;

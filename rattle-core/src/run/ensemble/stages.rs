@@ -8,10 +8,10 @@
 //!
 //! **First guess:** w and λ are the polynomials through the last step's stages and this step's exact start.
 //! **A pass** evaluates g, ∇g and f at all stages, forms the sums, and corrects λ by Newton's method and the matrix of
-//! the first pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane rests** where what the
-//! next pass would move, by how the last ones shrank, is below half a rounding. Its stages and λ then stay what they
-//! are, however many passes its neighbours take; a last evaluation of ∇g and f at the resting stages makes w, so that
-//! momenta are kicked by forces at the very places.
+//! the first pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane rests** where what
+//! the next pass would move, by how the last ones shrank, is below half a rounding. Its stages and λ then stay what
+//! they are, however many passes its neighbours take; a last evaluation of ∇g and f at the resting stages makes w, so
+//! that momenta are kicked by forces at the very places.
 //!
 //! **Not in lanes:** a lane whose guess was far off, that does not converge, whose normals turn over, or whose end may
 //! lie on another sheet, takes the step by itself, as a [`Simulation`](crate::run::simulation::Simulation) does.
@@ -33,8 +33,8 @@ use std::borrow::Borrow;
 /// Passes after which a lane goes by itself.
 const MOST_PASSES: usize = 24;
 
-/// A guess that is off by more than this part of the path is not trusted. (Where the step ends is looked at whatever the
-/// guess was, so that this may be more than in a simulation.)
+/// A guess that is off by more than this part of the path is not trusted. (Where the step ends is looked at whatever
+/// the guess was, so that this may be more than in a simulation.)
 const FAR_GUESS: f64 = 5e-2;
 
 /// No pass is trusted to shrink what is left by more than this.
@@ -346,8 +346,8 @@ pub(super) fn pull<S: Lane, const D: usize>(
     (lambda, add_scaled(&force, lambda, gradient))
 }
 
-/// Finds where one step leads all lanes. Says whether it may be [taken](Row::take) as it is; if not, `going` tells which
-/// lanes have to go by themselves, or have to look around first.
+/// Finds where one step leads all lanes. Says whether it may be [taken](Row::take) as it is; if not, `going` tells
+/// which lanes have to go by themselves, or have to look around first.
 #[inline(always)]
 pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     row: &Row<S, L, D, SUMS, N>,
@@ -864,7 +864,8 @@ fn stray<S: Lane, const L: usize, const D: usize>(
     }
 }
 
-/// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the step.
+/// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the
+/// step.
 #[inline(always)]
 fn ask<S: Lane, const L: usize>(asked: &[S; L], astray: &[S; L], going: &mut [S; L]) -> bool {
     let (zero, looking) = (S::default(), S::from_f64(LOOKING));
