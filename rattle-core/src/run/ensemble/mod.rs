@@ -46,6 +46,7 @@ mod laws;
 pub mod look;
 mod loops;
 pub mod precision;
+mod row;
 mod side_by_side;
 mod splitting_lanes;
 mod stages;
