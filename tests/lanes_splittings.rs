@@ -1,4 +1,5 @@
-//! Splittings of kicks and drifts, and compositions of them, in lanes: as each trajectory alone but for rounding.
+//! Splittings of kicks and drifts, compositions of them, and collocation, in lanes: as each trajectory alone but for
+//! rounding.
 
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::InstructionSet;
@@ -45,11 +46,18 @@ fn as_alone_but_for_rounding() {
         off(Double, Composition::of(SUZUKI_1990_ORDER_4, PositionVerlet::new(0.02)), 25),
         off(Double, Rattle::new(0.01), 50),
         off(Double, Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
+        off(Double, Lobatto::<2>::new(0.01), 50),
+        off(Double, Lobatto::<3>::new(0.01), 50),
+        off(Compensated, Lobatto::<3>::new(0.01), 50),
+        off(Double, Lobatto::<5>::new(0.02), 25),
+        off(Compensated, Lobatto::<5>::new(0.02).guess(Extrapolated), 25),
+        off(Double, Lobatto::<9>::new(0.05), 10),
     ];
     println!("{found:?}");
     let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
     assert!(found.iter().all(|&off| off < 1e-12 && (off > 0.0) == fused), "{found:?}");
     assert!(off(Single, PositionVerlet::new(0.01), 50) < 1e-3);
+    assert!(off(Single, Lobatto::<4>::new(0.02), 25) < 1e-3);
 }
 
 #[test]
@@ -62,4 +70,62 @@ fn sweeps_and_energies() {
     let mean = ensemble.observe(500, 5, || Mean::of(|now: &Sight<'_, 3>| now.energy()));
     let exact: f64 = (0..70).map(|i| 0.5 + 0.02 * f64::from(i) * R).sum::<f64>() / 70.0;
     assert!((mean.mean() - exact).abs() < 1e-3, "{} {exact}", mean.mean());
+}
+
+/// Trajectories too fast for their steps end; calm ones beside them have the bits that they have without them, also
+/// where a checkpoint is gone on from.
+#[test]
+fn stages_that_fail_touch_no_one_else() {
+    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 });
+    let start = |i: u32| {
+        let (speed, angle) = (if i.is_multiple_of(3) { 12.0 } else { 1.0 }, 0.37 * f64::from(i));
+        State::at([0.0, 0.0, R]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
+    };
+    let of =
+        |numbers: Vec<u32>| scene.ensemble(numbers.into_iter().map(start), Lobatto::<3>::new(0.02)).unwrap();
+    let bits = |state: State<3>| format!("{state:?}");
+    let mut all = of((0..50).collect());
+    all.run(150);
+    let record = all.checkpoint();
+    all.run(150);
+    let calm: Vec<u32> = (0..50).filter(|i| i % 3 != 0).collect();
+    let mut calm_ones = of(calm.clone());
+    calm_ones.run(300);
+    let mut resumed = of((0..50).collect());
+    resumed.resume(&record).unwrap();
+    resumed.run(150);
+    for (i, state) in calm.into_iter().zip(calm_ones.states()) {
+        let expected = bits(state);
+        assert_eq!(bits(all.state(i as usize)), expected, "trajectory {i}");
+        assert_eq!(bits(resumed.state(i as usize)), expected, "trajectory {i} resumed");
+    }
+    let ended = all.failures().map(|(i, _)| i).collect::<Vec<_>>();
+    assert!(ended.len() > 5 && ended.iter().all(|i| i % 3 == 0), "{ended:?}");
+}
+
+/// Halved steps leave 2^-(2s - 2) of the error; the reference is of twice the order, alone.
+#[test]
+fn stages_have_their_order() {
+    fn errors<const S: usize>(steps: [u64; 2]) -> f64
+    where
+        Lobatto<S>: Method,
+        rattle::table::Table<S>: rattle::table::Tabulated,
+    {
+        let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 });
+        let start = || State::at([0.0, 0.0, R]).moving([0.6, 0.8, 0.0]);
+        let mut exact = scene.simulate(start(), Lobatto::<9>::new(1.0 / 64.0)).unwrap();
+        exact.run(32).unwrap();
+        let [one, two] = steps.map(|steps| {
+            let mut ensemble =
+                scene.ensemble([start(), start()], Lobatto::<S>::new(0.5 / steps as f64)).unwrap();
+            ensemble.run(steps);
+            (ensemble.state(1).positions().next().unwrap() - exact.position()).norm()
+        });
+        (one / two).log2()
+    }
+    let found = [errors::<2>([32, 64]), errors::<3>([16, 32]), errors::<4>([16, 32]), errors::<5>([16, 32])];
+    println!("{found:?}");
+    for (order, expected) in found.into_iter().zip([2.0, 4.0, 6.0, 8.0]) {
+        assert!((order - expected).abs() < 0.6, "{order}, not {expected}"); // steps are far from vanishing
+    }
 }

@@ -13,7 +13,9 @@
 #include <string.h>
 #include <time.h>
 
+#ifndef H
 #define H 0.01            /* step size */
+#endif
 #ifndef TOLERANCE
 #define TOLERANCE 1e-14   /* on |g| */
 #endif

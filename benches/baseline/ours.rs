@@ -16,7 +16,8 @@ const GRAVITY: Gravity = Gravity { g: 1.0 };
 const RICKER: Ricker = Ricker { depth: 0.5, radius: 1.0 / 6.0 };
 
 /// The rows that there are.
-pub(crate) const ROWS: [&str; 6] = [SIMULATION, SCALAR, ENSEMBLE, SWEEP, COMPENSATED, THREADS_2];
+pub(crate) const ROWS: [&str; 8] =
+    [SIMULATION, SCALAR, ENSEMBLE, SWEEP, COMPENSATED, THREADS_2, LOBATTO, LOBATTO_APART];
 /// One simulation after the other: compensated sums, to the rounding floor, a first guess from the present state alone.
 pub(crate) const SIMULATION: &str = "simulation";
 /// Ensembles of one trajectory, one after the other …
@@ -31,6 +32,12 @@ pub(crate) const SWEEP: &str = "ensemble_sweep";
 pub(crate) const COMPENSATED: &str = "ensemble_compensated";
 /// The same on two threads.
 pub(crate) const THREADS_2: &str = "ensemble_on_2_threads";
+/// By Lobatto of five stages, in steps of [`LOBATTO_H`], side by side …
+pub(crate) const LOBATTO: &str = "lobatto";
+/// … and as simulations, one after the other.
+pub(crate) const LOBATTO_APART: &str = "lobatto_simulations";
+/// The step that `lobatto.c` takes too.
+const LOBATTO_H: f64 = 0.025;
 
 /// The row of this name, with so many trajectories; counted if it is not timed.
 pub(crate) fn ours(row: &str, n: usize, counted: bool) -> Option<Box<dyn Run>> {
@@ -62,6 +69,8 @@ where
         |ensemble: Result<Ensemble<3>, rattle::Error>| Some(vec![ensemble.expect("starts on the surface")]);
     let ensembles = match row {
         SIMULATION => None,
+        LOBATTO => ensemble(scene.ensemble(starts.clone(), Lobatto::<5>::new(LOBATTO_H))),
+        LOBATTO_APART => return Some(one_by_one(scene, starts, Lobatto::<5>::new(LOBATTO_H), counts)),
         SCALAR => Some(
             starts.clone().map(|start| scene.ensemble([start], Rattle::new(H)).expect("a start")).collect(),
         ),
@@ -76,7 +85,7 @@ where
     if let Some(counts) = &counts {
         counts.reset(); // what the starts evaluated
     }
-    let Some(ensembles) = ensembles else { return Some(one_by_one(scene, starts, counts)) };
+    let Some(ensembles) = ensembles else { return Some(one_by_one(scene, starts, Rattle::new(H), counts)) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     Some(Box::new(Together { ensembles, pool, threads, counts, evaluations: [0; 2] }))
 }
@@ -124,21 +133,23 @@ impl Run for Together {
 }
 
 /// Trajectories one after the other.
-struct OneByOne<Y: System<f64, 3>> {
-    simulations: Vec<Simulation<Y, Rattle, 3>>,
+struct OneByOne<Y: System<f64, 3>, S: Method> {
+    simulations: Vec<Simulation<Y, S, 3>>,
     counts: Option<Counts>,
 }
 
-fn one_by_one<C, E>(
+fn one_by_one<C, E, S>(
     scene: &Scene<C, E, One, 3>,
     starts: impl Iterator<Item = State<3>>,
+    method: S,
     counts: Option<Counts>,
 ) -> Box<dyn Run>
 where
     C: Constraint<3, 1>,
     E: rattle::effect::Effects<3> + 'static,
+    S: Method,
 {
-    let simulation = |start| scene.simulate(start, Rattle::new(H)).expect("a start on the surface");
+    let simulation = |start| scene.simulate(start, method.clone()).expect("a start on the surface");
     let simulations: Vec<_> = starts.map(simulation).collect();
     if let Some(counts) = &counts {
         counts.reset(); // what the starts evaluated
@@ -146,7 +157,7 @@ where
     Box::new(OneByOne { simulations, counts })
 }
 
-impl<Y: System<f64, 3>> Run for OneByOne<Y> {
+impl<Y: System<f64, 3>, S: Method> Run for OneByOne<Y, S> {
     fn advance(&mut self, steps: u64) {
         for simulation in &mut self.simulations {
             simulation.run(steps).expect("steps within reach");
@@ -190,7 +201,7 @@ impl<Y: System<f64, 3>> Run for Gas<Y> {
     }
 }
 
-fn body<Y: System<f64, 3>>(simulation: &Simulation<Y, Rattle, 3>, i: usize) -> ([f64; 3], [f64; 3]) {
+fn body<Y: System<f64, 3>, S: Method>(simulation: &Simulation<Y, S, 3>, i: usize) -> ([f64; 3], [f64; 3]) {
     let q = simulation.positions().nth(i).expect("a body of that number");
     let p = simulation.momenta().nth(i).expect("a body of that number");
     (q.into(), p.into())

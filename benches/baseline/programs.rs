@@ -57,6 +57,7 @@ impl Programs {
         match task {
             "one after the other" => self.scalar(),
             "side by side" => self.lanes(),
+            "lobatto" => self.lobatto(),
             "gas of 21" => self.gas(21, 100, 0.01),
             "gas of 1000" => self.gas(1000, 2, 0.0025),
             "double pendulum" => self.linked("double_pendulum"),
@@ -173,6 +174,25 @@ impl Programs {
             ),
             entrant("ours, a sweep", None, &[ours::SWEEP], us("trajectories")),
             entrant("ours, 2 threads", Some("threads2_over_1"), &[ours::THREADS_2], us("trajectories")),
+        ]))
+    }
+
+    /// Trajectories side by side, by collocation.
+    fn lobatto(&self) -> Result<Vec<Entrant>, String> {
+        Ok(present([
+            entrant(
+                "ours, simulations",
+                Some("lobatto_over_simulations"),
+                &[ours::LOBATTO_APART],
+                us("trajectories"),
+            ),
+            entrant("ours", None, &[ours::LOBATTO], us("trajectories")),
+            entrant(
+                "C, loops for the compiler",
+                Some("lobatto_over_c_loops"),
+                &[],
+                self.c("lobatto.c", &["-march=native", "-ffast-math"]),
+            ),
         ]))
     }
 
@@ -318,6 +338,8 @@ impl Task {
             (&[(self.n, 20, 1e-9)], (self.n, self.steps.min(2000)))
         } else if self.name.contains("pendulum") || self.name.contains("chain") || self.name.contains("top") {
             (&[(self.n, 100, 1e-12)], (self.n, self.steps.min(2000)))
+        } else if self.name == "lobatto" {
+            (&[(100, 40, 1e-12), (100, 200, 1e-8)], (self.n, 80)) // the same times, and one where energies are alike
         } else {
             (&[(100, 100, 1e-12), (100, 500, 1e-8)], (1000, 2000))
         };

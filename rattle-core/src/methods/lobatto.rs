@@ -69,6 +69,7 @@ where
     type Memory<T: Real> = G::Memory<T>;
     type Need = (Steps, WithCollocation);
     const FOLLOWS_ROOTS: bool = false;
+    const COLLOCATES: usize = S;
 
     fn step_size(&self) -> f64 {
         self.h

@@ -102,6 +102,11 @@ pub trait Method: Clone + Send + Sync + 'static {
         Vec::new()
     }
 
+    /// How many stages a step of [collocation](crate::motion::capability::Collocation) solves together; 0 if it is
+    /// none. Known by the type, as [`SPLITTING`](Self::SPLITTING) is, so that the lanes of an ensemble are compiled for
+    /// such methods alone, of a [`Table`](crate::motion::table::Table) with so many stages.
+    const COLLOCATES: usize = 0;
+
     /// How often a step evaluates the forces, where that is known before: for the [bill](crate::run::bill).
     fn evaluations(&self) -> Option<usize> {
         match Self::SPLITTING {

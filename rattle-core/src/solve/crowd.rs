@@ -31,6 +31,12 @@ pub(crate) const PATH: f64 = 0.05;
 /// √3, by which a length may be larger than its largest coordinate in space.
 pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
+/// Of a method that does not follow its root it is asked as far as so many times what a step may have led astray, …
+pub(crate) const FARTHER: f64 = 4.0;
+
+/// … and no farther than this part of the radius in which a path is bent, where any surface turns.
+pub(crate) const OF_RADIUS: f64 = 0.1;
+
 /// g rises along the normal by at least this part of what it does at the body.
 pub(crate) const RISES: f64 = 0.5;
 

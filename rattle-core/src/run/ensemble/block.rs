@@ -27,9 +27,10 @@ use crate::motion::record::{Reading, Record};
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
-use crate::solve::crowd::{PATH, REACH, ROOT_3, rises, shares};
+use crate::solve::crowd::{PATH, REACH, ROOT_3};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
@@ -330,17 +331,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             let along = over * path * largest(&way);
             furthest[i] = (reach * back).min(along) + along + over * largest(&pushed);
         }
-        let mut least = *square;
-        for share in shares(steps) {
-            let share = S::from_f64(share);
-            for i in 0..L {
-                let shift = share * furthest[i];
-                let rises = rises(laws.constraint(i).borrow(), &at(q, i), &at(normal, i), square[i], shift);
-                least[i] = S::select(rises.le(least[i]), rises, least[i]);
-            }
-        }
-        let crowded = least.iter().position(|&least| !S::default().le(least));
-        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        look_around(laws, steps, q, normal, square, &furthest)
     }
 
     /// Whether all momenta are numbers, as they are kept and as they are shown.

@@ -6,9 +6,9 @@ use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
+use crate::number::lanes::Lane;
+use crate::run::ensemble::laws::Laws;
 use crate::run::watch::seen::Page;
-use crate::run::watch::sight::Sight;
-use nalgebra::SVector;
 
 /// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked
 /// at.
@@ -59,8 +59,10 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     const WIDTH: usize;
     /// What moves.
     type Lanes;
+    /// What they are numbers of.
+    type Scalar: Lane;
     /// What the lanes obey.
-    type Laws: Clone;
+    type Laws: Laws<Self::Scalar, D>;
 
     /// Where the lanes are after a tour, on which the engine itself stays where it is.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
@@ -74,7 +76,9 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     /// Has lane `to` be, and obey, what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
     /// What the lanes obey.
-    fn laws(&mut self) -> &mut Self::Laws;
+    fn laws(&self) -> &Self::Laws;
+    /// The same, to be changed.
+    fn laws_mut(&mut self) -> &mut Self::Laws;
 
     /// The body of a lane.
     fn body(&self, lane: usize) -> Body<f64, D>;
@@ -92,8 +96,6 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     ) -> Result<Body<f64, D>, Failure>;
     /// Evaluates the forces on all lanes, as often as a step does, for so many steps: for the [bill](crate::run::bill).
     fn kick_alone(&self, steps: u32);
-    /// The names of the types of all forces.
-    fn forces(&self) -> Vec<&'static str>;
     /// Writes the lanes, number by number.
     fn record(&self, to: &mut Record);
     /// An engine that goes on from there, with each lane obeying what the lane that it is a copy of does here.
@@ -103,14 +105,6 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error>
     where
         Self: Sized;
-    /// What tells what a lane obeys from other laws, asked beside this body.
-    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark>;
-    /// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
-    fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
-    /// U of each effect on such a body.
-    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64>;
-    /// g there.
-    fn residual(&self, lane: usize, sight: &Sight<'_, D>) -> f64;
-    /// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.
-    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
+    /// What tells the method from others.
+    fn method(&self) -> Hallmark;
 }

@@ -11,7 +11,8 @@
 //! ```
 //!
 //! **What goes in lanes.** One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position
-//! Verlet, symplectic Euler, Geodesic RATTLE, or a composition of one of them, on a processor with fused multiply-add.
+//! Verlet, symplectic Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method, on a processor with
+//! fused multiply-add.
 //! Trajectories of all other scenes and methods are simulations each (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
 //!
@@ -21,7 +22,8 @@
 //!
 //! **Lanes and simulations agree to rounding,** and not bit for bit: in lanes the iteration begins with multipliers
 //! extrapolated from the last steps, and is Newton's method, whatever [`guess`](crate::methods::rattle::Rattle::guess)
-//! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) of the method say. For the same reason an ensemble that
+//! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) of the method say. Lobatto methods begin with the
+//! stages of the step before. For the same reason an ensemble that
 //! starts from the states of another agrees with that to rounding: it does not know the steps before. States of a
 //! [`Single`] ensemble are on the surface to seven digits; `scene.project` makes starts of them.
 //!
@@ -33,15 +35,21 @@
 //! the others go on. With [`Ensemble::retry`] the failed step is made again in parts.
 
 mod alone;
+mod around;
+mod asked;
 mod block;
+mod collocation_lanes;
+mod crossing;
 mod engine;
 pub mod group;
 mod laws;
 pub mod look;
 mod loops;
 pub mod precision;
+mod row;
 mod side_by_side;
 mod splitting_lanes;
+mod stages;
 pub mod stream;
 pub mod trajectories;
 

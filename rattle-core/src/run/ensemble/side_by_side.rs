@@ -9,6 +9,7 @@ use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::bill::{Bill, Item, time};
+use crate::run::ensemble::asked::{self, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
@@ -181,12 +182,12 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         }
         if fails {
             self.engine.keep(before.0);
-            *self.engine.laws() = before.1;
+            *self.engine.laws_mut() = before.1;
             (self.copy_of, self.steps) = (before.2, now);
             return false;
         }
         if !apart.is_empty() {
-            *self.engine.laws() = before.1;
+            *self.engine.laws_mut() = before.1;
             for (lane, body) in apart {
                 self.set(lane, &body);
             }
@@ -247,7 +248,8 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     fn hallmarks(&self) -> Vec<Hallmark> {
         let mut marks: Vec<Hallmark> = Vec::new();
         for lane in (0..E::WIDTH).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let own = self.engine.hallmarks(lane, &self.body(lane));
+            let mut own = hallmarks(self.engine.laws(), lane, &self.body(lane));
+            own.push(self.engine.method());
             if marks.is_empty() {
                 marks = own;
             } else {
@@ -419,7 +421,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
         let running = time(|| self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
         let step = each * (running - copying).max(0.0);
         let mut items = Vec::new();
-        let names = self.engine.forces();
+        let names = forces(self.engine.laws());
         if !names.is_empty() {
             let nanoseconds = each * time(|| self.engine.kick_alone(BILLED));
             items.push(Item { what: format!("force of `{}`", names.join("`, `")), nanoseconds });
@@ -453,19 +455,19 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
 
 impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
     fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        [0.5 * sight.momentum().norm_squared(), self.engine.potential(lane, sight)]
+        [0.5 * sight.momentum().norm_squared(), asked::potential(self.engine.laws(), lane, sight)]
     }
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        self.engine.constraints(lane, sight)
+        asked::constraints(self.engine.laws(), lane, sight)
     }
 
     fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        self.engine.effect_energies(lane, sight)
+        asked::effect_energies(self.engine.laws(), lane, sight)
     }
 
     fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        vec![self.engine.residual(lane, sight)]
+        vec![asked::residual(self.engine.laws(), lane, sight)]
     }
 
     fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {

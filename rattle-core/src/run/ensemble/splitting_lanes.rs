@@ -1,30 +1,24 @@
 //! Splittings in lanes.
 
-use crate::effect::force::Force;
-use crate::effect::list::Forces;
-use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
-use crate::motion::record::{Hallmark, Reading, Record, short_name};
+use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
-use crate::number::vectors::{Vectors, at, put};
+use crate::number::vectors::at;
+use crate::run::ensemble::asked::Kicking;
 use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
-use crate::run::fingerprint::beside;
-use crate::run::watch::sight::Sight;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
-use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
-use nalgebra::SVector;
 use std::borrow::Borrow;
 use std::hint::black_box;
 
@@ -65,6 +59,7 @@ where
     X: Laws<S, D>,
 {
     const WIDTH: usize = L;
+    type Scalar = S;
     type Lanes = Block<S, L, D, SUMS, EQUAL>;
     type Laws = X;
 
@@ -91,7 +86,11 @@ where
         self.laws.copy(from, to);
     }
 
-    fn laws(&mut self) -> &mut X {
+    fn laws(&self) -> &X {
+        &self.laws
+    }
+
+    fn laws_mut(&mut self) -> &mut X {
         &mut self.laws
     }
 
@@ -126,14 +125,6 @@ where
         black_box(if const { L == 1 } { self.set.run_narrow(kicking) } else { self.set.run(kicking) });
     }
 
-    fn forces(&self) -> Vec<&'static str> {
-        let (effects, mut force) = (self.laws.effects(0), [[S::from_f64(0.0); D]]);
-        let (effects, q) = (effects.borrow(), [at(&self.block.q, 0)]);
-        let at = Moment { time: 0.0, positions: &q };
-        let name = |number| effects.contribute_alone(number, at, &mut effects.room(1), &mut force);
-        (0..<X::Forces as Forces<S, D>>::EFFECTS).filter_map(name).collect()
-    }
-
     fn record(&self, to: &mut Record) {
         self.block.record(to);
     }
@@ -146,57 +137,9 @@ where
         Ok(Self { block, laws, stages: self.stages.clone(), parts: self.parts.clone(), set: self.set })
     }
 
-    fn hallmarks(&self, lane: usize, body: &Body<f64, D>) -> Vec<Hallmark> {
-        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
-        let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
-        let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
-        let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
-        let constraints = [numbers(&[g]), numbers(&gradient)].concat();
-        let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
-        let (at, mut room) = (Moment { time: 0.0, positions: &[q] }, effects.room(1));
-        for number in 0..X::Forces::EFFECTS {
-            let mut force = [[S::default(); D]];
-            let name = effects.contribute_alone(number, at, &mut room, &mut force);
-            let name = short_name(name.unwrap_or("no potential"));
-            marks.push(Hallmark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
-        }
-        marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+    fn method(&self) -> Hallmark {
         let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-        marks.push(Hallmark::new("method", "a splitting", stages.collect()));
-        marks
-    }
-
-    fn potential(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
-        let place: [f64; D] = sight.position().into();
-        let at = Moment { time: sight.time, positions: &[place.map(S::from_f64)] };
-        self.laws.effects(lane).borrow().energy(at).to_f64()
-    }
-
-    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let place: [f64; D] = sight.position().into();
-        let mut energies = Vec::new();
-        let at = Moment { time: sight.time, positions: &[place.map(S::from_f64)] };
-        self.laws.effects(lane).borrow().energies(at, &mut energies);
-        energies.into_iter().map(S::to_f64).collect()
-    }
-
-    fn residual(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
-        let place: [f64; D] = sight.position().into();
-        let [g] = self.laws.constraint(lane).borrow().value(&place.map(S::from_f64));
-        g.to_f64()
-    }
-
-    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        let own = |x: SVector<f64, D>| <[f64; D]>::from(x).map(S::from_f64);
-        let (q, p) = (own(sight.position()), own(sight.momentum()));
-        let ([gradient], [bend]) = (constraint.borrow().jacobian(&q), constraint.borrow().jet(&q, &p).2);
-        let (normal, mut force) = (Normal::new(gradient), [Force::zero()]);
-        let (at, effects) = (Moment { time: sight.time, positions: &[q] }, effects.borrow());
-        effects.evaluate(at, &mut effects.room(1), &mut force);
-        let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
-        (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
+        Hallmark::new("method", "a splitting", stages.collect())
     }
 }
 
@@ -225,32 +168,6 @@ fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         system.check_kinks(&start, &bodies)?;
     }
     Ok(bodies.body(0).map(Lane::to_f64))
-}
-
-/// Kicks of all lanes where they are.
-struct Kicking<'a, S, X, const L: usize, const D: usize> {
-    q: &'a Vectors<S, L, D>,
-    way: Vectors<S, L, D>,
-    laws: &'a X,
-    kicks: u32,
-}
-
-impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Kicking<'_, S, X, L, D> {
-    type Done = Vectors<S, L, D>;
-
-    #[inline(always)]
-    fn run(self) -> Vectors<S, L, D> {
-        let Self { q, mut way, laws, kicks } = self;
-        let laws = laws.clone();
-        for _ in 0..kicks {
-            let q = *black_box(q);
-            for lane in 0..L {
-                let kicked = laws.kick(lane, &at(&q, lane), S::from_f64(1e-9), at(&way, lane));
-                put(&mut way, lane, kicked);
-            }
-        }
-        way
-    }
 }
 
 /// A block on a tour.
@@ -339,33 +256,5 @@ where
         let to = add_scaled(&from, ahead, &at(&way, lane));
         return kink(laws, lane, from, to, Err(Stuck { lane, failure }));
     }
-    let (mut changes, mut any) = ([false; L], false);
-    for lane in 0..L {
-        let (from, to) = (at(&from, lane), at(&desk.block.q, lane));
-        changes[lane] = sign_changes(laws.constraint(lane).borrow(), &from, &to);
-    }
-    changes.iter().for_each(|&changed| any |= changed);
-    if any {
-        for lane in (0..L).filter(|&lane| changes[lane]) {
-            kink(laws, lane, at(&from, lane), at(&desk.block.q, lane), Ok(()))?;
-        }
-    }
-    Ok(())
-}
-
-/// What became of a lane: where there is a kink on its way, that, also if it could not be moved.
-#[cold]
-#[inline(never)]
-fn kink<S: Lane, const D: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
-    from: [S; D],
-    to: [S; D],
-    otherwise: Result<(), Stuck>,
-) -> Result<(), Stuck> {
-    let [from, to] = [from, to].map(|q| q.map(Lane::to_f64));
-    match first_kink::<S, _, D, 1>(laws.constraint(lane).borrow(), 0, &from, &to) {
-        Some(kink) => Err(Stuck { lane, failure: Some(Failure::of_kink(kink, 0, None)) }),
-        None => otherwise,
-    }
+    crossings(laws, &from, &desk.block.q)
 }

@@ -135,18 +135,18 @@ impl<const D: usize> Ensemble<D> {
         trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
-        in_lanes: impl Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Option<Box<dyn Group<D>>>,
+        in_lanes: impl Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Groups<D>,
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
         let lanes = Fusing::of(set)
             .map(|set| InLanes { stages: method.stages(), h, set })
             .filter(|lanes| match S::SPLITTING {
-                Splitting::Not => false,
+                Splitting::Not => S::COLLOCATES > 0,
                 Splitting::OneStage => lanes.stages.len() == 1,
                 Splitting::Stages => !lanes.stages.is_empty(),
             })
-            .filter(|lanes| lanes.stages.iter().all(|stage| stage.h.abs() >= SHORT));
+            .filter(|lanes| h.abs() >= SHORT && lanes.stages.iter().all(|stage| stage.h.abs() >= SHORT));
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         let mut trajectories = trajectories.into_iter();
         loop {
@@ -165,7 +165,8 @@ impl<const D: usize> Ensemble<D> {
             }
             let single = starts.iter().all(|start| start.len() == 1)
                 && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
-            let group = lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
+            let groups =
+                lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
             let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
                 let each = (ensemble.len as u64..).zip(scenes.iter().zip(&starts).zip(ready));
                 each.map(|(trajectory, ((scene, start), system))| {
@@ -174,7 +175,7 @@ impl<const D: usize> Ensemble<D> {
                 })
                 .collect()
             };
-            for group in group.map_or_else(alone, |group| Ok(vec![group]))? {
+            for group in groups.map_or_else(alone, Ok)? {
                 ensemble.first.push(ensemble.len);
                 ensemble.len += group.len();
                 ensemble.groups.push(group);
@@ -457,21 +458,24 @@ impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
 /// What a checkpoint calls an ensemble.
 const AN_ENSEMBLE: &str = "an ensemble";
 
+/// Groups of trajectories in lanes, if they go in lanes.
+type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
+
 /// Puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
 struct Alike<'a, W, E, const D: usize>(PhantomData<W>, &'a E, &'a [State<D>], &'a InLanes);
 
 impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, (P, S), E, D> {
-    type Found = Option<Box<dyn Group<D>>>;
+    type Found = Groups<D>;
 
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
         let scene = (surfaces[0], effects);
         if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
-            Some(P::same::<C, E, true, D>(scene, starts, lanes))
+            Some(vec![P::same::<C, E, true, D>(scene, starts, lanes)])
         } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
-            Some(P::same::<C, E, false, D>(scene, starts, lanes))
+            Some(vec![P::same::<C, E, false, D>(scene, starts, lanes)])
         } else {
-            None
+            by_stages!(S, D, P::collocated::<C, E>(scene, starts, lanes))
         }
     }
 }
@@ -482,20 +486,35 @@ struct Different<'a, W, E, const D: usize>(PhantomData<W>, &'a [&'a E], &'a [Sta
 impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<D>
     for Different<'_, (P, S), E, D>
 {
-    type Found = Option<Box<dyn Group<D>>>;
+    type Found = Groups<D>;
 
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
         let Self(_, effects, starts, lanes) = self;
         let scenes: Vec<_> = surfaces.iter().copied().zip(effects.iter().copied()).collect();
         if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
-            Some(P::each::<C, E, true, D>(&scenes, starts, lanes))
+            Some(vec![P::each::<C, E, true, D>(&scenes, starts, lanes)])
         } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
-            Some(P::each::<C, E, false, D>(&scenes, starts, lanes))
+            Some(vec![P::each::<C, E, false, D>(&scenes, starts, lanes)])
         } else {
-            None
+            by_stages!(S, D, P::collocated_each::<C, E>(&scenes, starts, lanes))
         }
     }
 }
+
+/// Lanes made for as many stages as a method collocates, if it does: those of no other number are compiled.
+macro_rules! by_stages {
+    ($method:ident, $d:ident, $precision:ident::$made:ident::<$c:ident, $e:ident>$arguments:tt) => {
+        by_stages!(@ $method $d $precision $made $c $e $arguments 2 3 4 5 6 7 8 9)
+    };
+    (@ $method:ident $d:ident $precision:ident $made:ident $c:ident $e:ident $arguments:tt $($stages:literal)*) => {
+        $(if const { $method::COLLOCATES == $stages && $d <= MOST_COORDINATES } {
+            Some($precision::$made::<$c, $e, $stages, $d>$arguments)
+        } else)* {
+            None
+        }
+    };
+}
+use by_stages;
 
 /// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked
 /// for is then not compiled.

@@ -225,7 +225,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                     return Err(FailureAt::of(body, false).unsolved(h, S, 1, f64::NAN));
                 }
                 let size = largest(&bodies.q.as_ref()[body]).max(far);
-                let ratio = moved / (size * T::from_f64(f64::EPSILON));
+                let ratio = moved / (size * T::from_f64(T::EPSILON));
                 for lane in T::select(moved.le(zero), zero, ratio).lanes() {
                     if lane > worst || lane.is_nan() {
                         (worst, slowest) = (lane, body);

@@ -20,7 +20,7 @@ use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY as SHARES_EVERY, rises, shares};
+use crate::solve::crowd::{EVERY as SHARES_EVERY, FARTHER, OF_RADIUS, rises, shares};
 use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -44,12 +44,6 @@ const BENDS: u32 = 8;
 
 /// A way of which less than this part leads along the sheet leads across.
 const ACROSS: f64 = 1e-3;
-
-/// No farther is asked than this part of the radius in which a path is bent, where any surface turns.
-const OF_RADIUS: f64 = 0.1;
-
-/// It is asked as far as so many times what a step may have led astray.
-const FARTHER: f64 = 4.0;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Now and then, and after a step that may have led farther astray than was asked for, looks around each body; and

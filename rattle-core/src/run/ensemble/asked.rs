@@ -1,0 +1,131 @@
+//! What is asked of the laws that a lane obeys, outside of its steps: energies, forces, constraints, and by what they
+//! are told from others.
+
+use crate::effect::force::Force;
+use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Body;
+use crate::motion::record::{Hallmark, short_name};
+use crate::number::instructions::Work;
+use crate::number::lanes::Lane;
+use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::laws::Laws;
+use crate::run::fingerprint::beside;
+use crate::run::watch::sight::Sight;
+use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
+use nalgebra::SVector;
+use std::borrow::Borrow;
+use std::hint::black_box;
+
+/// A vector as lanes have it.
+fn own<S: Lane, const D: usize>(x: SVector<f64, D>) -> [S; D] {
+    <[f64; D]>::from(x).map(S::from_f64)
+}
+
+/// The names of the types of all forces.
+pub(super) fn forces<S: Lane, X: Laws<S, D>, const D: usize>(laws: &X) -> Vec<&'static str> {
+    let (effects, mut force) = (laws.effects(0), [[S::from_f64(0.0); D]]);
+    let (effects, q) = (effects.borrow(), [[S::from_f64(0.0); D]]);
+    let at = Moment { time: 0.0, positions: &q };
+    let name = |number| effects.contribute_alone(number, at, &mut effects.room(1), &mut force);
+    (0..X::Forces::EFFECTS).filter_map(name).collect()
+}
+
+/// What tells what a lane obeys from other laws, asked beside this body.
+pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
+    laws: &X,
+    lane: usize,
+    body: &Body<f64, D>,
+) -> Vec<Hallmark> {
+    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+    let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
+    let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
+    let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
+    let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
+    let constraints = [numbers(&[g]), numbers(&gradient)].concat();
+    let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
+    let (at, mut room) = (Moment { time: 0.0, positions: &[q] }, effects.room(1));
+    for number in 0..X::Forces::EFFECTS {
+        let mut force = [[S::default(); D]];
+        let name = effects.contribute_alone(number, at, &mut room, &mut force);
+        let name = short_name(name.unwrap_or("no potential"));
+        marks.push(Hallmark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
+    }
+    marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
+    marks
+}
+
+/// Potential energy of a body that obeys what a lane does, where and when this sight shows it.
+pub(super) fn potential<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> f64 {
+    let at = Moment { time: sight.time, positions: &[own(sight.position())] };
+    laws.effects(lane).borrow().energy(at).to_f64()
+}
+
+/// U of each effect on such a body.
+pub(super) fn effect_energies<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> Vec<f64> {
+    let mut energies = Vec::new();
+    let at = Moment { time: sight.time, positions: &[own(sight.position())] };
+    laws.effects(lane).borrow().energies(at, &mut energies);
+    energies.into_iter().map(S::to_f64).collect()
+}
+
+/// g there.
+pub(super) fn residual<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> f64 {
+    let [g] = laws.constraint(lane).borrow().value(&own(sight.position()));
+    g.to_f64()
+}
+
+/// Multipliers and constraint forces of a body that obeys what a lane does, where, when and as this sight shows it.
+pub(super) fn constraints<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    sight: &Sight<'_, D>,
+) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+    let (q, p): ([S; D], [S; D]) = (own(sight.position()), own(sight.momentum()));
+    let ([gradient], [bend]) = (constraint.borrow().jacobian(&q), constraint.borrow().jet(&q, &p).2);
+    let (normal, mut force) = (Normal::new(gradient), [Force::zero()]);
+    let (at, effects) = (Moment { time: sight.time, positions: &[q] }, effects.borrow());
+    effects.evaluate(at, &mut effects.room(1), &mut force);
+    let lambda = multiplier_from_curvature(bend, force[0].dot(&gradient, S::from_f64(1.0)), &normal);
+    (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
+}
+
+/// Kicks of all lanes where they are: what forces cost.
+pub(super) struct Kicking<'a, S, X, const L: usize, const D: usize> {
+    pub(super) q: &'a Vectors<S, L, D>,
+    pub(super) way: Vectors<S, L, D>,
+    pub(super) laws: &'a X,
+    pub(super) kicks: u32,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Kicking<'_, S, X, L, D> {
+    type Done = Vectors<S, L, D>;
+
+    #[inline(always)]
+    fn run(self) -> Vectors<S, L, D> {
+        let Self { q, mut way, laws, kicks } = self;
+        let laws = laws.clone();
+        for _ in 0..kicks {
+            let q = *black_box(q);
+            for lane in 0..L {
+                let kicked = laws.kick(lane, &at(&q, lane), S::from_f64(1e-9), at(&way, lane));
+                put(&mut way, lane, kicked);
+            }
+        }
+        way
+    }
+}

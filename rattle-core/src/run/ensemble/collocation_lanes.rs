@@ -1,0 +1,287 @@
+//! Collocation in lanes.
+
+use crate::error::Error;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::{Body, One};
+use crate::motion::capability::Collocation;
+use crate::motion::failure::Failure;
+use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::system::System;
+use crate::motion::table::Table;
+use crate::number::instructions::{Fusing, Work};
+use crate::number::lanes::Lane;
+use crate::number::vector::{add_scaled, dot};
+use crate::number::vectors::at;
+use crate::run::ensemble::around::look_around;
+use crate::run::ensemble::asked::Kicking;
+use crate::run::ensemble::crossing::{crossings, kink};
+use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
+use crate::run::ensemble::stages::advance;
+use crate::solve::crowd::{EVERY, FARTHER, OF_RADIUS, rises, shares};
+use crate::systems::surface::kept::{OnSurface, OneByOne};
+use std::borrow::Borrow;
+use std::hint::black_box;
+
+/// How often forces are evaluated at a stage of a step, about: for the bill.
+const EVALUATIONS: u32 = 5;
+
+/// A row of trajectories, what its lanes obey, and the method.
+#[derive(Clone)]
+pub(crate) struct CollocationLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
+    row: Row<S, L, D, SUMS, N>,
+    laws: X,
+    table: &'static Table<N>,
+    h: f64,
+    set: Fusing,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const N: usize>
+    CollocationLanes<S, X, L, D, SUMS, N>
+{
+    /// Lanes, none of them set, that obey these laws by the method with this table and steps of h.
+    pub(crate) fn new(laws: X, table: &'static Table<N>, h: f64, set: Fusing) -> Self {
+        Self { row: Row::new(), laws, table, h, set }
+    }
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const N: usize> Engine<D>
+    for CollocationLanes<S, X, L, D, SUMS, N>
+{
+    const WIDTH: usize = L;
+    type Scalar = S;
+    type Lanes = Row<S, L, D, SUMS, N>;
+    type Laws = X;
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+        let tableau = Tableau::of(self.table, self.h);
+        let going = Going { lanes: self, tableau, tour };
+        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
+    }
+
+    fn lanes(&self) -> Self::Lanes {
+        self.row.clone()
+    }
+
+    fn keep(&mut self, lanes: Self::Lanes) {
+        self.row = lanes;
+    }
+
+    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool {
+        self.row.set(lane, &self.laws, &body.map(S::from_f64))
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.row.copy(from, to);
+        self.laws.copy(from, to);
+    }
+
+    fn laws(&self) -> &X {
+        &self.laws
+    }
+
+    fn laws_mut(&mut self) -> &mut X {
+        &mut self.laws
+    }
+
+    fn body(&self, lane: usize) -> Body<f64, D> {
+        self.row.body(lane).map(Lane::to_f64)
+    }
+
+    fn by_itself(
+        &self,
+        lane: usize,
+        body: &Body<f64, D>,
+        steps: u64,
+        parts: u32,
+    ) -> Result<Body<f64, D>, Failure> {
+        let mut body = body.map(S::from_f64);
+        for _ in 0..steps {
+            body = apart(&self.laws, lane, self.table, self.h, parts, &body, &mut [])?;
+        }
+        Ok(body.map(Lane::to_f64))
+    }
+
+    fn kick_alone(&self, steps: u32) {
+        let kicks = steps * (N as u32 - 1) * EVALUATIONS;
+        let kicking = Kicking { q: &self.row.q, way: self.row.p, laws: &self.laws, kicks };
+        black_box(if const { L == 1 } { self.set.run_narrow(kicking) } else { self.set.run(kicking) });
+    }
+
+    fn record(&self, to: &mut Record) {
+        self.row.record(to);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error> {
+        let (row, mut laws) = (Row::recalled(from)?, self.laws.clone());
+        for (to, &from) in copy_of.iter().enumerate().take(L).filter(|&(to, &from)| to != from) {
+            laws.copy(from, to);
+        }
+        Ok(Self { row, laws, ..*self })
+    }
+
+    fn method(&self) -> Hallmark {
+        Hallmark::new("method", "a collocation", vec![N as f64, self.h])
+    }
+}
+
+/// Where a step, in so many parts, leads a body that obeys what a lane does, as it leads a simulation; with the
+/// memory of the last part, if there is room for it.
+#[cold]
+#[inline(never)]
+fn apart<S: Lane, const D: usize, const N: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    table: &Table<N>,
+    h: f64,
+    parts: u32,
+    body: &Body<S, D>,
+    memory: &mut [S],
+) -> Result<Body<S, D>, Failure> {
+    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+    let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+    let mut bodies = system.bodies(&[*body], 0.0);
+    let start = bodies.saved();
+    Collocation::reserve(&system, &mut bodies, N);
+    for _ in 0..parts {
+        let part = h / f64::from(parts);
+        Collocation::collocate(&system, table, part, &mut bodies, memory, &mut ())?;
+    }
+    system.check_kinks(&start, &bodies)?;
+    system.check_sheets(0, h, &start, &mut bodies)?;
+    Ok(bodies.body(0))
+}
+
+/// A row on a tour.
+struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
+    lanes: &'a CollocationLanes<S, X, L, D, SUMS, N>,
+    tableau: Tableau<S, N>,
+    tour: &'a mut dyn Tour<D>,
+}
+
+/// What a thread works on, at a place of the same kind each time.
+#[repr(C, align(4096))]
+struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
+    row: Row<S, L, D, SUMS, N>,
+    scratch: Scratch<S, L, D, N>,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const N: usize> Work
+    for Going<'_, S, X, L, D, SUMS, N>
+{
+    type Done = Result<Row<S, L, D, SUMS, N>, Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let Self { lanes: CollocationLanes { row, laws, table, h, .. }, tableau, tour } = self;
+        let laws = laws.clone(); // out of reach of what the loops write
+        let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
+        while let Some(Leg { from, steps, written }) = tour.next() {
+            for now in from..from + steps {
+                if now % EVERY == 0 && now > 0 {
+                    look(&mut desk.row, now, &laws)?;
+                }
+                let Desk { row, scratch } = &mut desk;
+                if !advance(row, &laws, &tableau, scratch) {
+                    for lane in 0..L {
+                        if scratch.going[lane] != S::default() {
+                            if scratch.going[lane] != S::from_f64(LOOKING) {
+                                move_apart(row, lane, &laws, table, *h, scratch)?;
+                            }
+                            ask_around(row, lane, &laws, scratch)?;
+                        }
+                    }
+                }
+                if const { !X::Constraint::KINKS.is_empty() } {
+                    let from = row.q;
+                    row.take(scratch);
+                    crossings(&laws, &from, &row.q)?;
+                } else {
+                    row.take(scratch);
+                }
+            }
+            if let Some(written) = written {
+                let (q, p) = (&desk.row.q, &desk.row.p);
+                written.fill::<L>(|lane| at(q, lane).map(Lane::to_f64), |lane| at(p, lane).map(Lane::to_f64));
+            }
+        }
+        Ok(desk.row)
+    }
+}
+
+/// Looks around all lanes, as far as steps may have led astray since it was looked before.
+#[inline(always)]
+fn look<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &mut Row<S, L, D, SUMS, N>,
+    now: u64,
+    laws: &impl Laws<S, D>,
+) -> Result<(), Stuck> {
+    let Row { q, p, normal, total, asked, astray, .. } = row;
+    let ([farther, half], zero) = ([FARTHER, 0.5].map(S::from_f64), S::default());
+    let (mut square, mut furthest) = ([zero; L], [zero; L]);
+    for l in 0..L {
+        asked[l] = (farther * astray[l]).max(half * asked[l]);
+        astray[l] = zero;
+        square[l] = dot(&at(normal, l), &at(normal, l));
+        furthest[l] = reach(asked[l], &at(p, l), &at(normal, l), &at(&total[N - 1], l));
+    }
+    look_around(laws, now, q, normal, &square, &furthest)
+}
+
+/// How many normals far other sheets are asked for: as far as this, and not where any surface turns.
+#[inline(always)]
+fn reach<S: Lane, const D: usize>(far: S, p: &[S; D], normal: &[S; D], pull: &[S; D]) -> S {
+    let most = S::from_f64(OF_RADIUS) * dot(p, p) / dot(normal, pull).abs();
+    let shift = far / dot(normal, normal).sqrt();
+    S::select(most.le(shift), most, shift)
+}
+
+/// Finds where the step leads a lane that cannot go with the others.
+#[cold]
+#[inline(never)]
+fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &Row<S, L, D, SUMS, N>,
+    lane: usize,
+    laws: &impl Laws<S, D>,
+    table: &Table<N>,
+    h: f64,
+    scratch: &mut Scratch<S, L, D, N>,
+) -> Result<(), Stuck> {
+    let body = row.body(lane);
+    let mut memory = vec![S::default(); 1 + N * (D + 1)];
+    match apart(laws, lane, table, h, 1, &body, &mut memory) {
+        Ok(end) => {
+            scratch.land(lane, laws, h, [&body.q, &body.p], &end, &memory);
+            Ok(())
+        }
+        Err(failure) => {
+            let to = add_scaled(&body.q, S::from_f64(h), &body.p);
+            kink(laws, lane, body.q, to, Err(Stuck { lane, failure: Some(failure) }))
+        }
+    }
+}
+
+/// Looks for other sheets where the step leads a lane that has gone farther astray than it was looked before.
+#[inline(always)]
+fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &mut Row<S, L, D, SUMS, N>,
+    lane: usize,
+    laws: &impl Laws<S, D>,
+    scratch: &Scratch<S, L, D, N>,
+) -> Result<(), Stuck> {
+    let Landed { q, p, normal, pull, astray } = scratch.landed(lane);
+    if astray.le(row.asked[lane]) {
+        return Ok(());
+    }
+    let asked = S::from_f64(FARTHER) * astray;
+    let (square, reach) = (dot(&normal, &normal), reach(asked, &p, &normal, &pull));
+    row.asked[lane] = asked;
+    for share in shares(0) {
+        let shift = S::from_f64(share) * reach;
+        if !S::default().le(rises(laws.constraint(lane).borrow(), &q, &normal, square, shift)) {
+            return Err(Stuck { lane, failure: None });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,320 @@
+//! Rows of trajectories side by side that are moved by [collocation](crate::run::ensemble::stages): what is kept of them
+//! from step to step, and room for one step.
+
+use crate::error::Error;
+use crate::kernel::functions::ConstraintKernel;
+use crate::motion::bodies::Body;
+use crate::motion::record::{Reading, Record};
+use crate::motion::table::Table;
+use crate::number::lanes::Lane;
+use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::laws::Laws;
+use std::array::from_fn;
+use std::borrow::Borrow;
+
+/// Has to go by itself.
+pub(super) const BY_ITSELF: f64 = -1.0;
+
+/// Has gone farther astray than it was looked for other sheets.
+pub(super) const LOOKING: f64 = -2.0;
+
+/// The numbers of a method of N stages, times the step size.
+#[derive(Debug, Clone)]
+pub(super) struct Tableau<S, const N: usize> {
+    /// The step size.
+    pub(super) h: S,
+    /// h cᵢ.
+    pub(super) drift: [S; N],
+    /// h² aᵢⱼ; and what rounding took from the last row.
+    pub(super) push: [[S; N]; N],
+    pub(super) push_rest: [S; N],
+    /// h bⱼ, and what rounding took from it.
+    pub(super) kick: [S; N],
+    pub(super) kick_rest: [S; N],
+    /// From the last step's stages to this one's.
+    pub(super) ahead: [[S; N]; N],
+}
+
+impl<S: Lane, const N: usize> Tableau<S, N> {
+    pub(super) fn of(table: &Table<N>, h: f64) -> Self {
+        let number = S::from_f64;
+        // What a float of lanes takes from a number of two doubles.
+        let rest = |(high, low): (f64, f64)| number((high - number(high).to_f64()) + low);
+        Self {
+            h: number(h),
+            drift: from_fn(|i| number(table.drift(h, i).0)),
+            push: from_fn(|i| from_fn(|j| number(table.push(h, i, j).0))),
+            push_rest: from_fn(|j| rest(table.push(h, N - 1, j))),
+            kick: from_fn(|j| number(table.kick(h, j).0)),
+            kick_rest: from_fn(|j| rest(table.kick(h, j))),
+            ahead: table.ahead.map(|row| row.map(number)),
+        }
+    }
+}
+
+/// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
+    pub(super) q: Vectors<S, L, D>,
+    pub(super) p: Vectors<S, L, D>,
+    pub(super) q_low: [Vectors<S, L, D>; SUMS],
+    pub(super) p_low: [Vectors<S, L, D>; SUMS],
+    /// ∇g(q).
+    pub(super) normal: Vectors<S, L, D>,
+    /// w = f + ∇g λ at the last step's stages, but at its end instead of at the last of them.
+    pub(super) total: [Vectors<S, L, D>; N],
+    /// λ there.
+    pub(super) lambda: [[S; L]; N],
+    /// How far steps may lead astray: how far it was asked for other sheets; and how far they have since.
+    pub(super) asked: [S; L],
+    pub(super) astray: [S; L],
+}
+
+/// Numbers of one step, which need no keeping.
+#[derive(Clone)]
+#[repr(C, align(64))]
+pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
+    /// p, with what rounding took from it.
+    pub(super) v: Vectors<S, L, D>,
+    /// Stages, and by how much they should be away from q.
+    pub(super) place: [Vectors<S, L, D>; N],
+    pub(super) increment: [Vectors<S, L, D>; N],
+    /// ∇g, w and λ there. The first stage is the start.
+    pub(super) normal: [Vectors<S, L, D>; N],
+    pub(super) total: [Vectors<S, L, D>; N],
+    pub(super) lambda: [[S; L]; N],
+    /// What λ is corrected by, times ∇g.
+    pub(super) push: [Vectors<S, L, D>; N],
+    /// g of the linearised equations; then what λ is corrected by.
+    pub(super) residual: [[S; L]; N],
+    /// The matrix, and its factors.
+    pub(super) matrix: [[[S; L]; N]; N],
+    /// The largest displacement of a pass, and of the pass before.
+    pub(super) moved: [S; L],
+    pub(super) before: [S; L],
+    /// The size of places, and of the path.
+    pub(super) size: [S; L],
+    pub(super) path: [S; L],
+    /// 1 while a lane is moved, 0 where it rests, [`BY_ITSELF`], or [`LOOKING`].
+    pub(super) going: [S; L],
+    /// The end of the step.
+    pub(super) end: End<S, L, D>,
+}
+
+/// Where a step ends: place and momentum with what rounding took from them, ∇g, w and λ there, and how far the step may
+/// have led astray.
+#[derive(Clone)]
+pub(super) struct End<S, const L: usize, const D: usize> {
+    pub(super) q: Vectors<S, L, D>,
+    pub(super) q_low: Vectors<S, L, D>,
+    pub(super) p: Vectors<S, L, D>,
+    pub(super) p_low: Vectors<S, L, D>,
+    pub(super) normal: Vectors<S, L, D>,
+    pub(super) total: Vectors<S, L, D>,
+    pub(super) lambda: [S; L],
+    pub(super) astray: [S; L],
+}
+
+impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N> {
+    pub(super) fn new() -> Self {
+        let zero = [S::default(); L];
+        let (vectors, stages) = ([zero; D], [[zero; D]; N]);
+        Self {
+            v: vectors,
+            place: stages,
+            increment: stages,
+            normal: stages,
+            total: stages,
+            lambda: [zero; N],
+            push: stages,
+            residual: [zero; N],
+            matrix: [[zero; N]; N],
+            moved: zero,
+            before: zero,
+            size: zero,
+            path: zero,
+            going: zero,
+            end: End {
+                q: vectors,
+                q_low: vectors,
+                p: vectors,
+                p_low: vectors,
+                normal: vectors,
+                total: vectors,
+                lambda: zero,
+                astray: zero,
+            },
+        }
+    }
+}
+
+/// Where a lane has landed.
+pub(super) struct Landed<S, const D: usize> {
+    pub(super) q: [S; D],
+    pub(super) p: [S; D],
+    pub(super) normal: [S; D],
+    pub(super) pull: [S; D],
+    pub(super) astray: S,
+}
+
+impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N> {
+    /// Where the step leads a lane.
+    pub(super) fn landed(&self, lane: usize) -> Landed<S, D> {
+        let End { q, p, normal, total, astray, .. } = &self.end;
+        let [q, p, normal, pull] = [q, p, normal, total].map(|x| at(x, lane));
+        Landed { q, p, normal, pull, astray: astray[lane] }
+    }
+
+    /// Notes where a step by itself has led a lane from q and p, and what the method remembers of it.
+    pub(super) fn land(
+        &mut self,
+        lane: usize,
+        laws: &impl Laws<S, D>,
+        h: f64,
+        [q, p]: [&[S; D]; 2],
+        to: &Body<S, D>,
+        memory: &[S],
+    ) {
+        let (totals, lambdas) = memory[1..].split_at(N * D);
+        for j in 0..N {
+            put(&mut self.total[j], lane, from_fn(|d| totals[j * D + d]));
+            self.lambda[j][lane] = lambdas[j];
+        }
+        let [gradient] = laws.constraint(lane).borrow().jacobian(&to.q);
+        let (lambda, total) = pull(laws, lane, &to.q, &to.p, &gradient);
+        let End { q: end, q_low, p: p_end, p_low, normal, total: pulled, lambda: multiplier, astray } =
+            &mut self.end;
+        let all = [(end, to.q), (q_low, to.q_low), (p_end, to.p), (p_low, to.p_low)];
+        all.into_iter().chain([(normal, gradient), (pulled, total)]).for_each(|(x, of)| put(x, lane, of));
+        multiplier[lane] = lambda;
+        let way = add_scaled(&to.q, S::from_f64(-1.0), q);
+        astray[lane] = largest(&add_scaled(&way, S::from_f64(-0.5 * h), &sum(p, &to.p)));
+    }
+}
+
+impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize> Row<S, L, D, SUMS, N> {
+    /// A row in which no lane is set.
+    pub(super) fn new() -> Self {
+        let zero = [S::default(); L];
+        let vectors = [zero; D];
+        Self {
+            q: vectors,
+            p: vectors,
+            q_low: [vectors; SUMS],
+            p_low: [vectors; SUMS],
+            normal: vectors,
+            total: [vectors; N],
+            lambda: [zero; N],
+            asked: zero,
+            astray: zero,
+        }
+    }
+
+    /// Puts a trajectory into a lane, as if w and λ had not changed in the step before. False where they are no
+    /// numbers.
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        laws: &impl Laws<S, D>,
+        &Body { q, q_low, p, p_low }: &Body<S, D>,
+    ) -> bool {
+        let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
+        let (lambda, total) = pull(laws, lane, &q, &p, &gradient);
+        for (vectors, x) in [(&mut self.q, q), (&mut self.p, p), (&mut self.normal, gradient)] {
+            put(vectors, lane, x);
+        }
+        for (low, x) in [(&mut self.q_low, q_low), (&mut self.p_low, p_low)] {
+            if let Some(low) = low.first_mut() {
+                put(low, lane, x);
+            }
+        }
+        for (totals, lambdas) in self.total.iter_mut().zip(&mut self.lambda) {
+            put(totals, lane, total);
+            lambdas[lane] = lambda;
+        }
+        (self.asked[lane], self.astray[lane]) = (S::default(), S::default());
+        let numbers = dot(&total, &total) + dot(&p, &p);
+        numbers.le(S::from_f64(f64::MAX))
+    }
+
+    /// Takes a step, the end of which was found.
+    #[inline(always)]
+    pub(super) fn take(&mut self, scratch: &Scratch<S, L, D, N>) {
+        let Scratch { end, total, lambda, .. } = scratch;
+        (self.q, self.p, self.normal) = (end.q, end.p, end.normal);
+        for (low, x) in [(&mut self.q_low, &end.q_low), (&mut self.p_low, &end.p_low)] {
+            if let Some(low) = low.first_mut() {
+                *low = *x;
+            }
+        }
+        for j in 0..N - 1 {
+            (self.total[j], self.lambda[j]) = (total[j], lambda[j]);
+        }
+        (self.total[N - 1], self.lambda[N - 1]) = (end.total, end.lambda);
+        for l in 0..L {
+            self.astray[l] = self.astray[l].max(end.astray[l]);
+        }
+    }
+
+    /// The body of a lane.
+    pub(super) fn body(&self, lane: usize) -> Body<S, D> {
+        let low = |low: &[Vectors<S, L, D>; SUMS]| low.first().map_or([S::default(); D], |low| at(low, lane));
+        let (q, p) = (at(&self.q, lane), at(&self.p, lane));
+        Body { q, q_low: low(&self.q_low), p, p_low: low(&self.p_low) }
+    }
+
+    /// Copies a lane.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        self.numbers(|_, numbers| numbers[to] = numbers[from]);
+    }
+
+    /// Writes all lanes.
+    pub(super) fn record(&self, to: &mut Record) {
+        let mut row = self.clone();
+        row.numbers(|name, numbers| to.numbers(name, &[L], numbers.iter().map(|x| x.to_f64())));
+    }
+
+    /// The row that was written.
+    pub(super) fn recalled(from: &mut Reading<'_>) -> Result<Self, Error> {
+        let (mut row, mut went) = (Self::new(), Ok(()));
+        row.numbers(|name, numbers| {
+            let found = from.numbers(name, &[L]);
+            went = went.clone().and(found.map(|found| {
+                numbers.iter_mut().zip(found).for_each(|(x, &number)| *x = S::from_f64(number));
+            }));
+        });
+        went.map(|()| row)
+    }
+
+    /// Shows each row of numbers, one of each lane.
+    fn numbers(&mut self, mut show: impl FnMut(&str, &mut [S; L])) {
+        let Self { q, p, q_low, p_low, normal, total, lambda, asked, astray } = self;
+        for (name, vectors) in [("q", q), ("p", p), ("normal", normal)] {
+            vectors.iter_mut().for_each(|numbers| show(name, numbers));
+        }
+        for (name, vectors) in [("q rounding", q_low), ("p rounding", p_low)] {
+            vectors.as_flattened_mut().iter_mut().for_each(|numbers| show(name, numbers));
+        }
+        total.as_flattened_mut().iter_mut().for_each(|numbers| show("pull", numbers));
+        lambda.iter_mut().for_each(|numbers| show("multiplier", numbers));
+        show("asked", asked);
+        show("astray", astray);
+    }
+}
+
+/// λ from g̈ = 0, and f + ∇g λ.
+#[inline(always)]
+pub(super) fn pull<S: Lane, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    q: &[S; D],
+    p: &[S; D],
+    gradient: &[S; D],
+) -> (S, [S; D]) {
+    let [bend] = laws.constraint(lane).borrow().jet(q, p).2;
+    let force = laws.kick(lane, q, S::from_f64(1.0), [S::default(); D]);
+    let lambda = -(bend + dot(&force, gradient)) / dot(gradient, gradient);
+    (lambda, add_scaled(&force, lambda, gradient))
+}
