@@ -151,7 +151,7 @@ fn entries_are_vectorised() {
                 assert!(larger >= 5, "{name} {larger} comparisons of vectors");
                 // Of all functions that have a name in Rust, only those of lanes that are solved alone, fail, or cross
                 // a kink.
-                let known = ["5alone", "10not_finite", "15splitting_lanes4kink"];
+                let known = ["5alone", "10not_finite", "8crossing4kink"];
                 let seldom = |line: &str| known.iter().any(|known| line.contains(known));
                 let named =
                     |line: &&str| line.contains("call ") && (line.contains("<_Z") || line.contains("<_R"));
