@@ -248,7 +248,7 @@ fn numpy_reads_what_was_written_in_parts() {
 fn ase_reads_extended_xyz() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.xyz");
-    let rows = both(Xyz::to(File::create(&path).unwrap(), "Ar"), 7);
+    let rows = both(Xyz::create(&path, "Ar").unwrap(), 7);
     let text = fs::read_to_string(&path).unwrap();
     assert_eq!(text.lines().count(), 7 * 5);
     let Some(python) = python("ase.io") else { return };

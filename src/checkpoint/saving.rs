@@ -34,12 +34,13 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// Saves to this file at the end of a run.
+    /// A run is saved to this file when it ends. To save at once, call [`simulation.save(path)`](super::Save::save).
     pub fn to(path: impl AsRef<Path>) -> Self {
         Self { path: path.as_ref().into(), every: None, seconds: None, stop: None }
     }
 
-    /// And after every so many steps, counted from the start of all.
+    /// The run is also saved after every `steps` steps. Steps are counted from the start of the simulation, also where
+    /// it was restored.
     ///
     /// # Panics
     /// If that is 0.
@@ -50,14 +51,14 @@ impl Saving {
         self
     }
 
-    /// And where so long has passed since it was saved last.
+    /// The run is also saved when this much time has passed since it was saved last.
     pub fn every_time(mut self, passed: Duration) -> Self {
         self.seconds = Some(passed);
         self
     }
 
-    /// And ends, saved, soon after the end of the step in which this becomes true: within some milliseconds, or
-    /// one step if that takes longer (one stretch of 1024 steps of an ensemble).
+    /// The run ends, and is saved, soon after `stop` has become true: after the step under way, within some
+    /// milliseconds. (An ensemble ends after the stretch of 1024 steps under way.)
     pub fn until(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self

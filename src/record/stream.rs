@@ -2,6 +2,7 @@
 
 use crate::data::{DataError, Npz};
 use crate::watch::{Rows, Sink};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -174,8 +175,22 @@ pub struct Xyz<W: Write> {
     species: String,
 }
 
+impl Xyz<File> {
+    /// Frames into the file `path`; makes its folder where it is missing. Each body is an atom of this species: "Ar",
+    /// "X".
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn create(path: impl AsRef<Path>, species: &str) -> io::Result<Self> {
+        if let Some(folder) = path.as_ref().parent() {
+            fs::create_dir_all(folder)?;
+        }
+        Ok(Self::to(File::create(path)?, species))
+    }
+}
+
 impl<W: Write> Xyz<W> {
-    /// Into this, a file say; bodies are called so: "Ar", "X".
+    /// Frames into a writer, such as a file that is open. Each body is an atom of this species: "Ar", "X".
     pub fn to(to: W, species: &str) -> Self {
         Self { to: BufWriter::new(to), species: species.into() }
     }

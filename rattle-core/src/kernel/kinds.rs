@@ -29,8 +29,9 @@ pub struct Kinds<P> {
 
 impl<P> Kinds<P> {
     /// Bodies of these kinds, counted from 0, and the potentials between kinds (0, 0), (1, 0), (1, 1), (2, 0), (2, 1),
-    /// (2, 2), …: k (k + 1)/2 for k kinds. A table of another size, a kind beyond it, and another number of bodies are
-    /// errors when a run is set up.
+    /// (2, 2), … in one row: k (k + 1)/2 of them for k kinds. [`mixed`](Self::mixed) makes them by a rule.
+    ///
+    /// A table of another size, a kind beyond it, and another number of bodies are errors when a run is set up.
     pub fn new(kind_of_each: impl IntoIterator<Item = usize>, table: impl IntoIterator<Item = P>) -> Self {
         Self { of: kind_of_each.into_iter().collect(), table: table.into_iter().collect() }
     }

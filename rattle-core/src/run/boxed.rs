@@ -254,7 +254,7 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.bodies()
     }
 
-    /// Positions of the bodies in turn.
+    /// Positions of the bodies in turn: an iterator. That of the first, or only, body is `.positions().next()`.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[0])
     }

@@ -62,7 +62,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.bodies.q.as_ref().len()
     }
 
-    /// Positions of the bodies in turn.
+    /// Positions of the bodies in turn: an iterator, so `.positions().nth(1)` is that of body 1.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.q.as_ref().iter().map(|&q| q.into())
     }

@@ -91,6 +91,9 @@ impl<Q> Mean<Q> {
     }
 
     /// The mean square deviation from the mean, with n − 1 in the denominator; NaN if there were fewer than two sights.
+    ///
+    /// √(variance/n) is the standard error of the mean only where sights are independent. Successive sights of one
+    /// trajectory are not: average over blocks longer than the motion remembers, or over trajectories.
     pub fn variance(&self) -> f64 {
         let Moments { number, squares, .. } = self.moments();
         if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }
