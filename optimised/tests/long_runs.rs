@@ -202,7 +202,7 @@ fn energy_does_not_drift_by_collocation_in_lanes() {
         let angle = 0.3 + 1.5 * f64::from(i) / 64.0;
         State::at([angle.sin(), -angle.cos()])
     };
-    let method = Lobatto::<5>::new(1.0 / 64.0);
+    let method = Lobatto::<5>::new(0.03);
     let mut ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
     let energy = |ensemble: &Ensemble<2>| {
         let of = |state: &State<2>| {
