@@ -96,9 +96,9 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         steps: u64,
         parts: u32,
     ) -> Result<Body<f64, D>, Failure> {
-        let mut body = body.map(S::from_f64);
-        for _ in 0..steps {
-            body = apart(&self.laws, lane, self.table, self.h, parts, &body, &mut [])?;
+        let (mut body, mut asked) = (body.map(S::from_f64), 0.0);
+        for number in 0..steps {
+            body = apart(&self.laws, lane, self.table, self.h, parts, number, &mut asked, &body, &mut [])?;
         }
         Ok(body.map(Lane::to_f64))
     }
@@ -127,7 +127,9 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
 }
 
 /// Where a step, in so many parts, leads a body that obeys what a lane does, as it leads a simulation; with the
-/// memory of the last part, if there is room for it.
+/// memory of the last part, if there is room for it. `number` is that of the step, and `asked` how far it was asked for
+/// other sheets.
+#[allow(clippy::too_many_arguments, reason = "what a simulation would know")]
 #[cold]
 #[inline(never)]
 fn apart<S: Lane, const D: usize, const N: usize>(
@@ -136,6 +138,8 @@ fn apart<S: Lane, const D: usize, const N: usize>(
     table: &Table<N>,
     h: f64,
     parts: u32,
+    number: u64,
+    asked: &mut f64,
     body: &Body<S, D>,
     memory: &mut [S],
 ) -> Result<Body<S, D>, Failure> {
@@ -149,7 +153,9 @@ fn apart<S: Lane, const D: usize, const N: usize>(
         Collocation::collocate(&system, table, part, &mut bodies, memory, &mut ())?;
     }
     system.check_kinks(&start, &bodies)?;
-    system.check_sheets(0, h, &start, &mut bodies)?;
+    bodies.kept.crowd.asked = *asked;
+    system.check_sheets(number, h, &start, &mut bodies)?;
+    *asked = bodies.kept.crowd.asked;
     Ok(bodies.body(0))
 }
 
@@ -187,7 +193,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
                     for lane in 0..L {
                         if scratch.going[lane] != S::default() {
                             if scratch.going[lane] != S::from_f64(LOOKING) {
-                                move_apart(row, lane, &laws, table, *h, scratch)?;
+                                move_apart(row, lane, &laws, table, *h, now + 1, scratch)?;
                             }
                             ask_around(row, lane, &laws, scratch)?;
                         }
@@ -241,17 +247,19 @@ fn reach<S: Lane, const D: usize>(far: S, p: &[S; D], normal: &[S; D], pull: &[S
 #[cold]
 #[inline(never)]
 fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &Row<S, L, D, SUMS, N>,
+    row: &mut Row<S, L, D, SUMS, N>,
     lane: usize,
     laws: &impl Laws<S, D>,
     table: &Table<N>,
     h: f64,
+    number: u64,
     scratch: &mut Scratch<S, L, D, N>,
 ) -> Result<(), Stuck> {
-    let body = row.body(lane);
+    let (body, mut asked) = (row.body(lane), row.asked[lane].to_f64());
     let mut memory = vec![S::default(); 1 + N * (D + 1)];
-    match apart(laws, lane, table, h, 1, &body, &mut memory) {
+    match apart(laws, lane, table, h, 1, number, &mut asked, &body, &mut memory) {
         Ok(end) => {
+            row.asked[lane] = S::from_f64(asked);
             scratch.land(lane, laws, h, [&body.q, &body.p], &end, &memory);
             Ok(())
         }

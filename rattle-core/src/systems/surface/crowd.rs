@@ -19,8 +19,8 @@ pub(crate) struct Crowd {
     drifts: u64,
     longest: f64,
     /// How far it was last asked after a step that did not follow its root, and whether a sheet was near.
-    pub(super) asked: f64,
-    pub(super) near: bool,
+    pub(crate) asked: f64,
+    pub(crate) near: bool,
 }
 
 impl Crowd {

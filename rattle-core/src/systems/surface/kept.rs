@@ -95,7 +95,7 @@ pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     /// In steps of what length.
     pub(crate) pace: Pace,
     /// Who is near other sheets, where bodies go in tiles.
-    pub(super) crowd: Crowd,
+    pub(crate) crowd: Crowd,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.
