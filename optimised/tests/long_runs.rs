@@ -194,7 +194,7 @@ fn energy_does_not_drift_by_collocation() {
 }
 
 /// The mean of 64 pendulums. Rounding of the energies at both ends leaves 1e-22 of a slope, random roundings of 1e-17
-/// in each step 5e-21.
+/// in each step 5e-21; rounded coefficients would leave 7e-20.
 #[test]
 fn energy_does_not_drift_by_collocation_in_lanes() {
     let scene = Scene::on(Pendulum { length: 1.0 }).with(PlanarGravity { g: 1.0 });
