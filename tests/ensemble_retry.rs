@@ -70,6 +70,10 @@ fn lanes_are_simulations_that_retry() {
         println!("{name}: by {factor}, {number} trajectories");
         assert!(number > 10 && factor < 30.0, "{name}: {factor}, {number}");
     }
+    // By themselves they are simulations, bit for bit.
+    let composed = Composition::of(SUZUKI_1990_ORDER_4, Lobatto::<2>::new(0.05));
+    let (alone, number) = off(Double, &composed, 1e-15);
+    assert!(alone == 0.0 && number > 10, "{alone:e}, {number}");
 }
 
 /// Fast ones whose steps are divided, ones that end all the same, and calm ones, in turn.
