@@ -2,7 +2,7 @@
 //!
 //! Orders are those of a method that is of first order where the solution is smooth. At a front h ~ √distance, which no
 //! method of low order resolves better than its mesh. Orders measured are
-//! 0.92 and 0.8 for the drop on a line and in the plane, 0.92 for the front (`--example accuracy`), and bounds are
+//! 0.92 and 0.8 for the drop on a line and in the plane, 0.92 for the front (`--example flow_accuracy`), and bounds are
 //! below.
 
 mod exact;

@@ -1,7 +1,7 @@
 //! What accuracy costs: error against CPU time over mesh and time step, against solutions in closed form.
 //!
 //! ```text
-//! cargo run --release -p rattle-flow --example accuracy
+//! cargo run --release -p rattle-flow --example flow_accuracy
 //! ```
 //!
 //! Prints a table, and draws error over time into `out/flow_accuracy/accuracy.svg`. Error is Σ M |h − exact| / Σ M
