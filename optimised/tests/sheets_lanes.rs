@@ -77,6 +77,13 @@ fn ensembles_stay_on_their_sheets() {
 }
 
 #[test]
+fn stages_in_lanes_stay_on_their_sheets() {
+    ensembles(7, 24, Lobatto::<2>::new).check(350);
+    ensembles(8, 24, Lobatto::<3>::new).check(240);
+    ensembles(9, 24, Lobatto::<5>::new).check(180);
+}
+
+#[test]
 #[ignore = "some minutes"]
 fn a_hundred_thousand_trajectories_stay_on_their_sheets() {
     let wrong: usize =

@@ -1,5 +1,6 @@
 //! Collocation in lanes.
 
+use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, One};
@@ -20,7 +21,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
 use crate::solve::crowd::{EVERY, FARTHER, OF_RADIUS, rises, shares};
-use crate::systems::surface::kept::{OnSurface, OneByOne};
+use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
 use std::hint::black_box;
 
@@ -96,11 +97,14 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         steps: u64,
         parts: u32,
     ) -> Result<Body<f64, D>, Failure> {
-        let (mut body, mut asked) = (body.map(S::from_f64), 0.0);
+        let Self { laws, table, h, .. } = self;
+        let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
         for number in 0..steps {
-            body = apart(&self.laws, lane, self.table, self.h, parts, number, &mut asked, &body, &mut [])?;
+            apart(&system, table, *h, parts, number, &mut bodies, &mut [])?;
         }
-        Ok(body.map(Lane::to_f64))
+        Ok(bodies.body(0).map(Lane::to_f64))
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -126,37 +130,31 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     }
 }
 
-/// Where a step, in so many parts, leads a body that obeys what a lane does, as it leads a simulation; with the
-/// memory of the last part, if there is room for it. `number` is that of the step, and `asked` how far it was asked for
-/// other sheets.
-#[allow(clippy::too_many_arguments, reason = "what a simulation would know")]
+/// Takes a step, that of this number, in so many parts and by itself, and looks at it as a simulation does; with the
+/// memory of the last part, if there is room for it.
 #[cold]
 #[inline(never)]
-fn apart<S: Lane, const D: usize, const N: usize>(
-    laws: &impl Laws<S, D>,
-    lane: usize,
+fn apart<S, K, F, const D: usize, const N: usize>(
+    system: &OnSurface<K, F, One, OneByOne>,
     table: &Table<N>,
     h: f64,
     parts: u32,
     number: u64,
-    asked: &mut f64,
-    body: &Body<S, D>,
+    bodies: &mut BodiesOf<One, S, F, D>,
     memory: &mut [S],
-) -> Result<Body<S, D>, Failure> {
-    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
-    let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-    let mut bodies = system.bodies(&[*body], 0.0);
+) -> Result<(), Failure>
+where
+    S: Lane,
+    K: ConstraintKernel<S, D, 1>,
+    F: Forces<S, D>,
+{
     let start = bodies.saved();
-    Collocation::reserve(&system, &mut bodies, N);
     for _ in 0..parts {
         let part = h / f64::from(parts);
-        Collocation::collocate(&system, table, part, &mut bodies, memory, &mut ())?;
+        Collocation::collocate(system, table, part, bodies, memory, &mut ())?;
     }
-    system.check_kinks(&start, &bodies)?;
-    bodies.kept.crowd.asked = *asked;
-    system.check_sheets(number, h, &start, &mut bodies)?;
-    *asked = bodies.kept.crowd.asked;
-    Ok(bodies.body(0))
+    system.check_kinks(&start, bodies)?;
+    system.check_sheets(number, h, &start, bodies)
 }
 
 /// A row on a tour.
@@ -247,7 +245,7 @@ fn reach<S: Lane, const D: usize>(far: S, p: &[S; D], normal: &[S; D], pull: &[S
 #[cold]
 #[inline(never)]
 fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &mut Row<S, L, D, SUMS, N>,
+    row: &Row<S, L, D, SUMS, N>,
     lane: usize,
     laws: &impl Laws<S, D>,
     table: &Table<N>,
@@ -255,12 +253,15 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     number: u64,
     scratch: &mut Scratch<S, L, D, N>,
 ) -> Result<(), Stuck> {
-    let (body, mut asked) = (row.body(lane), row.asked[lane].to_f64());
-    let mut memory = vec![S::default(); 1 + N * (D + 1)];
-    match apart(laws, lane, table, h, 1, number, &mut asked, &body, &mut memory) {
-        Ok(end) => {
-            row.asked[lane] = S::from_f64(asked);
-            scratch.land(lane, laws, h, [&body.q, &body.p], &end, &memory);
+    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+    let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+    let (body, mut memory) = (row.body(lane), vec![S::default(); 1 + N * (D + 1)]);
+    let mut bodies = system.bodies(&[body], 0.0);
+    bodies.kept.crowd.asked = row.asked[lane].to_f64();
+    match apart(&system, table, h, 1, number, &mut bodies, &mut memory) {
+        Ok(()) if bodies.kept.crowd.near => Err(Stuck { lane, failure: None }),
+        Ok(()) => {
+            scratch.land(lane, laws, h, [&body.q, &body.p], &bodies.body(0), &memory);
             Ok(())
         }
         Err(failure) => {
