@@ -290,19 +290,18 @@ fn links_are_named() {
     assert_eq!(kink(simulation.run(10_000).unwrap_err()).1, "x");
 }
 
-fn lanes<P: Precision>(precision: P, halvings: u32) {
+fn lanes<P: Precision>(precision: P, method: impl Method, halvings: u32) {
     let scene = Scene::on(Roof { slope: 0.5 });
     let starts = (0..70).map(|i| {
         let speed = if i % 7 == 3 { 0.3 + 0.01 * f64::from(i) } else { -1.0 };
         scene.project(&State::at([-1.0, 0.0, -0.5]).moving([speed, 0.3, 0.5 * speed])).unwrap()
     });
     let starts: Vec<_> = starts.collect();
-    let mut ensemble =
-        scene.ensemble_in(precision, starts.clone(), Rattle::new(0.01)).unwrap().retry(halvings);
+    let mut ensemble = scene.ensemble_in(precision, starts.clone(), method.clone()).unwrap().retry(halvings);
     ensemble.run(2000);
     assert_eq!(ensemble.failures().count(), 10);
     for (i, error) in ensemble.failures() {
-        let mut alone = scene.simulate(starts[i].clone(), Rattle::new(0.01)).unwrap();
+        let mut alone = scene.simulate(starts[i].clone(), method.clone()).unwrap();
         let (step, argument, ..) = kink(alone.run(2000).unwrap_err());
         let (Error::Step { step: found, cause, .. } | Error::Retried { step: found, cause, .. }) = error
         else {
@@ -321,9 +320,11 @@ fn lanes<P: Precision>(precision: P, halvings: u32) {
 
 #[test]
 fn lanes_end_as_simulations_do() {
-    lanes(Double, 0);
-    lanes(Double, 3);
-    lanes(Single, 0);
+    for halvings in [0, 3] {
+        lanes(Double, Rattle::new(0.01), halvings);
+        lanes(Double, Lobatto::<3>::new(0.01), halvings);
+    }
+    lanes(Single, Rattle::new(0.01), 0);
 }
 
 /// The rounding of g, be it in single precision or in short ways, is no gap.

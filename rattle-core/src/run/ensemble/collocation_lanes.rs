@@ -15,7 +15,7 @@ use crate::number::vector::{add_scaled, dot};
 use crate::number::vectors::at;
 use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::asked::Kicking;
-use crate::run::ensemble::crossing::{crossings, kink};
+use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
@@ -148,10 +148,11 @@ where
     K: ConstraintKernel<S, D, 1>,
     F: Forces<S, D>,
 {
-    let start = bodies.saved();
-    for _ in 0..parts {
-        let part = h / f64::from(parts);
-        Collocation::collocate(system, table, part, bodies, memory, &mut ())?;
+    let (start, part) = (bodies.saved(), h / f64::from(parts));
+    let mut step = |_| Collocation::collocate(system, table, part, bodies, memory, &mut ());
+    if let Err(failure) = (0..parts).try_for_each(&mut step) {
+        bodies.q[0] = add_scaled(&start.q[0], S::from_f64(h), &start.p[0]);
+        return Err(system.check_kinks(&start, bodies).err().unwrap_or(failure)); // that, if there is one ahead
     }
     system.check_kinks(&start, bodies)?;
     system.check_sheets(number, h, &start, bodies)
@@ -264,10 +265,7 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
             scratch.land(lane, laws, h, [&body.q, &body.p], &bodies.body(0), &memory);
             Ok(())
         }
-        Err(failure) => {
-            let to = add_scaled(&body.q, S::from_f64(h), &body.p);
-            kink(laws, lane, body.q, to, Err(Stuck { lane, failure: Some(failure) }))
-        }
+        Err(failure) => Err(Stuck { lane, failure: Some(failure) }),
     }
 }
 
