@@ -72,6 +72,23 @@ fn sweeps_and_energies() {
     assert!((mean.mean() - exact).abs() < 1e-3, "{} {exact}", mean.mean());
 }
 
+/// More than two rows of scenes that differ, the last row with one trajectory.
+#[test]
+fn sweeps_by_stages() {
+    let scene = |i: usize| Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 0.02 * i as f64 });
+    let start = || State::at([0.0, 0.0, R]).moving([0.6, 0.8, 0.0]);
+    let scenes: Vec<_> = (0..65).map(scene).collect();
+    let starts = scenes.iter().map(|scene| (scene, start()));
+    let mut ensemble = Ensemble::sweep(Double, starts, Lobatto::<3>::new(0.01)).unwrap();
+    ensemble.run(50);
+    for (i, scene) in scenes.iter().enumerate() {
+        let mut alone = scene.simulate(start(), Lobatto::<3>::new(0.01)).unwrap();
+        alone.run(50).unwrap();
+        let off = (ensemble.state(i).positions().next().unwrap() - alone.position()).norm();
+        assert!(off < 1e-12, "{i}: {off:e}");
+    }
+}
+
 /// Trajectories too fast for their steps end; calm ones beside them have the bits that they have without them, also
 /// where a checkpoint is gone on from.
 #[test]

@@ -93,6 +93,12 @@ impl Fusing {
         }
     }
 
+    /// Does work on L lanes.
+    #[inline]
+    pub(crate) fn run_lanes<const L: usize, W: Work>(self, work: W) -> W::Done {
+        if const { L == 1 } { self.run_narrow(work) } else { self.run(work) }
+    }
+
     /// Does work that wide registers are no use for.
     #[inline]
     #[allow(clippy::unused_self, reason = "that there is such a set is what makes it safe")]

@@ -35,7 +35,21 @@ pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 pub(crate) const FARTHER: f64 = 4.0;
 
 /// … and no farther than this part of the radius in which a path is bent, where any surface turns.
-pub(crate) const OF_RADIUS: f64 = 0.1;
+const OF_RADIUS: f64 = 0.1;
+
+/// How far it is asked after a step that may have led so far astray, where it was asked so far before.
+#[inline(always)]
+pub(crate) fn reach<T: Real>(astray: T, asked: T) -> T {
+    let [farther, half] = [FARTHER, 0.5].map(T::from_f64);
+    (farther * astray).max(half * asked)
+}
+
+/// How many normals that is, of a normal with this square, where a path of this squared speed is bent so.
+#[inline(always)]
+pub(crate) fn shift<T: Real>(reach: T, square: T, speed_square: T, bend: T) -> T {
+    let (shift, most) = (reach / square.sqrt(), T::from_f64(OF_RADIUS) * speed_square / bend.abs());
+    T::select(most.le(shift), most, shift) // not where the path is straight, or none
+}
 
 /// g rises along the normal by at least this part of what it does at the body.
 pub(crate) const RISES: f64 = 0.5;

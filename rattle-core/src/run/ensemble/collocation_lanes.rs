@@ -20,7 +20,7 @@ use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
-use crate::solve::crowd::{EVERY, FARTHER, OF_RADIUS, rises, shares};
+use crate::solve::crowd::{EVERY, FARTHER, reach, rises, shares, shift};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
 use std::hint::black_box;
@@ -34,6 +34,7 @@ pub(crate) struct CollocationLanes<S, X, const L: usize, const D: usize, const S
     row: Row<S, L, D, SUMS, N>,
     laws: X,
     table: &'static Table<N>,
+    tableau: Tableau<S, N>,
     h: f64,
     set: Fusing,
 }
@@ -43,7 +44,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
 {
     /// Lanes, none of them set, that obey these laws by the method with this table and steps of h.
     pub(crate) fn new(laws: X, table: &'static Table<N>, h: f64, set: Fusing) -> Self {
-        Self { row: Row::new(), laws, table, h, set }
+        Self { row: Row::new(), laws, table, tableau: Tableau::of(table, h), h, set }
     }
 }
 
@@ -56,9 +57,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     type Laws = X;
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
-        let tableau = Tableau::of(self.table, self.h);
-        let going = Going { lanes: self, tableau, tour };
-        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
+        let going = Going { lanes: self, tour };
+        self.set.run_lanes::<L, _>(going)
     }
 
     fn lanes(&self) -> Self::Lanes {
@@ -110,19 +110,15 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     fn kick_alone(&self, steps: u32) {
         let kicks = steps * (N as u32 - 1) * EVALUATIONS;
         let kicking = Kicking { q: &self.row.q, way: self.row.p, laws: &self.laws, kicks };
-        black_box(if const { L == 1 } { self.set.run_narrow(kicking) } else { self.set.run(kicking) });
+        black_box(self.set.run_lanes::<L, _>(kicking));
     }
 
     fn record(&self, to: &mut Record) {
         self.row.record(to);
     }
 
-    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error> {
-        let (row, mut laws) = (Row::recalled(from)?, self.laws.clone());
-        for (to, &from) in copy_of.iter().enumerate().take(L).filter(|&(to, &from)| to != from) {
-            laws.copy(from, to);
-        }
-        Ok(Self { row, laws, ..*self })
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
+        Ok(Self { row: Row::recalled(from)?, ..self.clone() })
     }
 
     fn method(&self) -> Hallmark {
@@ -161,7 +157,6 @@ where
 /// A row on a tour.
 struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
     lanes: &'a CollocationLanes<S, X, L, D, SUMS, N>,
-    tableau: Tableau<S, N>,
     tour: &'a mut dyn Tour<D>,
 }
 
@@ -179,8 +174,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let Self { lanes: CollocationLanes { row, laws, table, h, .. }, tableau, tour } = self;
-        let laws = laws.clone(); // out of reach of what the loops write
+        let Self { lanes: CollocationLanes { row, laws, table, tableau, h, .. }, tour } = self;
+        let (laws, tableau) = (laws.clone(), tableau.clone()); // out of reach of what the loops write
         let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
         while let Some(Leg { from, steps, written }) = tour.next() {
             for now in from..from + steps {
@@ -223,23 +218,16 @@ fn look<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usi
     laws: &impl Laws<S, D>,
 ) -> Result<(), Stuck> {
     let Row { q, p, normal, total, asked, astray, .. } = row;
-    let ([farther, half], zero) = ([FARTHER, 0.5].map(S::from_f64), S::default());
+    let zero = S::default();
     let (mut square, mut furthest) = ([zero; L], [zero; L]);
     for l in 0..L {
-        asked[l] = (farther * astray[l]).max(half * asked[l]);
+        asked[l] = reach(astray[l], asked[l]);
         astray[l] = zero;
-        square[l] = dot(&at(normal, l), &at(normal, l));
-        furthest[l] = reach(asked[l], &at(p, l), &at(normal, l), &at(&total[N - 1], l));
+        let (n, p) = (at(normal, l), at(p, l));
+        square[l] = dot(&n, &n);
+        furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(&total[N - 1], l)));
     }
     look_around(laws, now, q, normal, &square, &furthest)
-}
-
-/// How many normals far other sheets are asked for: as far as this, and not where any surface turns.
-#[inline(always)]
-fn reach<S: Lane, const D: usize>(far: S, p: &[S; D], normal: &[S; D], pull: &[S; D]) -> S {
-    let most = S::from_f64(OF_RADIUS) * dot(p, p) / dot(normal, pull).abs();
-    let shift = far / dot(normal, normal).sqrt();
-    S::select(most.le(shift), most, shift)
 }
 
 /// Finds where the step leads a lane that cannot go with the others.
@@ -281,11 +269,11 @@ fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     if astray.le(row.asked[lane]) {
         return Ok(());
     }
-    let asked = S::from_f64(FARTHER) * astray;
-    let (square, reach) = (dot(&normal, &normal), reach(asked, &p, &normal, &pull));
+    let (asked, square) = (S::from_f64(FARTHER) * astray, dot(&normal, &normal));
+    let furthest = shift(asked, square, dot(&p, &p), dot(&normal, &pull));
     row.asked[lane] = asked;
     for share in shares(0) {
-        let shift = S::from_f64(share) * reach;
+        let shift = S::from_f64(share) * furthest;
         if !S::default().le(rises(laws.constraint(lane).borrow(), &q, &normal, square, shift)) {
             return Err(Stuck { lane, failure: None });
         }

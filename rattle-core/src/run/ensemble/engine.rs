@@ -98,11 +98,11 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     fn kick_alone(&self, steps: u32);
     /// Writes the lanes, number by number.
     fn record(&self, to: &mut Record);
-    /// An engine that goes on from there, with each lane obeying what the lane that it is a copy of does here.
+    /// An engine of the same laws that goes on from there.
     ///
     /// # Errors
     /// [`Error::Record`] where other lanes were written.
-    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error>
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error>
     where
         Self: Sized;
     /// What tells the method from others.

@@ -42,6 +42,7 @@ mod collocation_lanes;
 mod crossing;
 mod engine;
 pub mod group;
+mod grouping;
 mod laws;
 pub mod look;
 mod loops;

@@ -12,6 +12,7 @@ use crate::run::bill::{Bill, Item, time};
 use crate::run::ensemble::asked::{self, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
+use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
@@ -392,7 +393,10 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
             ended.push(Ended { lane: lane(own), steps, body: body(of), failure });
         }
         let lanes = format!("{} lanes", E::WIDTH);
-        let engine = from.within(&lanes, |from| self.engine.recalled(from, &copy_of))?;
+        let mut engine = from.within(&lanes, |from| self.engine.recalled(from))?;
+        for (to, &from) in copy_of.iter().enumerate().take(E::WIDTH).filter(|&(to, &from)| to != from) {
+            engine.laws_mut().copy(from, to);
+        }
         let again = Self {
             engine,
             h: self.h,

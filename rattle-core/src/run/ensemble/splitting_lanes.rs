@@ -65,7 +65,7 @@ where
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
         let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
-        if const { L == 1 } { self.set.run_narrow(going) } else { self.set.run(going) }
+        self.set.run_lanes::<L, _>(going)
     }
 
     fn lanes(&self) -> Self::Lanes {
@@ -122,19 +122,15 @@ where
     fn kick_alone(&self, steps: u32) {
         let kicks = steps * self.parts.len() as u32;
         let kicking = Kicking { q: &self.block.q, way: self.block.way, laws: &self.laws, kicks };
-        black_box(if const { L == 1 } { self.set.run_narrow(kicking) } else { self.set.run(kicking) });
+        black_box(self.set.run_lanes::<L, _>(kicking));
     }
 
     fn record(&self, to: &mut Record) {
         self.block.record(to);
     }
 
-    fn recalled(&self, from: &mut Reading<'_>, copy_of: &[usize]) -> Result<Self, Error> {
-        let (block, mut laws) = (Block::recalled(from, self.parts.len())?, self.laws.clone());
-        for (to, &from) in copy_of.iter().enumerate().take(L).filter(|&(to, &from)| to != from) {
-            laws.copy(from, to);
-        }
-        Ok(Self { block, laws, stages: self.stages.clone(), parts: self.parts.clone(), set: self.set })
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
+        Ok(Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() })
     }
 
     fn method(&self) -> Hallmark {

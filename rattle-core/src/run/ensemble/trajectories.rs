@@ -1,14 +1,12 @@
 //! Many independent trajectories, and what is done with all of them.
 
 use crate::number::instructions::{Fusing, InstructionSet};
-use crate::number::vectors::{LANES, MOST_COORDINATES};
+use crate::number::vectors::LANES;
 use crate::run::ensemble::block::SHORT;
+use crate::run::ensemble::grouping::{Alike, Different, Groups, InLanes};
 use crate::run::ensemble::look::Watched;
-use crate::run::ensemble::precision::{Double, InLanes, Precision};
+use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
-
-use crate::kernel::functions::Constraint;
-use crate::motion::hold::Surfaces;
 
 use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, RecordMistake, StartFailure};
@@ -457,70 +455,6 @@ impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
 
 /// What a checkpoint calls an ensemble.
 const AN_ENSEMBLE: &str = "an ensemble";
-
-/// Groups of trajectories in lanes, if they go in lanes.
-type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
-
-/// Puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
-struct Alike<'a, W, E, const D: usize>(PhantomData<W>, &'a E, &'a [State<D>], &'a InLanes);
-
-impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, (P, S), E, D> {
-    type Found = Groups<D>;
-
-    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
-        let Self(_, effects, starts, lanes) = self;
-        let scene = (surfaces[0], effects);
-        if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
-            Some(vec![P::same::<C, E, true, D>(scene, starts, lanes)])
-        } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
-            Some(vec![P::same::<C, E, false, D>(scene, starts, lanes)])
-        } else {
-            by_stages!(S, D, P::collocated::<C, E>(scene, starts, lanes))
-        }
-    }
-}
-
-/// Puts trajectories in lanes, each in a scene of its own.
-struct Different<'a, W, E, const D: usize>(PhantomData<W>, &'a [&'a E], &'a [State<D>], &'a InLanes);
-
-impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<D>
-    for Different<'_, (P, S), E, D>
-{
-    type Found = Groups<D>;
-
-    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
-        let Self(_, effects, starts, lanes) = self;
-        let scenes: Vec<_> = surfaces.iter().copied().zip(effects.iter().copied()).collect();
-        if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
-            Some(vec![P::each::<C, E, true, D>(&scenes, starts, lanes)])
-        } else if const { go_in_lanes::<S>(Splitting::Stages, D) } {
-            Some(vec![P::each::<C, E, false, D>(&scenes, starts, lanes)])
-        } else {
-            by_stages!(S, D, P::collocated_each::<C, E>(&scenes, starts, lanes))
-        }
-    }
-}
-
-/// Lanes made for as many stages as a method collocates, if it does: those of no other number are compiled.
-macro_rules! by_stages {
-    ($method:ident, $d:ident, $precision:ident::$made:ident::<$c:ident, $e:ident>$arguments:tt) => {
-        by_stages!(@ $method $d $precision $made $c $e $arguments 2 3 4 5 6 7 8 9)
-    };
-    (@ $method:ident $d:ident $precision:ident $made:ident $c:ident $e:ident $arguments:tt $($stages:literal)*) => {
-        $(if const { $method::COLLOCATES == $stages && $d <= MOST_COORDINATES } {
-            Some($precision::$made::<$c, $e, $stages, $d>$arguments)
-        } else)* {
-            None
-        }
-    };
-}
-use by_stages;
-
-/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked
-/// for is then not compiled.
-const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
-    coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
-}
 
 /// What is wrong with a start of which a number is larger than there are numbers.
 fn beyond<const D: usize>(most: f64, start: &State<D>) -> Option<Error> {

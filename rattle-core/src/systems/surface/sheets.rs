@@ -20,7 +20,7 @@ use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY as SHARES_EVERY, FARTHER, OF_RADIUS, rises, shares};
+use crate::solve::crowd::{EVERY as SHARES_EVERY, FARTHER, reach, rises, shares, shift};
 use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -66,8 +66,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let asked = now.kept.crowd.asked;
         if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
             let as_at_first = astray > FARTHER * asked; // as far as a sheet that was passed over may be
-            let reach = (FARTHER * astray).max(0.5 * asked);
-            self.ask(if as_at_first { 0 } else { steps }, reach, before, now);
+            self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
         }
         let near = now.kept.crowd.near;
         for body in 0..self.count.number() {
@@ -135,9 +134,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let is_near = |(q, p): (&[T; D], &[T; D])| {
             let ([_], [n]) = self.constraint.value_and_jacobian(q);
             let [bend] = self.constraint.jet(q, p).2;
-            let (square, most) = (dot(&n, &n), T::from_f64(OF_RADIUS) * dot(p, p) / bend.abs());
-            let shift = T::from_f64(reach) / square.sqrt();
-            let shift = T::select(most.le(shift), most, shift); // not where the path is straight, or none
+            let square = dot(&n, &n);
+            let shift = shift(T::from_f64(reach), square, dot(p, p), bend);
             let plain = |share: f64| {
                 let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
                 T::from_f64(0.0).le(rises).all()

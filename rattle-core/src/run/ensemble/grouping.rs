@@ -1,0 +1,195 @@
+//! Which trajectories go together in lanes of which kind: known by the types of scene, method and precision, so that
+//! lanes of no other kind are compiled.
+
+use crate::effect::list::Effects;
+use crate::kernel::functions::Constraint;
+use crate::motion::hold::Surfaces;
+use crate::motion::method::{Method, Splitting, Stage};
+use crate::motion::state::State;
+use crate::motion::table::{Table, Tabulated};
+use crate::number::instructions::Fusing;
+use crate::number::lanes::Lane;
+use crate::number::vectors::{LANES, MOST_COORDINATES};
+use crate::run::ensemble::collocation_lanes::CollocationLanes;
+use crate::run::ensemble::engine::Engine;
+use crate::run::ensemble::group::Group;
+use crate::run::ensemble::laws::{Each, Laws, Same};
+use crate::run::ensemble::precision::{InNumbers, Precision};
+use crate::run::ensemble::side_by_side::SideBySide;
+use crate::run::ensemble::splitting_lanes::SplittingLanes;
+use std::marker::PhantomData;
+
+/// Lanes of a row of trajectories by collocation: so many that what is kept of their stages fits the nearest cache.
+const ROW: usize = 32;
+
+/// Groups of trajectories in lanes, if they go in lanes.
+pub(super) type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
+
+/// How trajectories go in lanes.
+#[derive(Debug)]
+pub(super) struct InLanes {
+    /// The stages of a step, of a splitting.
+    pub(super) stages: Vec<Stage>,
+    /// The step.
+    pub(super) h: f64,
+    /// The instructions.
+    pub(super) set: Fusing,
+}
+
+/// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
+pub(super) struct Alike<'a, W, E, const D: usize>(
+    pub(super) PhantomData<W>,
+    pub(super) &'a E,
+    pub(super) &'a [State<D>],
+    pub(super) &'a InLanes,
+);
+
+impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, (P, S), E, D> {
+    type Found = Groups<D>;
+
+    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
+        let Self(_, effects, starts, lanes) = self;
+        grouped::<P, S, _, D>(&OneScene(surfaces[0], effects), starts, lanes)
+    }
+}
+
+/// The same, each in a scene of its own.
+pub(super) struct Different<'a, W, E, const D: usize>(
+    pub(super) PhantomData<W>,
+    pub(super) &'a [&'a E],
+    pub(super) &'a [State<D>],
+    pub(super) &'a InLanes,
+);
+
+impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<D>
+    for Different<'_, (P, S), E, D>
+{
+    type Found = Groups<D>;
+
+    fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found {
+        let Self(_, effects, starts, lanes) = self;
+        grouped::<P, S, _, D>(&ManyScenes(surfaces, effects), starts, lanes)
+    }
+}
+
+/// What trajectories obey.
+trait Obeyed<const D: usize> {
+    /// Whether a single trajectory has lanes made for one. In a sweep they would have to be compiled for the last row
+    /// alone.
+    const ALIKE: bool;
+    /// Laws of L lanes.
+    type Laws<S: Lane, const L: usize>: Laws<S, D> + 'static;
+
+    /// Those of the trajectories from this one on.
+    fn laws<S: Lane, const L: usize>(&self, from: usize) -> Self::Laws<S, L>;
+}
+
+/// One scene.
+struct OneScene<'a, C, E>(&'a C, &'a E);
+
+impl<C: Constraint<D, 1>, E: Effects<D>, const D: usize> Obeyed<D> for OneScene<'_, C, E> {
+    const ALIKE: bool = true;
+    type Laws<S: Lane, const L: usize> = Same<C::Kernel<S>, E::Forces<S>>;
+
+    fn laws<S: Lane, const L: usize>(&self, _: usize) -> Self::Laws<S, L> {
+        Same(self.0.kernel(), self.1.forces())
+    }
+}
+
+/// Scenes of one type, each of a trajectory of its own.
+struct ManyScenes<'a, C, E>(&'a [&'a C], &'a [&'a E]);
+
+impl<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize> Obeyed<D>
+    for ManyScenes<'_, C, E>
+{
+    const ALIKE: bool = false;
+    type Laws<S: Lane, const L: usize> = Each<C, E, S, L, D>;
+
+    fn laws<S: Lane, const L: usize>(&self, from: usize) -> Self::Laws<S, L> {
+        let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
+        Each::new(|lane| (self.0[number(lane)], self.1[number(lane)]))
+    }
+}
+
+/// Puts trajectories, no more than there are lanes, in lanes of the kind that the method wants.
+fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
+    obeyed: &O,
+    starts: &[State<D>],
+    lanes: &InLanes,
+) -> Groups<D> {
+    macro_rules! by_stages {
+        ($($stages:literal)*) => {$(
+            if const { S::COLLOCATES == $stages && D <= MOST_COORDINATES } {
+                return Some(P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes)));
+            }
+        )*};
+    }
+    if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
+        return Some(P::compute(Splittings::<O, true, D>(obeyed, starts, lanes)));
+    }
+    if const { go_in_lanes::<S>(Splitting::Stages, D) } {
+        return Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
+    }
+    by_stages!(2 3 4 5 6 7 8 9);
+    None
+}
+
+/// Whether a method goes in lanes made for splittings of this kind. Asked where a constant is wanted: what is not asked
+/// for is then not compiled.
+const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
+    coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
+}
+
+/// Trajectories in the lanes of an engine.
+fn side_by_side<E: Engine<D> + 'static, const D: usize>(
+    engine: E,
+    starts: &[State<D>],
+    h: f64,
+) -> Box<dyn Group<D>> {
+    Box::new(SideBySide::new(engine, starts, h))
+}
+
+/// Trajectories by splittings; `EQUAL` says that a step is one stage.
+struct Splittings<'a, O, const EQUAL: bool, const D: usize>(&'a O, &'a [State<D>], &'a InLanes);
+
+impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'_, O, EQUAL, D> {
+    type Done = Vec<Box<dyn Group<D>>>;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
+        let Self(obeyed, starts, InLanes { stages, h, set }) = self;
+        if const { O::ALIKE } && starts.len() == 1 {
+            let laws = obeyed.laws::<S, 1>(0);
+            let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *set);
+            return vec![side_by_side(engine, starts, *h)];
+        }
+        let laws = obeyed.laws::<S, LANES>(0);
+        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
+        vec![side_by_side(engine, starts, *h)]
+    }
+}
+
+/// Trajectories by collocation of N stages.
+struct Collocations<'a, O, const N: usize, const D: usize>(&'a O, &'a [State<D>], &'a InLanes);
+
+impl<O: Obeyed<D>, const N: usize, const D: usize> InNumbers for Collocations<'_, O, N, D>
+where
+    Table<N>: Tabulated,
+{
+    type Done = Vec<Box<dyn Group<D>>>;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
+        let Self(obeyed, starts, InLanes { h, set, .. }) = self;
+        let row = |(from, starts): (usize, &[State<D>])| {
+            let table = const { &Table::<N>::TABLE };
+            if const { O::ALIKE } && starts.len() == 1 {
+                let laws = obeyed.laws::<S, 1>(from);
+                let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
+                return side_by_side(engine, starts, *h);
+            }
+            let laws = obeyed.laws::<S, ROW>(from);
+            let engine = CollocationLanes::<S, _, ROW, D, SUMS, N>::new(laws, table, *h, *set);
+            side_by_side(engine, starts, *h)
+        };
+        (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
+    }
+}
