@@ -32,20 +32,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let progress = ProgressBar::new(u64::from(2 * DIRECTIONS + 2)).with_style(style);
 
     progress.set_message("25 directions, gravity");
-    let falling = fall(H, STEPS, &progress)?;
-    let falling_half = fall(H / 2.0, 2 * STEPS, &progress)?;
+    let fallen = fall(H, STEPS, &progress)?;
+    let fallen_half = fall(H / 2.0, 2 * STEPS, &progress)?;
     progress.set_message("gas of 21 particles");
     let starts: Vec<[f64; 3]> =
-        falling[3].trajectory.positions().as_chunks().0.iter().copied().step_by(100).collect();
-    let gas = gas(&starts, H, STEPS)?;
+        fallen[3].trajectory.positions().as_chunks().0.iter().copied().step_by(100).collect();
+    let gas = Run::of(attracting(&starts, H)?, STEPS)?;
     progress.inc(1);
-    let gas_half = self::gas(&starts, H / 2.0, 2 * STEPS)?;
+    let gas_half = Run::of(attracting(&starts, H / 2.0)?, 2 * STEPS)?;
     progress.inc(1);
 
     progress.set_message("pictures and files");
-    pictures::write(&falling, &gas)?;
+    pictures::write(&fallen, &gas)?;
+    let bills = [falling(0.0, H)?.bill()?, attracting(&starts, H)?.bill()?];
     progress.finish_and_clear();
-    report(&falling, &falling_half, &gas, &gas_half);
+    report([&fallen, &fallen_half], [&gas, &gas_half], &bills);
     println!("\nWritten to out/billiards: index.html (open it in a browser), lemniscate.svg, energy.svg,");
     println!("multipliers.svg, gas_energy.svg, trajectories.npz, gas.npz");
     Ok(())
@@ -61,8 +62,6 @@ struct Run {
     cotangent_residual: f64,
     /// Of the steps alone.
     time: Duration,
-    /// Of a step.
-    bill: Bill,
 }
 
 impl Run {
@@ -87,17 +86,8 @@ impl Run {
             constraint_residual = constraint_residual.max(simulation.constraint_residual());
             cotangent_residual = cotangent_residual.max(simulation.cotangent_residual());
         }
-        let bill = simulation.bill()?;
         let mean_kinetic = kinetic / (steps + 1) as f64;
-        Ok(Self {
-            trajectory,
-            energy_errors,
-            mean_kinetic,
-            constraint_residual,
-            cotangent_residual,
-            time,
-            bill,
-        })
+        Ok(Self { trajectory, energy_errors, mean_kinetic, constraint_residual, cotangent_residual, time })
     }
 
     /// The largest energy error until `t`, over the mean kinetic energy.
@@ -113,23 +103,31 @@ fn directions() -> impl Iterator<Item = f64> {
     (0..DIRECTIONS).map(|i| TAU * (f64::from(i) / f64::from(DIRECTIONS - 1)))
 }
 
+/// Under gravity, in this direction.
+fn falling(theta: f64, h: f64) -> Result<Simulation<impl System<f64, 3>, Rattle, 3>, rattle::Error> {
+    let start = State::at([0.0, 0.0, SURFACE.r]).moving([theta.cos(), theta.sin(), 0.0]);
+    Scene::on(SURFACE).with(Gravity { g: 1.0 }).simulate(start, Rattle::new(h))
+}
+
+/// The gas from these places.
+fn attracting(
+    starts: &[[f64; 3]],
+    h: f64,
+) -> Result<Simulation<impl System<f64, 3>, Rattle, 3>, rattle::Error> {
+    let scene = Scene::on(SURFACE).bodies(starts.len()).with(Ricker { depth: 0.5, radius: SURFACE.a / 6.0 });
+    scene.simulate(State::of(starts.iter().copied()), Rattle::new(h))
+}
+
 fn fall(h: f64, steps: u64, progress: &ProgressBar) -> Result<Vec<Run>, rattle::Error> {
-    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let run = |theta: f64| {
-        let start = State::at([0.0, 0.0, SURFACE.r]).moving([theta.cos(), theta.sin(), 0.0]);
-        let run = Run::of(scene.simulate(start, Rattle::new(h))?, steps);
+        let run = Run::of(falling(theta, h)?, steps);
         progress.inc(1);
         run
     };
     directions().map(run).collect()
 }
 
-fn gas(starts: &[[f64; 3]], h: f64, steps: u64) -> Result<Run, rattle::Error> {
-    let scene = Scene::on(SURFACE).bodies(starts.len()).with(Ricker { depth: 0.5, radius: SURFACE.a / 6.0 });
-    Run::of(scene.simulate(State::of(starts.iter().copied()), Rattle::new(h))?, steps)
-}
-
-fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
+fn report([falling, falling_half]: [&[Run]; 2], [gas, gas_half]: [&Run; 2], bills: &[Bill; 2]) {
     let worst = |runs: &[Run], f: &dyn Fn(&Run) -> f64| runs.iter().map(f).fold(0.0, f64::max);
     let mean = |runs: &[Run], f: &dyn Fn(&Run) -> f64| runs.iter().map(f).sum::<f64>() / runs.len() as f64;
     let compare = |what: &str, [h, half]: [f64; 2]| {
@@ -143,7 +141,7 @@ fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
     println!("  simulated in {time:.1?}: {:.3e} steps per second", steps / time.as_secs_f64());
     println!("  max |g|    {:.1e}", worst(falling, &|run| run.constraint_residual));
     println!("  max |∇g·p| {:.1e}", worst(falling, &|run| run.cotangent_residual));
-    println!("{}\n", falling[0].bill);
+    println!("{}\n", bills[0]);
     println!("gas: {} particles × {STEPS} steps, h = {H}", gas.trajectory.shape()[1]);
     println!(
         "  simulated in {:.1?}: {:.3e} steps per second",
@@ -152,7 +150,7 @@ fn report(falling: &[Run], falling_half: &[Run], gas: &Run, gas_half: &Run) {
     );
     println!("  max |g|    {:.1e}", gas.constraint_residual);
     println!("  max |∇g·p| {:.1e}", gas.cotangent_residual);
-    println!("{}", gas.bill);
+    println!("{}", bills[1]);
 
     println!("\n{:46} {:>10} {:>10} {:>8}", "energy deviation over mean kinetic energy", "h", "h/2", "ratio");
     let until = |t: f64| move |run: &Run| run.deviation(t);
