@@ -13,6 +13,10 @@ pub trait Hold<const D: usize>: Sized {
     /// Bodies held in this way, in a field of force.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
+    /// Whether this is a [`Network`](crate::systems::network::Network). Known by the type, so that its lanes in an
+    /// ensemble are compiled for networks alone.
+    const IS_NETWORK: bool = false;
+
     /// The system, ready to move from this start in steps of size `h`; momenta must be along the constraints there if
     /// `tangent`.
     ///

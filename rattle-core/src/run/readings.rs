@@ -287,15 +287,24 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Bodies as this sight shows them.
     fn bodies_at(&self, sight: &Sight<'_, D>) -> BodiesOf<Y, f64, D> {
-        let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
-            q: q.into(),
-            q_low: [0.0; D],
-            p: p.into(),
-            p_low: [0.0; D],
-        };
-        let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
-        self.system.bodies(&places, sight.time)
+        as_shown(&self.system, sight)
     }
+}
+
+/// Bodies of a system as a sight shows them.
+pub(in crate::run) fn as_shown<Y: System<f64, D>, const D: usize>(
+    system: &Y,
+    sight: &Sight<'_, D>,
+) -> BodiesOf<Y, f64, D> {
+    let zero = [0.0; D];
+    let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
+        q: q.into(),
+        q_low: zero,
+        p: p.into(),
+        p_low: zero,
+    };
+    let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
+    system.bodies(&places, sight.time)
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {

@@ -104,6 +104,53 @@ pub(super) fn constraints<S: Lane, const D: usize>(
     (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
 }
 
+/// Has an engine answer what a sight asks by its laws, those of one body on a surface; beside the number of lanes, of
+/// coordinates and of sums, this constant is the last one of its type.
+macro_rules! answered_by_laws {
+    ($engine:ident, $last:ident: $kind:ty) => {
+        impl<S, X, const L: usize, const D: usize, const SUMS: usize, const $last: $kind>
+            $crate::run::watch::sight::Source<D> for $engine<S, X, L, D, SUMS, $last>
+        where
+            S: $crate::number::lanes::Lane,
+            X: $crate::run::ensemble::laws::Laws<S, D>,
+        {
+            fn energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> [f64; 2] {
+                let kinetic = 0.5 * sight.momentum().norm_squared();
+                [kinetic, $crate::run::ensemble::asked::potential(&self.laws, lane, sight)]
+            }
+
+            fn constraints(
+                &self,
+                lane: usize,
+                sight: &$crate::run::watch::Sight<'_, D>,
+            ) -> (Vec<f64>, Vec<nalgebra::SVector<f64, D>>) {
+                $crate::run::ensemble::asked::constraints(&self.laws, lane, sight)
+            }
+
+            fn effect_energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> Vec<f64> {
+                $crate::run::ensemble::asked::effect_energies(&self.laws, lane, sight)
+            }
+
+            fn residuals(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> Vec<f64> {
+                vec![$crate::run::ensemble::asked::residual(&self.laws, lane, sight)]
+            }
+
+            fn temperature(&self, _: usize, sight: &$crate::run::watch::Sight<'_, D>) -> f64 {
+                sight.momentum().norm_squared() / (D - 1) as f64
+            }
+
+            fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+                a.iter().zip(b).map(|(a, b)| a * b).sum()
+            }
+
+            fn step_size(&self) -> f64 {
+                self.h
+            }
+        }
+    };
+}
+pub(super) use answered_by_laws;
+
 /// Kicks of all lanes where they are: what forces cost.
 pub(super) struct Kicking<'a, S, X, const L: usize, const D: usize> {
     pub(super) q: &'a Vectors<S, L, D>,

@@ -103,7 +103,7 @@ pub(crate) struct Part {
     /// Λ of the step before it in terms of its own.
     pub(super) before: f64,
     /// By which |Λ| of this step is multiplied to be that of the longest, [`REACH`] times.
-    reach: f64,
+    pub(super) reach: f64,
     /// By which Λ of this step and the last ones are extrapolated to the next, that of this one first.
     pub(super) weights: [f64; 3],
 }

@@ -14,7 +14,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot};
 use crate::number::vectors::at;
 use crate::run::ensemble::around::look_around;
-use crate::run::ensemble::asked::Kicking;
+use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
@@ -52,9 +52,12 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     for CollocationLanes<S, X, L, D, SUMS, N>
 {
     const WIDTH: usize = L;
-    type Scalar = S;
     type Lanes = Row<S, L, D, SUMS, N>;
     type Laws = X;
+
+    fn bodies_of_each(&self) -> usize {
+        1
+    }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
         let going = Going { lanes: self, tour };
@@ -69,48 +72,55 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         self.row = lanes;
     }
 
-    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool {
-        self.row.set(lane, &self.laws, &body.map(S::from_f64))
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
+        self.row.set(lane, &self.laws, &bodies[0].map(S::from_f64))
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.row.copy(from, to);
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
     }
 
-    fn laws(&self) -> &X {
-        &self.laws
+    fn laws(&self) -> X {
+        self.laws.clone()
     }
 
-    fn laws_mut(&mut self) -> &mut X {
-        &mut self.laws
+    fn obey_all(&mut self, laws: X) {
+        self.laws = laws;
     }
 
-    fn body(&self, lane: usize) -> Body<f64, D> {
-        self.row.body(lane).map(Lane::to_f64)
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
+        vec![self.row.body(lane).map(Lane::to_f64)]
     }
 
     fn by_itself(
         &self,
         lane: usize,
-        body: &Body<f64, D>,
+        bodies: &[Body<f64, D>],
         steps: u64,
         parts: u32,
-    ) -> Result<Body<f64, D>, Failure> {
+    ) -> Result<Vec<Body<f64, D>>, Failure> {
         let Self { laws, table, h, .. } = self;
         let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
+        let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
         for number in 0..steps {
             apart(&system, table, *h, parts, number, &mut bodies, &mut [])?;
         }
-        Ok(bodies.body(0).map(Lane::to_f64))
+        Ok(vec![bodies.body(0).map(Lane::to_f64)])
     }
 
     fn kick_alone(&self, steps: u32) {
         let kicks = steps * (N as u32 - 1) * EVALUATIONS;
         let kicking = Kicking { q: &self.row.q, way: self.row.p, laws: &self.laws, kicks };
         black_box(self.set.run_lanes::<L, _>(kicking));
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        forces(&self.laws)
     }
 
     fn record(&self, to: &mut Record) {
@@ -121,10 +131,16 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         Ok(Self { row: Row::recalled(from)?, ..self.clone() })
     }
 
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        hallmarks(&self.laws, lane, &bodies[0])
+    }
+
     fn method(&self) -> Hallmark {
         Hallmark::new("method", "a collocation", vec![N as f64, self.h])
     }
 }
+
+answered_by_laws!(CollocationLanes, N: usize);
 
 /// Takes a step, that of this number, in so many parts and by itself, and looks at it as a simulation does; with the
 /// memory of the last part, if there is room for it.
@@ -203,7 +219,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
             }
             if let Some(written) = written {
                 let (q, p) = (&desk.row.q, &desk.row.p);
-                written.fill::<L>(|lane| at(q, lane).map(Lane::to_f64), |lane| at(p, lane).map(Lane::to_f64));
+                written.fill(L, |lane| at(q, lane).map(Lane::to_f64), |lane| at(p, lane).map(Lane::to_f64));
             }
         }
         Ok(desk.row)

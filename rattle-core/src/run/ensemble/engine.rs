@@ -6,9 +6,8 @@ use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
-use crate::number::lanes::Lane;
-use crate::run::ensemble::laws::Laws;
 use crate::run::watch::seen::Page;
+use crate::run::watch::sight::Source;
 
 /// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked
 /// at.
@@ -26,15 +25,15 @@ pub(crate) struct Written<'a, const D: usize> {
 }
 
 impl<const D: usize> Written<'_, D> {
-    /// Writes times, and positions and momenta of L lanes in turn.
+    /// Writes times, and so many positions and momenta: those of the bodies of a lane in turn, lane by lane.
     #[inline(always)]
-    pub(crate) fn fill<const L: usize>(self, q: impl Fn(usize) -> [f64; D], p: impl Fn(usize) -> [f64; D]) {
+    pub(crate) fn fill(self, number: usize, q: impl Fn(usize) -> [f64; D], p: impl Fn(usize) -> [f64; D]) {
         let Self { page: Page { times, positions, momenta }, starts, passed } = self;
-        for (lane, place) in positions.iter_mut().enumerate().take(L) {
-            *place = q(lane).into();
+        for (i, place) in positions.iter_mut().enumerate().take(number) {
+            *place = q(i).into();
         }
-        for (lane, way) in momenta.iter_mut().enumerate().take(L) {
-            *way = p(lane).into();
+        for (i, way) in momenta.iter_mut().enumerate().take(number) {
+            *way = p(i).into();
         }
         times.iter_mut().zip(starts).for_each(|(time, &start)| *time = later(start, passed).0);
     }
@@ -53,17 +52,17 @@ pub(crate) trait Tour<const D: usize> {
     fn next(&mut self) -> Option<Leg<'_, D>>;
 }
 
-/// Trajectories of one body each in lanes, which know nothing of each other.
-pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
+/// Trajectories in lanes, which know nothing of each other. It is also what tells of a lane what a sight asks.
+pub(crate) trait Engine<const D: usize>: Source<D> + Clone + Send + Sync {
     /// How many lanes there are.
     const WIDTH: usize;
     /// What moves.
     type Lanes;
-    /// What they are numbers of.
-    type Scalar: Lane;
-    /// What the lanes obey.
-    type Laws: Laws<Self::Scalar, D>;
+    /// What each lane obeys.
+    type Laws: Clone;
 
+    /// How many bodies a lane has.
+    fn bodies_of_each(&self) -> usize;
     /// Where the lanes are after a tour, on which the engine itself stays where it is.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
     /// Where they are now.
@@ -71,31 +70,35 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     /// Goes on from there.
     fn keep(&mut self, lanes: Self::Lanes);
 
-    /// Puts a body, which is along the constraint, into a lane. False where the lane cannot hold it.
-    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool;
-    /// Has lane `to` be, and obey, what lane `from` does.
+    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them.
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool;
+    /// Has lane `to` be where lane `from` is.
     fn copy(&mut self, from: usize, to: usize);
+    /// Has it obey what that does.
+    fn obey(&mut self, from: usize, to: usize);
     /// What the lanes obey.
-    fn laws(&self) -> &Self::Laws;
-    /// The same, to be changed.
-    fn laws_mut(&mut self) -> &mut Self::Laws;
+    fn laws(&self) -> Self::Laws;
+    /// Has them obey that.
+    fn obey_all(&mut self, laws: Self::Laws);
 
-    /// The body of a lane.
-    fn body(&self, lane: usize) -> Body<f64, D>;
-    /// Where a body that obeys what a lane does is after so many steps, each in so many equal parts, by itself: each is
-    /// looked at, and sums are compensated.
+    /// The bodies of a lane.
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>>;
+    /// Where bodies that obey what a lane does are after so many steps, each in so many equal parts, by themselves:
+    /// each step is looked at, and sums are compensated.
     ///
     /// # Errors
-    /// Says why it cannot be moved.
+    /// Says why they cannot be moved.
     fn by_itself(
         &self,
         lane: usize,
-        body: &Body<f64, D>,
+        bodies: &[Body<f64, D>],
         steps: u64,
         parts: u32,
-    ) -> Result<Body<f64, D>, Failure>;
+    ) -> Result<Vec<Body<f64, D>>, Failure>;
     /// Evaluates the forces on all lanes, as often as a step does, for so many steps: for the [bill](crate::run::bill).
     fn kick_alone(&self, steps: u32);
+    /// The names of the types of all forces.
+    fn forces(&self) -> Vec<&'static str>;
     /// Writes the lanes, number by number.
     fn record(&self, to: &mut Record);
     /// An engine of the same laws that goes on from there.
@@ -105,6 +108,8 @@ pub(crate) trait Engine<const D: usize>: Clone + Send + Sync {
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error>
     where
         Self: Sized;
+    /// What tells what a lane obeys from other laws, asked beside these bodies.
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark>;
     /// What tells the method from others.
     fn method(&self) -> Hallmark;
 }

@@ -14,13 +14,13 @@ use crate::run::ensemble::collocation_lanes::CollocationLanes;
 use crate::run::ensemble::engine::Engine;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
+use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::side_by_side::SideBySide;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
+use crate::systems::network::Network;
+use crate::systems::network::in_lanes::ROW;
 use std::marker::PhantomData;
-
-/// Lanes of a row of trajectories by collocation: so many that what is kept of their stages fits the nearest cache.
-const ROW: usize = 32;
 
 /// Groups of trajectories in lanes, if they go in lanes.
 pub(super) type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
@@ -140,13 +140,34 @@ const fn go_in_lanes<S: Method>(kind: Splitting, coordinates: usize) -> bool {
     coordinates <= MOST_COORDINATES && S::SPLITTING as u8 == kind as u8
 }
 
-/// Trajectories in the lanes of an engine.
-fn side_by_side<E: Engine<D> + 'static, const D: usize>(
-    engine: E,
+/// Trajectories of linked bodies, no more than there are lanes, in rows, if the method is a splitting.
+pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
+    network: &Network<D>,
+    effects: &E,
     starts: &[State<D>],
-    h: f64,
-) -> Box<dyn Group<D>> {
-    Box::new(SideBySide::new(engine, starts, h))
+    lanes: &InLanes,
+) -> Groups<D> {
+    let InLanes { stages, h, set } = lanes;
+    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
+    let bodies = starts.first()?.len();
+    let row = LinkedLanes::new(network, effects, bodies, (stages, equal, *h), P::compute(Sums), *set)?;
+    Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
+}
+
+/// Whether sums are compensated.
+struct Sums;
+
+impl InNumbers for Sums {
+    type Done = bool;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> bool {
+        SUMS > 0
+    }
+}
+
+/// Trajectories in the lanes of an engine.
+fn side_by_side<E: Engine<D> + 'static, const D: usize>(engine: E, starts: &[State<D>]) -> Box<dyn Group<D>> {
+    Box::new(SideBySide::new(engine, starts))
 }
 
 /// Trajectories by splittings; `EQUAL` says that a step is one stage.
@@ -159,12 +180,12 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
         let Self(obeyed, starts, InLanes { stages, h, set }) = self;
         if const { O::ALIKE } && starts.len() == 1 {
             let laws = obeyed.laws::<S, 1>(0);
-            let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *set);
-            return vec![side_by_side(engine, starts, *h)];
+            let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *h, *set);
+            return vec![side_by_side(engine, starts)];
         }
         let laws = obeyed.laws::<S, LANES>(0);
-        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *set);
-        vec![side_by_side(engine, starts, *h)]
+        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *h, *set);
+        vec![side_by_side(engine, starts)]
     }
 }
 
@@ -184,11 +205,11 @@ where
             if const { O::ALIKE } && starts.len() == 1 {
                 let laws = obeyed.laws::<S, 1>(from);
                 let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
-                return side_by_side(engine, starts, *h);
+                return side_by_side(engine, starts);
             }
             let laws = obeyed.laws::<S, ROW>(from);
             let engine = CollocationLanes::<S, _, ROW, D, SUMS, N>::new(laws, table, *h, *set);
-            side_by_side(engine, starts, *h)
+            side_by_side(engine, starts)
         };
         (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
     }

@@ -9,10 +9,8 @@ use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::bill::{Bill, Item, time};
-use crate::run::ensemble::asked::{self, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
@@ -48,7 +46,7 @@ pub(crate) struct SideBySide<E, const D: usize> {
     /// By lane: whether it goes by itself, since other sheets are near or the lane cannot hold it, and where it is
     /// then; and when that ends.
     crowded: [bool; LANES],
-    own: Vec<(usize, Body<f64, D>)>,
+    own: Vec<(usize, Vec<Body<f64, D>>)>,
     crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
@@ -59,18 +57,18 @@ pub(crate) struct SideBySide<E, const D: usize> {
 struct Ended<const D: usize> {
     lane: usize,
     steps: u64,
-    body: Body<f64, D>,
+    bodies: Vec<Body<f64, D>>,
     failure: Error,
 }
 
 impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
-    /// The trajectories that start so, one per lane, at most as many as there are lanes; with steps of this length.
-    pub(crate) fn new(engine: E, starts: &[State<D>], h: f64) -> Self {
+    /// The trajectories that start so, one per lane, at most as many as there are lanes.
+    pub(crate) fn new(engine: E, starts: &[State<D>]) -> Self {
         let number = starts.len().min(E::WIDTH);
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
         let mut group = Self {
+            h: engine.step_size(),
             engine,
-            h,
             steps: 0,
             start_time,
             moving: from_fn(|lane| lane < number),
@@ -82,30 +80,37 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             halvings: 0,
         };
         for (lane, start) in starts.iter().enumerate().take(number) {
-            group.set(lane, &start.bodies[0]);
+            group.set(lane, &start.bodies);
         }
         for lane in number..E::WIDTH {
-            group.engine.copy(0, lane);
+            group.put_copy(0, lane);
         }
         group
     }
 
-    /// Puts a body, which is along the constraint, into a lane; and beside it where other sheets are near, or where the
-    /// lane cannot hold it.
-    fn set(&mut self, lane: usize, body: &Body<f64, D>) {
-        let holds = self.engine.set(lane, body) && self.engine.body(lane).p.iter().all(|p| p.is_finite());
+    /// Puts bodies, which are along the constraint, into a lane; and beside it where other sheets are near, or where
+    /// the lane cannot hold them.
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) {
+        let is_finite = |body: &Body<f64, D>| body.p.iter().all(|p| p.is_finite());
+        let holds = self.engine.set(lane, bodies) && self.engine.bodies(lane).iter().all(is_finite);
         self.own.retain(|own| own.0 != lane);
         self.crowded[lane] |= !holds;
         if self.crowded[lane] {
-            self.own.push((lane, *body));
+            self.own.push((lane, bodies.to_vec()));
         }
+    }
+
+    /// Has lane `to` be where lane `from` is, and obey what that does.
+    fn put_copy(&mut self, from: usize, to: usize) {
+        self.engine.copy(from, to);
+        self.engine.obey(from, to);
     }
 
     /// Has all go side by side again that lanes have a place for.
     fn disperse(&mut self) {
         self.crowded.fill(false);
-        for (lane, body) in std::mem::take(&mut self.own) {
-            self.set(lane, &body);
+        for (lane, bodies) in std::mem::take(&mut self.own) {
+            self.set(lane, &bodies);
         }
     }
 
@@ -119,19 +124,22 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     }
 
     /// Where a trajectory is.
-    fn body(&self, lane: usize) -> Body<f64, D> {
+    fn bodies_in(&self, lane: usize) -> Vec<Body<f64, D>> {
         let own = self.own.iter().find(|own| own.0 == lane);
-        own.map_or_else(|| self.engine.body(lane), |own| own.1)
+        own.map_or_else(|| self.engine.bodies(lane), |own| own.1.clone())
     }
 
     /// Writes those that go by themselves, and those that go on no more.
     fn write_apart(&self, Page { times, positions, momenta }: Page<'_, D>) {
-        for &(lane, Body { q, p, .. }) in &self.own {
-            (positions[lane], momenta[lane]) = (q.into(), p.into());
-        }
-        for &Ended { lane, body: Body { q, p, .. }, .. } in &self.ended {
-            times[lane] = self.time(lane).0;
-            (positions[lane], momenta[lane]) = (q.into(), p.into());
+        let mut write = |lane: usize, bodies: &[Body<f64, D>]| {
+            for (i, Body { q, p, .. }) in (bodies.len() * lane..).zip(bodies) {
+                (positions[i], momenta[i]) = ((*q).into(), (*p).into());
+            }
+        };
+        self.own.iter().for_each(|(lane, bodies)| write(*lane, bodies));
+        for Ended { lane, bodies, .. } in &self.ended {
+            times[*lane] = self.time(*lane).0;
+            write(*lane, bodies);
         }
     }
 
@@ -158,7 +166,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     fn leg(&mut self, steps: u64) -> bool {
-        let before = (self.engine.lanes(), self.engine.laws().clone(), self.copy_of);
+        let before = (self.engine.lanes(), self.engine.laws(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
         loop {
@@ -174,7 +182,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             };
             self.crowded[lane] |= failure.is_none();
             match self.by_itself(lane, failure, steps) {
-                Ok(body) => apart.push((lane, body)),
+                Ok(bodies) => apart.push((lane, bodies)),
                 Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
                 Err(failure) => self.end(lane, failure),
             }
@@ -183,14 +191,14 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         }
         if fails {
             self.engine.keep(before.0);
-            *self.engine.laws_mut() = before.1;
+            self.engine.obey_all(before.1);
             (self.copy_of, self.steps) = (before.2, now);
             return false;
         }
         if !apart.is_empty() {
-            *self.engine.laws_mut() = before.1;
-            for (lane, body) in apart {
-                self.set(lane, &body);
+            self.engine.obey_all(before.1);
+            for (lane, bodies) in apart {
+                self.set(lane, &bodies);
             }
             self.stand_in(&self.moving.clone());
         }
@@ -203,14 +211,14 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         let Some(other) = among.iter().position(|&is| is) else { return };
         self.copy_of = from_fn(|lane| if among[lane] { lane } else { other });
         for lane in (0..E::WIDTH).filter(|&lane| !among[lane]) {
-            self.engine.copy(other, lane);
+            self.put_copy(other, lane);
         }
     }
 
     /// Has a trajectory rest where it is.
     fn end(&mut self, lane: usize, failure: Error) {
-        let body = self.body(lane);
-        self.ended.push(Ended { lane, steps: self.steps, body, failure });
+        let bodies = self.bodies_in(lane);
+        self.ended.push(Ended { lane, steps: self.steps, bodies, failure });
         (self.moving[lane], self.crowded[lane]) = (false, false);
         self.own.retain(|own| own.0 != lane);
     }
@@ -218,16 +226,21 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often
     /// halved as is allowed.
     #[cold]
-    fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Body<f64, D>, Error> {
-        let body = self.body(lane);
-        let moved = |parts: u32| self.engine.by_itself(lane, &body, steps, parts);
+    fn by_itself(
+        &self,
+        lane: usize,
+        failure: Option<Failure>,
+        steps: u64,
+    ) -> Result<Vec<Body<f64, D>>, Error> {
+        let bodies = self.bodies_in(lane);
+        let moved = |parts: u32| self.engine.by_itself(lane, &bodies, steps, parts);
         let mut failure = match failure.map_or_else(|| moved(1), Err) {
-            Ok(body) => return Ok(body),
+            Ok(bodies) => return Ok(bodies),
             Err(failure) => failure,
         };
         for halved in 1..=if steps == 1 { self.halvings } else { 0 } {
             match moved(1 << halved) {
-                Ok(body) => return Ok(body),
+                Ok(bodies) => return Ok(bodies),
                 Err(again) => failure = again,
             }
         }
@@ -249,7 +262,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     fn hallmarks(&self) -> Vec<Hallmark> {
         let mut marks: Vec<Hallmark> = Vec::new();
         for lane in (0..E::WIDTH).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
-            let mut own = hallmarks(self.engine.laws(), lane, &self.body(lane));
+            let mut own = self.engine.hallmarks(lane, &self.bodies_in(lane));
             own.push(self.engine.method());
             if marks.is_empty() {
                 marks = own;
@@ -274,9 +287,10 @@ fn numbers<const D: usize>(body: &Body<f64, D>) -> [[f64; D]; 4] {
     [body.q, body.q_low, body.p, body.p_low]
 }
 
-/// And back.
-fn body<const D: usize>(&[q, q_low, p, p_low]: &[[f64; D]; 4]) -> Body<f64, D> {
-    Body { q, q_low, p, p_low }
+/// And back, so many of each trajectory.
+fn bodies<const D: usize>(numbers: &[[f64; D]], number: usize) -> Vec<Vec<Body<f64, D>>> {
+    let body = |&[q, q_low, p, p_low]: &[[f64; D]; 4]| Body { q, q_low, p, p_low };
+    numbers.chunks(4 * number).map(|of_each| of_each.as_chunks().0.iter().map(body).collect()).collect()
 }
 
 /// Some steps, with stops where an onlooker wants to see.
@@ -341,11 +355,11 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
     }
 
     fn state(&self, trajectory: usize) -> State<D> {
-        let body = self.ended(trajectory).map_or_else(|| self.body(trajectory), |ended| ended.body);
-        let mut state = State::at(body.q);
-        (state.time, state.time_low) = self.time(trajectory);
-        state.bodies[0] = body;
-        state
+        let ended = self.ended(trajectory).map(|ended| ended.bodies.clone());
+        let bodies = ended.unwrap_or_else(|| self.bodies_in(trajectory));
+        let (time, time_low) = self.time(trajectory);
+        let none: [[f64; D]; 0] = [];
+        State { bodies, time, time_low, ..State::of(none) }
     }
 
     fn record(&self, to: &mut Record) {
@@ -360,10 +374,10 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
         to.counts("crowded until", [self.crowded_until]);
         to.counts("halvings", [u64::from(self.halvings)]);
         to.counts("by themselves", self.own.iter().map(|own| own.0 as u64));
-        let own = self.own.iter().flat_map(|(_, body)| numbers(body)).collect::<Vec<_>>();
+        let own = self.own.iter().flat_map(|(_, bodies)| bodies).flat_map(numbers).collect::<Vec<_>>();
         to.vectors("where these are", &own);
         to.counts("ended", self.ended.iter().flat_map(|ended| [ended.lane as u64, ended.steps]));
-        let ended = self.ended.iter().flat_map(|ended| numbers(&ended.body)).collect::<Vec<_>>();
+        let ended = self.ended.iter().flat_map(|ended| &ended.bodies).flat_map(numbers).collect::<Vec<_>>();
         to.vectors("where these rest", &ended);
         for ended in &self.ended {
             to.text("failure", &ended.failure.to_string());
@@ -383,19 +397,20 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
         let [crowded_until] = from.counted("crowded until")?;
         let [halvings] = from.counted("halvings")?;
         let apart = from.counts("by themselves")?;
-        let bodies = from.vectors::<D>("where these are", 4 * apart.len())?.as_chunks().0;
-        let own = apart.iter().zip(bodies).map(|(&own, of)| (lane(own), body(of))).collect();
-        let places = from.counts("ended")?.as_chunks().0;
-        let bodies = from.vectors::<D>("where these rest", 4 * places.len())?.as_chunks().0;
+        let n = self.engine.bodies_of_each();
+        let places = from.vectors::<D>("where these are", 4 * n * apart.len())?;
+        let own = apart.iter().zip(bodies(places, n)).map(|(&own, of)| (lane(own), of)).collect();
+        let ends = from.counts("ended")?.as_chunks().0;
+        let places = from.vectors::<D>("where these rest", 4 * n * ends.len())?;
         let mut ended = Vec::new();
-        for (&[own, steps], of) in places.iter().zip(bodies) {
+        for (&[own, steps], bodies) in ends.iter().zip(bodies(places, n)) {
             let failure = Error::Before(from.text("failure")?.into());
-            ended.push(Ended { lane: lane(own), steps, body: body(of), failure });
+            ended.push(Ended { lane: lane(own), steps, bodies, failure });
         }
         let lanes = format!("{} lanes", E::WIDTH);
         let mut engine = from.within(&lanes, |from| self.engine.recalled(from))?;
         for (to, &from) in copy_of.iter().enumerate().take(E::WIDTH).filter(|&(to, &from)| to != from) {
-            engine.laws_mut().copy(from, to);
+            engine.obey(from, to);
         }
         let again = Self {
             engine,
@@ -425,7 +440,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
         let running = time(|| self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
         let step = each * (running - copying).max(0.0);
         let mut items = Vec::new();
-        let names = forces(self.engine.laws());
+        let names = self.engine.forces();
         if !names.is_empty() {
             let nanoseconds = each * time(|| self.engine.kick_alone(BILLED));
             items.push(Item { what: format!("force of `{}`", names.join("`, `")), nanoseconds });
@@ -441,7 +456,7 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
     }
 
     fn bodies(&self) -> usize {
-        1
+        self.engine.bodies_of_each()
     }
 
     fn look(&self, Page { times, positions, momenta }: Page<'_, D>, _: InstructionSet) {
@@ -459,27 +474,27 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
 
 impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
     fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        [0.5 * sight.momentum().norm_squared(), asked::potential(self.engine.laws(), lane, sight)]
+        self.engine.energies(lane, sight)
     }
 
     fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        asked::constraints(self.engine.laws(), lane, sight)
+        self.engine.constraints(lane, sight)
     }
 
     fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        asked::effect_energies(self.engine.laws(), lane, sight)
+        self.engine.effect_energies(lane, sight)
     }
 
     fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        vec![asked::residual(self.engine.laws(), lane, sight)]
+        self.engine.residuals(lane, sight)
     }
 
-    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
-        sight.momentum().norm_squared() / (D - 1) as f64
+    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        self.engine.temperature(lane, sight)
     }
 
-    fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        a.iter().zip(b).map(|(a, b)| a * b).sum()
+    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.engine.mass_product(lane, body, a, b)
     }
 
     fn step_size(&self) -> f64 {

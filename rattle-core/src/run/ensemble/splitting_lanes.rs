@@ -11,7 +11,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
 use crate::number::vectors::at;
-use crate::run::ensemble::asked::Kicking;
+use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
@@ -29,6 +29,7 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     laws: X,
     stages: Vec<Stage>,
     parts: Vec<Part>,
+    h: f64,
     set: Fusing,
 }
 
@@ -38,9 +39,9 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    /// Lanes, none of them set, that obey these laws in stages like these.
-    pub(crate) fn new(laws: X, stages: &[Stage], set: Fusing) -> Self {
-        Self { block: Block::new(), laws, stages: stages.to_vec(), parts: Part::of::<EQUAL>(stages), set }
+    /// Lanes, none of them set, that obey these laws in steps of h of stages like these.
+    pub(crate) fn new(laws: X, stages: &[Stage], h: f64, set: Fusing) -> Self {
+        Self { block: Block::new(), laws, stages: stages.to_vec(), parts: Part::of::<EQUAL>(stages), h, set }
     }
 }
 
@@ -59,9 +60,12 @@ where
     X: Laws<S, D>,
 {
     const WIDTH: usize = L;
-    type Scalar = S;
     type Lanes = Block<S, L, D, SUMS, EQUAL>;
     type Laws = X;
+
+    fn bodies_of_each(&self) -> usize {
+        1
+    }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
         let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
@@ -76,53 +80,53 @@ where
         self.block = lanes;
     }
 
-    fn set(&mut self, lane: usize, body: &Body<f64, D>) -> bool {
-        let Body { q, q_low, p, p_low } = body.map(S::from_f64);
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
+        let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
         self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low])
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
     }
 
-    fn laws(&self) -> &X {
-        &self.laws
+    fn laws(&self) -> X {
+        self.laws.clone()
     }
 
-    fn laws_mut(&mut self) -> &mut X {
-        &mut self.laws
+    fn obey_all(&mut self, laws: X) {
+        self.laws = laws;
     }
 
-    fn body(&self, lane: usize) -> Body<f64, D> {
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let ([q, q_low], [p, p_low]) =
             (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
-        Body { q, q_low, p, p_low }.map(Lane::to_f64)
+        vec![Body { q, q_low, p, p_low }.map(Lane::to_f64)]
     }
 
     fn by_itself(
         &self,
         lane: usize,
-        body: &Body<f64, D>,
+        bodies: &[Body<f64, D>],
         steps: u64,
         parts: u32,
-    ) -> Result<Body<f64, D>, Failure> {
+    ) -> Result<Vec<Body<f64, D>>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let share = |x: f64| x / f64::from(parts);
-        let stage = |&Stage { before, h, after }: &Stage| Stage {
-            before: share(before),
-            h: share(h),
-            after: share(after),
-        };
-        let stages = self.stages.iter().map(stage).collect::<Vec<_>>();
-        by_itself::<S, _, D>(&system, &stages, steps, parts, body)
+        by_itself::<S, _, D>(&system, &self.stages, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
         let kicks = steps * self.parts.len() as u32;
         let kicking = Kicking { q: &self.block.q, way: self.block.way, laws: &self.laws, kicks };
         black_box(self.set.run_lanes::<L, _>(kicking));
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        forces(&self.laws)
     }
 
     fn record(&self, to: &mut Record) {
@@ -133,23 +137,37 @@ where
         Ok(Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() })
     }
 
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        hallmarks(&self.laws, lane, &bodies[0])
+    }
+
     fn method(&self) -> Hallmark {
         let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
         Hallmark::new("method", "a splitting", stages.collect())
     }
 }
 
-/// Where a body is after so many steps, each of which consists of these stages, taken so many times in turn.
+answered_by_laws!(SplittingLanes, EQUAL: bool);
+
+/// Where bodies are after so many steps of these stages, each in so many equal parts.
 #[cold]
 #[inline(never)]
-fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
+pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
     steps: u64,
     parts: u32,
-    body: &Body<f64, D>,
-) -> Result<Body<f64, D>, Failure> {
-    let mut bodies = system.bodies(&[body.map(S::from_f64)], 0.0);
+    places: &[Body<f64, D>],
+) -> Result<Vec<Body<f64, D>>, Failure> {
+    let share = |x: f64| x / f64::from(parts);
+    let stage = |&Stage { before, h, after }: &Stage| Stage {
+        before: share(before),
+        h: share(h),
+        after: share(after),
+    };
+    let stages = stages.iter().map(stage).collect::<Vec<_>>();
+    let places = places.iter().map(|body| body.map(S::from_f64)).collect::<Vec<_>>();
+    let mut bodies = system.bodies(&places, 0.0);
     for _ in 0..steps {
         let start = bodies.saved();
         for _ in 0..parts {
@@ -163,7 +181,7 @@ fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
         }
         system.check_kinks(&start, &bodies)?;
     }
-    Ok(bodies.body(0).map(Lane::to_f64))
+    Ok((0..places.len()).map(|body| bodies.body(body).map(Lane::to_f64)).collect())
 }
 
 /// A block on a tour.
@@ -205,8 +223,7 @@ where
             desk.block.check(&laws, parts)?;
             if let Some(written) = written {
                 let (q, p) = desk.block.all(&laws, parts);
-                written
-                    .fill::<L>(|lane| at(&q, lane).map(Lane::to_f64), |lane| at(&p, lane).map(Lane::to_f64));
+                written.fill(L, |lane| at(&q, lane).map(Lane::to_f64), |lane| at(&p, lane).map(Lane::to_f64));
             }
         }
         Ok(desk.block)

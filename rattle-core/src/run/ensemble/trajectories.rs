@@ -3,7 +3,7 @@
 use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::vectors::LANES;
 use crate::run::ensemble::block::SHORT;
-use crate::run::ensemble::grouping::{Alike, Different, Groups, InLanes};
+use crate::run::ensemble::grouping::{Alike, Different, Groups, InLanes, linked};
 use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
@@ -22,7 +22,9 @@ use crate::run::ensemble::look::Onlooker;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
+use crate::systems::network::Network;
 use rayon::prelude::*;
+use std::any::Any;
 use std::fmt;
 use std::marker::PhantomData;
 
@@ -87,6 +89,10 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let trajectories = starts.into_iter().map(|start| (scene, start));
         Self::assembled(P::MOST, trajectories, method, set, |scenes, starts, lanes| {
+            if const { C::IS_NETWORK && !matches!(S::SPLITTING, Splitting::Not) } {
+                let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
+                return linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes);
+            }
             C::surfaces(
                 &[&scenes[0].constraint],
                 Alike(PhantomData::<(P, S)>, &scenes[0].effects, starts, lanes),
@@ -161,10 +167,9 @@ impl<const D: usize> Ensemble<D> {
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let single = starts.iter().all(|start| start.len() == 1)
-                && scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
-            let groups =
-                lanes.as_ref().filter(|_| single).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
+            let acts_in_lanes = scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
+            let goes = acts_in_lanes && (C::IS_NETWORK || starts.iter().all(|start| start.len() == 1));
+            let groups = lanes.as_ref().filter(|_| goes).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
             let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
                 let each = (ensemble.len as u64..).zip(scenes.iter().zip(&starts).zip(ready));
                 each.map(|(trajectory, ((scene, start), system))| {

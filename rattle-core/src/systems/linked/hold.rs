@@ -14,6 +14,8 @@ use std::sync::Arc;
 impl<const D: usize> Hold<D> for Network<D> {
     type System<E: Effects<D>, N: Count> = Linked<E::Forces<f64>, N, D>;
 
+    const IS_NETWORK: bool = true;
+
     fn system<E: Effects<D>, N: Count>(
         &self,
         effects: &E,

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// A network of constraints on bodies in a field of force.
 #[derive(Debug, Clone)]
 pub struct Linked<F, N, const D: usize> {
-    pub(super) shape: Arc<Shape<D>>,
+    pub(crate) shape: Arc<Shape<D>>,
     pub(super) effects: F,
     pub(super) count: N,
 }

@@ -4,6 +4,8 @@ use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
+use crate::number::lanes::Fused;
+use crate::systems::network::in_lanes::{InLanes, LinksInLanes, Number};
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -47,6 +49,10 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
         turns: &mut [f64],
     );
 
+    /// The same links for trajectories side by side; none where multipliers act on chosen coordinates, g depends on
+    /// time, or has kinks.
+    fn in_lanes(&self) -> Option<Box<dyn InLanes>>;
+
     /// The first member of which a normal jumps on the straight way between two places and times.
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)>;
 
@@ -72,6 +78,7 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) kernels: Vec<G>,
     pub(crate) members: Vec<[usize; A]>,
     pub(crate) acting: Option<[[bool; D]; A]>,
+    in_lanes: fn(&Self) -> Box<dyn InLanes>,
 }
 
 impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
@@ -84,16 +91,21 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     const MOVING: bool = K == A * D + 1;
 
     /// Constraints, one for all members or one for each.
-    pub(crate) fn new<C: Constraint<K, M, Kernel<f64> = G>>(
-        constraints: Vec<C>,
-        members: Vec<[usize; A]>,
-    ) -> Self {
+    pub(crate) fn new<C>(constraints: Vec<C>, members: Vec<[usize; A]>) -> Self
+    where
+        C: Constraint<K, M, Kernel<f64> = G>,
+    {
         let name = short_name::<C>();
         Self {
             name,
             kernels: constraints.iter().map(|constraint| constraint.kernel::<f64>()).collect(),
             members,
             acting: None,
+            in_lanes: |links| {
+                let kernels = links.kernels.iter().map(|kernel| C::map_kernel(kernel, |&x| Fused(x)));
+                let (kernels, members) = (kernels.collect(), links.members.clone());
+                Box::new(LinksInLanes::<C::Kernel<Number>, K, M, A, D> { kernels, members })
+            },
         }
     }
 
@@ -192,6 +204,11 @@ where
                 turns[i] = row[..A * D].iter().map(|h| h * h).sum();
             }
         }
+    }
+
+    fn in_lanes(&self) -> Option<Box<dyn InLanes>> {
+        let goes = self.acting.is_none() && const { !Self::MOVING && G::KINKS.is_empty() };
+        goes.then(|| (self.in_lanes)(self))
     }
 
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)> {

@@ -4,16 +4,16 @@ use crate::systems::network::order::minimum_degree;
 
 /// An order of elimination, and the columns of L and U, on one symmetric pattern.
 #[derive(Debug, Clone)]
-pub(super) struct Pattern {
+pub(crate) struct Pattern {
     /// The row that is eliminated k-th, and its inverse.
-    pub(super) order: Vec<usize>,
+    pub(crate) order: Vec<usize>,
     pub(super) rank_of: Vec<usize>,
     /// Columns of L in row k, ascending, and where they begin.
-    pub(super) lower: Vec<usize>,
-    pub(super) lower_start: Vec<usize>,
+    pub(crate) lower: Vec<usize>,
+    pub(crate) lower_start: Vec<usize>,
     /// Columns of U in row k, ascending.
-    pub(super) upper: Vec<usize>,
-    pub(super) upper_start: Vec<usize>,
+    pub(crate) upper: Vec<usize>,
+    pub(crate) upper_start: Vec<usize>,
     /// Rows k to `alike[k]` of U have the same columns, as far as these are beyond the rows themselves.
     pub(super) alike: Vec<usize>,
     /// How many rows are alike at most.
@@ -24,7 +24,7 @@ pub(super) struct Pattern {
 
 impl Pattern {
     /// For m rows, given those of each body.
-    pub(super) fn new(rows_of_body: &[Vec<usize>], m: usize) -> Self {
+    pub(crate) fn new(rows_of_body: &[Vec<usize>], m: usize) -> Self {
         let graph = Graph::new(rows_of_body, m);
         Self::of(graph.entries(), graph.least())
     }

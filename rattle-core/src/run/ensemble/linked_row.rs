@@ -1,0 +1,533 @@
+//! The RATTLE step of a row of trajectories of linked bodies.
+//!
+//! ```text
+//! q′ = q + h v + M⁻¹Gᵀ(q) Λ                               Λ such that g(q′) = 0
+//! v′ = v + M⁻¹Gᵀ(q) Λ/h − k M⁻¹∇U(q′) + M⁻¹Gᵀ(q′) η       η such that G(q′) v′ = 0
+//! ```
+//!
+//! As in a [block](crate::run::ensemble::block) of single bodies velocities are kept ahead, times the length of a step,
+//! and steps of equal length need no η. Λ₀ is extrapolated from the last steps; Newton's method goes on from there with
+//! the matrix G(q′) M⁻¹Gᵀ(q) of the first guess, factored on the pattern of the links without a search for pivots.
+//!
+//! **Stopping.** Residuals of at most 256 ε of the coordinates that a link depends on are left to the last correction,
+//! as on surfaces. A lane at rest stays as it is while others are corrected again: what a lane does depends on nothing
+//! but its own past.
+//!
+//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is half to one and a half of what it was, and pivots are at least a sixteenth
+//! of that, as where normals are clearly independent. Lanes where that is not so, or that do not come to rest, are
+//! solved as a [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets
+//! are near ([`crate::solve::crowd`]).
+
+use crate::number::instructions::{Fusing, Work};
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::number::vector;
+use crate::run::ensemble::block::Part;
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::plan::{Places, Plan};
+use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
+use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
+use crate::systems::surface::tiles::AT_REST;
+
+/// A residual at the guess that is so many times what may be at rest takes a correction before gradients are evaluated
+/// again.
+const FAR: f64 = 1024.0;
+
+/// Corrections after which a lane goes apart.
+const CORRECTIONS: usize = 5;
+
+/// Pivots are no smaller than one over this, relative to what they were formed of.
+const CLEAR: f64 = 16.0;
+
+/// A lane that goes apart in so many of some hundred steps goes by itself.
+const TROUBLED: f64 = 24.0;
+
+/// Forces on all bodies of all lanes.
+pub(super) trait Pulls: Send + Sync {
+    /// Room to evaluate them in.
+    fn begin(&self) -> Box<dyn Pulling + '_>;
+}
+
+/// Forces and their room.
+pub(super) trait Pulling {
+    /// Writes the forces at these coordinates.
+    fn pull(&mut self, set: Fusing, q: &[Numbers], forces: &mut [Numbers]);
+}
+
+/// Λ and the entries of G of a lane that cannot go with the others.
+pub(super) struct Landed {
+    pub(super) multipliers: Vec<f64>,
+    pub(super) gradients: Vec<f64>,
+}
+
+/// Finds where a step leads a lane that cannot go with the others.
+pub(super) type Apart<'a> = dyn FnMut(usize, &Part, &[Numbers]) -> Result<Landed, Stuck> + 'a;
+
+/// What a row obeys, and the parts of its steps.
+pub(super) struct Course<'a> {
+    pub(super) plan: &'a Plan,
+    pub(super) parts: &'a [Part],
+    /// Whether all steps are equal.
+    pub(super) equal: bool,
+    /// Whether sums are compensated.
+    pub(super) sums: bool,
+    pub(super) set: Fusing,
+}
+
+/// Some steps of a row, after so many.
+pub(super) struct Steps<'a, 'b> {
+    pub(super) course: &'a Course<'b>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling + 'b)>,
+    pub(super) apart: &'a mut Apart<'b>,
+    /// All numbers, those of one step too.
+    pub(super) numbers: &'a mut [Numbers],
+    pub(super) part: &'a mut usize,
+    pub(super) from: u64,
+    pub(super) steps: u64,
+    /// Whether it is to be asked at the end whether other sheets are near.
+    pub(super) looks: bool,
+}
+
+impl Work for Steps<'_, '_> {
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Result<(), Stuck> {
+        let Self { course, mut pulling, apart, numbers, part, from, steps, looks } = self;
+        let Course { plan, parts, equal, .. } = course;
+        if from == 0 && steps > 0 {
+            course.look_around(0, &parts[*part], numbers, &mut pulling)?;
+        }
+        for now in from + 1..=from + steps {
+            for _ in 0..if *equal { 1 } else { parts.len() } {
+                course.advance(&parts[*part], numbers, &mut pulling, apart)?;
+                *part = if *part + 1 == parts.len() { 0 } else { *part + 1 };
+            }
+            if now % EVERY == 0 {
+                course.rest(numbers);
+                let trouble = &mut numbers[plan.places.trouble];
+                for l in 0..ROW {
+                    trouble.0[l] = Fused(0.5) * trouble.0[l];
+                }
+            }
+            if now % EVERY == 0 || (looks && now == from + steps) {
+                course.look_around(now, &parts[*part], numbers, &mut pulling)?;
+            }
+        }
+        let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
+        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
+        (0..ROW).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+}
+
+/// Writes `f` of each lane of these numbers.
+#[inline(always)]
+fn each<const N: usize>(
+    to: usize,
+    of: [usize; N],
+    numbers: &mut [Numbers],
+    f: impl Fn([Number; N]) -> Number,
+) {
+    let mut row = ZEROS;
+    each_lane(&mut row, of.map(|number| &numbers[number]), f);
+    numbers[to] = row;
+}
+
+/// See [`each`].
+#[inline(always)]
+fn each_lane<const N: usize>(row: &mut Numbers, of: [&Numbers; N], f: impl Fn([Number; N]) -> Number) {
+    for l in 0..ROW {
+        row.0[l] = f(of.map(|numbers| numbers.0[l]));
+    }
+}
+
+impl Course<'_> {
+    /// One part of a step.
+    #[inline(always)]
+    fn advance(
+        &self,
+        part: &Part,
+        numbers: &mut [Numbers],
+        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+        apart: &mut Apart<'_>,
+    ) -> Result<(), Stuck> {
+        let Self { plan, sums, set, .. } = *self;
+        let (n, m) = (plan.coordinates, plan.equations);
+        let Places { q, q_low, way, way_low, guess, free, trial, x, lambda, found, .. } = plan.places;
+        let share = Fused(part.h / part.unit);
+        for c in 0..n {
+            if sums {
+                let of = [q + c, way + c, q_low + c, way_low + c];
+                each(free + c, of, numbers, |[q, way, q_low, way_low]| {
+                    share.multiply_add(way, q + share.multiply_add(way_low, q_low))
+                });
+            } else {
+                each(free + c, [q + c, way + c], numbers, |[q, way]| share.multiply_add(way, q));
+            }
+        }
+        for i in 0..m {
+            numbers[lambda + i] = numbers[guess + i];
+        }
+        plan.place.carry_out(numbers);
+        plan.gradients(set, trial, numbers);
+        plan.factor.carry_out(numbers);
+        let astray = self.astray(numbers);
+        plan.solve.carry_out(numbers);
+        let far = self.unrest(FAR, numbers);
+        for i in 0..m {
+            each(lambda + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
+        }
+        if far.iter().any(|&far| far) {
+            plan.place.carry_out(numbers);
+            plan.values(set, trial, numbers);
+            plan.solve.carry_out(numbers);
+            self.correct(&far, numbers);
+        }
+        let mut corrections = 0;
+        loop {
+            plan.place.carry_out(numbers);
+            plan.gradients(set, trial, numbers);
+            plan.solve.carry_out(numbers);
+            for i in 0..m {
+                each(found + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
+            }
+            let mut unrest = self.unrest(1.0, numbers);
+            for (unrest, astray) in unrest.iter_mut().zip(astray) {
+                *unrest &= !astray;
+            }
+            corrections += 1;
+            if corrections < CORRECTIONS && unrest.iter().any(|&unrest| unrest) {
+                self.correct(&unrest, numbers);
+                continue;
+            }
+            for lane in 0..ROW {
+                if unrest[lane] || astray[lane] {
+                    self.go_apart(lane, part, numbers, apart)?;
+                }
+            }
+            break;
+        }
+        self.finish(part, numbers, pulling);
+        Ok(())
+    }
+
+    /// Takes the correction in these lanes.
+    #[inline(always)]
+    fn correct(&self, lanes: &[bool; ROW], numbers: &mut [Numbers]) {
+        let Places { lambda, x, .. } = self.plan.places;
+        for i in 0..self.plan.equations {
+            let (mut to, by) = (numbers[lambda + i], numbers[x + i]);
+            for l in 0..ROW {
+                to.0[l] = Real::select(lanes[l], to.0[l] - by.0[l], to.0[l]);
+            }
+            numbers[lambda + i] = to;
+        }
+    }
+
+    /// In which lanes a residual is more than so many times what it may be at rest, or is no number.
+    #[inline(always)]
+    fn unrest(&self, times: f64, numbers: &[Numbers]) -> [bool; ROW] {
+        let Places { g, rest, .. } = self.plan.places;
+        let mut found = [0.0; ROW];
+        for i in 0..self.plan.equations {
+            let (g, rest) = (&numbers[g + i], &numbers[rest + i]);
+            for l in 0..ROW {
+                let rests = g.0[l].0.abs() <= times * rest.0[l].0;
+                found[l] = if rests { found[l] } else { 1.0 };
+            }
+        }
+        found.map(|found| found != 0.0)
+    }
+
+    /// In which lanes the constraints may have been left, or depend on each other, as the matrix just factored says.
+    #[inline(always)]
+    fn astray(&self, numbers: &[Numbers]) -> [bool; ROW] {
+        let Places { diagonal, inverse, square, .. } = self.plan.places;
+        let mut found = [0.0; ROW];
+        for i in 0..self.plan.equations {
+            let (slope, inverse, square) =
+                (&numbers[diagonal + i], &numbers[inverse + i], &numbers[square + i]);
+            for l in 0..ROW {
+                let (slope, inverse, square) = (slope.0[l].0, inverse.0[l].0, square.0[l].0);
+                let upright = 2.0 * (slope - square).abs() <= square;
+                let clear = (0.0 < inverse) & (inverse * slope <= CLEAR);
+                found[l] = if upright & clear { found[l] } else { 1.0 };
+            }
+        }
+        found.map(|found| found != 0.0)
+    }
+
+    /// Finds where the step leads a lane that cannot go with the others.
+    #[cold]
+    #[inline(never)]
+    fn go_apart(
+        &self,
+        lane: usize,
+        part: &Part,
+        numbers: &mut [Numbers],
+        apart: &mut Apart<'_>,
+    ) -> Result<(), Stuck> {
+        let Places { found, gradient, trouble, .. } = self.plan.places;
+        let Landed { multipliers, gradients } = apart(lane, part, numbers)?;
+        for (to, from) in [(found, multipliers), (gradient, gradients)] {
+            let lanes = numbers[to..].iter_mut().map(|numbers| &mut numbers.0[lane]);
+            lanes.zip(from).for_each(|(to, from)| *to = Fused(from));
+        }
+        let trouble = &mut numbers[trouble].0[lane].0;
+        *trouble += 1.0;
+        if *trouble > TROUBLED { Err(Stuck { lane, failure: None }) } else { Ok(()) }
+    }
+
+    /// Makes the new positions and ways, and the next guess.
+    #[inline(always)]
+    fn finish(&self, part: &Part, numbers: &mut [Numbers], pulling: &mut Option<&mut (dyn Pulling + '_)>) {
+        let Self { plan, equal, sums, .. } = *self;
+        let Places { q, q_low, way, way_low, free, change, found, guess, last, earlier, square, .. } =
+            plan.places;
+        let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
+        plan.displace.carry_out(numbers);
+        for c in 0..plan.coordinates {
+            if sums {
+                let of = [way, q_low, way_low, change].map(|of| of + c);
+                each(free + c, of, numbers, |[way, q_low, way_low, change]| {
+                    share.multiply_add(way_low, q_low) + share.multiply_add(way, change)
+                });
+                two_sum(q + c, q_low + c, free + c, numbers);
+                let of = [way_low + c, change + c];
+                each(way_low + c, of, numbers, |[low, change]| over_share.multiply_add(change, low));
+            } else {
+                each(q + c, [free + c, change + c], numbers, |[free, change]| free + change);
+                each(way + c, [way + c, change + c], numbers, |[way, change]| {
+                    over_share.multiply_add(change, way)
+                });
+            }
+        }
+        if part.kick != 0.0 {
+            self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
+        }
+        plan.lift(numbers);
+        plan.slopes.carry_out(numbers);
+        for i in 0..plan.equations {
+            numbers[square + i] = numbers[plan.places.diagonal + i];
+        }
+        if !equal {
+            self.project(numbers);
+        } else if sums {
+            for c in 0..plan.coordinates {
+                two_sum(way + c, way_low + c, way_low + c, numbers);
+            }
+        }
+        let [a, b, c] = part.weights.map(Fused);
+        for i in 0..plan.equations {
+            each(guess + i, [found + i, last + i, earlier + i], numbers, |[found, last, earlier]| {
+                if equal {
+                    Fused(3.0).multiply_add(found - last, earlier)
+                } else {
+                    a.multiply_add(found, b.multiply_add(last, c * earlier))
+                }
+            });
+            numbers[earlier + i] = numbers[last + i];
+            numbers[last + i] = numbers[found + i];
+        }
+    }
+
+    /// Adds this many times M⁻¹f, with the forces where bodies are.
+    #[inline(always)]
+    fn kick(
+        &self,
+        times: f64,
+        to: usize,
+        numbers: &mut [Numbers],
+        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+    ) {
+        let (Some(pulling), n) = (pulling, self.plan.coordinates) else { return };
+        let Places { q, force, .. } = self.plan.places;
+        if let Ok([q, force]) = numbers.get_disjoint_mut([q..q + n, force..force + n]) {
+            pulling.pull(self.set, q, force);
+        }
+        for (c, [_, over]) in self.plan.masses.iter().enumerate() {
+            let times = Fused(times * over);
+            each(to + c, [to + c, force + c], numbers, |[to, force]| times.multiply_add(force, to));
+        }
+    }
+
+    /// Makes ways lead along the constraints, by G and M⁻¹Gᵀ as they are.
+    #[inline(always)]
+    fn project(&self, numbers: &mut [Numbers]) {
+        let Self { plan, sums, .. } = *self;
+        let Places { way, way_low, change, .. } = plan.places;
+        for c in 0..plan.coordinates {
+            if sums {
+                each(change + c, [way + c, way_low + c], numbers, |[way, low]| way + low);
+            } else {
+                numbers[change + c] = numbers[way + c];
+            }
+        }
+        plan.factor.carry_out(numbers);
+        plan.rates.carry_out(numbers);
+        plan.solve.carry_out(numbers);
+        for c in 0..plan.coordinates {
+            numbers[change + c] = numbers[if sums { way_low } else { way } + c];
+        }
+        plan.push.carry_out(numbers);
+        for c in 0..plan.coordinates {
+            if sums {
+                two_sum(way + c, way_low + c, change + c, numbers);
+            } else {
+                numbers[way + c] = numbers[change + c];
+            }
+        }
+    }
+
+    /// What |g| may be at rest, by the gradients just evaluated.
+    #[inline(always)]
+    fn rest(&self, numbers: &mut [Numbers]) {
+        let Self { plan, .. } = *self;
+        let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
+        let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
+        for i in 0..plan.equations {
+            (numbers[lengths + i], numbers[sizes + i]) = (ZEROS, ZEROS);
+        }
+        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
+            each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
+            let of = [sizes + i, q + coordinate, way + coordinate];
+            each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(way.abs()));
+        }
+        for i in 0..plan.equations {
+            each(rest + i, [lengths + i, sizes + i], numbers, |[length, size]| at_rest(length, size));
+        }
+    }
+
+    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`].
+    #[inline(always)]
+    fn look_around(
+        &self,
+        steps: u64,
+        part: &Part,
+        numbers: &mut [Numbers],
+        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+    ) -> Result<(), Stuck> {
+        let Self { plan, set, .. } = *self;
+        let (n, m) = (plan.coordinates, plan.equations);
+        let Places { q, way, lifted, guess, last, earlier, square, diagonal, .. } = plan.places;
+        let Places { free, trial, change, lambda, found, x, .. } = plan.places;
+        let &Part { h, unit, kick, reach, .. } = part;
+        for c in 0..n {
+            (numbers[free + c], numbers[change + c]) = (numbers[q + c], ZEROS);
+        }
+        self.kick(reach * h * kick, change, numbers, pulling);
+        // By equation: the largest entry of M⁻¹Gᵀ, and how far the way and the forces of a step lead.
+        let (entries, ways, pushes) = (x, found, lambda);
+        for i in 0..m {
+            for to in [entries, ways, pushes] {
+                numbers[to + i] = ZEROS;
+            }
+        }
+        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
+            for (to, of) in
+                [(entries, lifted + entry), (ways, way + coordinate), (pushes, change + coordinate)]
+            {
+                each(to + i, [to + i, of], numbers, |[most, x]| most.max(x.abs()));
+            }
+        }
+        let [reach, path, pushed] = [reach, ROOT_3 * reach * PATH * (h / unit).abs(), ROOT_3].map(Fused);
+        for i in 0..m {
+            let of = [entries, ways, pushes, guess, last, earlier].map(|of| of + i);
+            each(ways + i, of, numbers, |[entry, way, push, guess, last, earlier]| {
+                let back = guess.abs().max(last.abs()).max(earlier.abs());
+                let along = path * way / entry;
+                (reach * back).min(along) + along + pushed * push / entry
+            });
+        }
+        let mut crowded = [0.0; ROW];
+        for share in shares(steps) {
+            for i in 0..m {
+                each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
+            }
+            plan.place.carry_out(numbers);
+            plan.gradients(set, trial, numbers);
+            plan.slopes.carry_out(numbers);
+            for i in 0..m {
+                let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
+                for l in 0..ROW {
+                    let rises = RISES * square.0[l].0 <= slope.0[l].0;
+                    crowded[l] = if rises { crowded[l] } else { 1.0 };
+                }
+            }
+        }
+        let crowded = crowded.iter().position(|&crowded| crowded != 0.0);
+        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+
+    /// Writes velocities, times the unit of the part to come and along the constraints, to `free`, and what rounding
+    /// took from them to `change`: with the kick of that part taken back, and by the normals where the bodies are. What
+    /// is kept is no longer valid then.
+    #[inline(always)]
+    fn velocities(
+        &self,
+        part: &Part,
+        numbers: &mut [Numbers],
+        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+    ) {
+        let Self { plan, sums, set, .. } = *self;
+        let Places { q, way, way_low, free, change, .. } = plan.places;
+        plan.gradients(set, q, numbers);
+        plan.lift(numbers);
+        for c in 0..plan.coordinates {
+            numbers[free + c] = if sums { numbers[way_low + c] } else { ZEROS };
+        }
+        if part.lead != 0.0 {
+            self.kick(-part.unit * part.lead, free, numbers, pulling);
+        }
+        for c in 0..plan.coordinates {
+            each(change + c, [way + c, free + c], numbers, |[way, low]| way + low);
+        }
+        plan.factor.carry_out(numbers);
+        plan.rates.carry_out(numbers);
+        plan.solve.carry_out(numbers);
+        for c in 0..plan.coordinates {
+            numbers[change + c] = numbers[free + c];
+        }
+        plan.push.carry_out(numbers);
+        for c in 0..plan.coordinates {
+            numbers[free + c] = numbers[way + c];
+            two_sum(free + c, change + c, change + c, numbers);
+        }
+    }
+}
+
+/// Writes velocities, see [`Course::velocities`].
+pub(super) struct Velocities<'a, 'b> {
+    pub(super) course: &'a Course<'b>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling + 'b)>,
+    pub(super) numbers: &'a mut [Numbers],
+    pub(super) part: usize,
+}
+
+impl Work for Velocities<'_, '_> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { course, mut pulling, numbers, part } = self;
+        course.velocities(&course.parts[part], numbers, &mut pulling);
+    }
+}
+
+/// What |g| may be at rest, from the largest coordinates of ∇g and of places.
+#[inline(always)]
+pub(super) fn at_rest(length: Number, size: Number) -> Number {
+    Fused(AT_REST * f64::EPSILON) * length * size
+}
+
+/// Adds `by` to a number that is a sum of two.
+#[inline(always)]
+fn two_sum(high: usize, low: usize, by: usize, numbers: &mut [Numbers]) {
+    let (mut sum, mut rest) = (numbers[high], ZEROS);
+    let by = &numbers[by];
+    for l in 0..ROW {
+        let ([s], [r]) = vector::two_sum(&[sum.0[l]], &[by.0[l]]);
+        (sum.0[l], rest.0[l]) = (s, r);
+    }
+    (numbers[high], numbers[low]) = (sum, rest);
+}

@@ -1,0 +1,419 @@
+//! What is computed in a step of linked bodies side by side, found once: which products make which number.
+//!
+//! A [`Row`](crate::run::ensemble::linked_row) of trajectories keeps its numbers in one list, each of them a number of
+//! every trajectory. A [`Sheet`] of work is a list of sums of products of such numbers. So topology is walked through
+//! once for all lanes, and what is carried out are loops over lanes that know nothing of bodies.
+
+use crate::number::instructions::Fusing;
+use crate::number::real::Real;
+use crate::systems::network::in_lanes::{InLanes, Numbers, ROW};
+use crate::systems::network::mass::Root;
+use crate::systems::network::pattern::Pattern;
+use crate::systems::network::rows::Rows;
+use crate::systems::network::shape::Shape;
+use std::ops::Range;
+
+/// More numbers than that are not kept side by side: they would be read from far away in each step.
+const MOST_NUMBERS: usize = 16_384;
+
+/// Sums of products.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sheet {
+    sums: Vec<Sum>,
+    /// The factors of all products, in turn.
+    products: Vec<[u32; 2]>,
+}
+
+/// One of them: a number, and what products add to it and then take from it.
+#[derive(Debug, Clone)]
+struct Sum {
+    to: u32,
+    from: u32,
+    added: Range<u32>,
+    taken: Range<u32>,
+    end: End,
+}
+
+/// What becomes of a sum.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum End {
+    /// It is the number.
+    Plain,
+    /// It is multiplied by this one.
+    Times(usize),
+    /// Its inverse is the number.
+    Inverse,
+}
+
+impl Sheet {
+    /// One more sum.
+    fn put(&mut self, to: usize, from: usize, added: &[[usize; 2]], taken: &[[usize; 2]], end: End) {
+        let mut all = |products: &[[usize; 2]]| {
+            let first = self.products.len();
+            self.products.extend(products.iter().map(|factors| factors.map(index)));
+            index(first)..index(self.products.len())
+        };
+        let (added, taken) = (all(added), all(taken));
+        self.sums.push(Sum { to: index(to), from: index(from), added, taken, end });
+    }
+
+    /// Computes all of them in turn.
+    #[inline(always)]
+    pub(super) fn carry_out(&self, numbers: &mut [Numbers]) {
+        for Sum { to, from, added, taken, end } in &self.sums {
+            let mut sum = numbers[*from as usize];
+            for &[a, b] in &self.products[added.start as usize..added.end as usize] {
+                add_product(&mut sum, &numbers[a as usize], &numbers[b as usize]);
+            }
+            for &[a, b] in &self.products[taken.start as usize..taken.end as usize] {
+                take_product(&mut sum, &numbers[a as usize], &numbers[b as usize]);
+            }
+            match *end {
+                End::Plain => {}
+                End::Times(factor) => {
+                    for l in 0..ROW {
+                        sum.0[l] = sum.0[l] * numbers[factor].0[l];
+                    }
+                }
+                End::Inverse => {
+                    for l in 0..ROW {
+                        sum.0[l].0 = 1.0 / sum.0[l].0;
+                    }
+                }
+            }
+            numbers[*to as usize] = sum;
+        }
+    }
+}
+
+#[inline(always)]
+fn add_product(sum: &mut Numbers, a: &Numbers, b: &Numbers) {
+    for l in 0..ROW {
+        sum.0[l] = a.0[l].multiply_add(b.0[l], sum.0[l]);
+    }
+}
+
+#[inline(always)]
+fn take_product(sum: &mut Numbers, a: &Numbers, b: &Numbers) {
+    for l in 0..ROW {
+        sum.0[l] = (-a.0[l]).multiply_add(b.0[l], sum.0[l]);
+    }
+}
+
+fn index(i: usize) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX) // there are no more than `MOST_NUMBERS`
+}
+
+/// Where the numbers of a row begin: one for each coordinate, each entry of the gradients, or each equation.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Places {
+    /// Positions, and what rounding took from them.
+    pub(super) q: usize,
+    pub(super) q_low: usize,
+    /// M⁻¹ times momenta, ahead by the first kick of the step to come, times [`Part::unit`]; and what rounding took.
+    ///
+    /// [`Part::unit`]: crate::run::ensemble::block::Part
+    pub(super) way: usize,
+    pub(super) way_low: usize,
+    /// M⁻¹Gᵀ(q), entry by entry.
+    pub(super) lifted: usize,
+    /// Λ₀ of the step to come, and Λ of the last two, the last one first.
+    pub(super) guess: usize,
+    pub(super) last: usize,
+    pub(super) earlier: usize,
+    /// ∇gᵢ·M⁻¹∇gᵢ.
+    pub(super) square: usize,
+    /// What |gᵢ| may be at rest.
+    pub(super) rest: usize,
+    /// How often a lane has gone apart of late.
+    pub(super) trouble: usize,
+    /// What is kept from step to step ends here; what follows is room for one step.
+    pub(super) kept: usize,
+    /// q + h v.
+    pub(super) free: usize,
+    pub(super) trial: usize,
+    /// M⁻¹GᵀΛ; or a way that is to be made one along the constraints.
+    pub(super) change: usize,
+    pub(super) g: usize,
+    /// G at the trial.
+    pub(super) gradient: usize,
+    /// The diagonal of G(q′) M⁻¹Gᵀ(q), and the inverse pivots.
+    pub(super) diagonal: usize,
+    pub(super) inverse: usize,
+    lower: usize,
+    upper: usize,
+    pub(super) lambda: usize,
+    pub(super) found: usize,
+    pub(super) x: usize,
+    y: usize,
+    pub(super) force: usize,
+    zero: usize,
+    /// The end of all.
+    pub(super) end: usize,
+}
+
+/// Links of one kind, and where what they give is written.
+struct Links {
+    links: Box<dyn InLanes>,
+    /// Members, their first row and first entry.
+    runs: Vec<(Range<usize>, usize, usize)>,
+    equations: usize,
+    /// Entries of an equation.
+    width: usize,
+}
+
+/// A network made ready for trajectories side by side.
+pub(super) struct Plan {
+    pub(super) places: Places,
+    /// Coordinates of all bodies, equations, and entries of their gradients.
+    pub(super) coordinates: usize,
+    pub(super) equations: usize,
+    entries: usize,
+    links: Vec<Links>,
+    /// For each coordinate its mass and 1 over it; both 0 where pinned.
+    pub(super) masses: Vec<[f64; 2]>,
+    /// For each entry its coordinate, and its equation.
+    pub(super) of_entry: Vec<[usize; 2]>,
+    /// The number of each row among the equations of the scene.
+    pub(super) equation: Vec<usize>,
+    /// The trial, from what is free and Λ.
+    pub(super) place: Sheet,
+    /// M⁻¹GᵀΛ of what was found.
+    pub(super) displace: Sheet,
+    /// The matrix of the position equation, factored.
+    pub(super) factor: Sheet,
+    /// What solves it for g.
+    pub(super) solve: Sheet,
+    /// ∇gᵢ(q′)·M⁻¹∇gᵢ(q) alone: the diagonal of the matrix.
+    pub(super) slopes: Sheet,
+    /// How fast a way leads off the constraints, and what x makes of it.
+    pub(super) rates: Sheet,
+    pub(super) push: Sheet,
+}
+
+impl Plan {
+    /// For so many bodies of D coordinates; none where they cannot go side by side. `SUMS` says whether sums are
+    /// compensated.
+    pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool) -> Option<Self> {
+        let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
+        let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
+        let masses: Vec<_> = over.as_flattened().iter().map(|&over| [mass(over), over]).collect();
+        let (n, m, entries) = (masses.len(), shape.equations, shape.blocks * D);
+        let mut links = Vec::new();
+        for (number, group) in shape.groups.iter().enumerate() {
+            let (equations, width) = (group.equations(), group.bodies().1 * D);
+            let mut runs = Vec::new();
+            for component in &shape.components {
+                let (row, block) = component.first;
+                let own = component.rows.runs.iter().filter(|run| run.group == number);
+                runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
+            }
+            links.push(Links { links: group.in_lanes()?, runs, equations, width });
+        }
+
+        let mut pieces: Vec<Piece> = Vec::new();
+        let (mut lower, mut upper) = (0, 0);
+        for component in &shape.components {
+            let rows = &component.rows;
+            let mut of_body = vec![Vec::new(); rows.bodies.len()];
+            for row in 0..rows.equations() {
+                rows.blocks_of(row).for_each(|(_, body)| of_body[body].push(row));
+            }
+            let pattern = Pattern::new(&of_body, rows.equations());
+            let firsts = (lower, upper);
+            lower += pattern.lower.len();
+            upper += pattern.upper.len();
+            pieces.push(Piece { rows, row: component.first.0, block: component.first.1, pattern, firsts });
+        }
+
+        let (mut places, mut next) = (Places::default(), 0);
+        let mut take = |number: usize| {
+            next += number;
+            next - number
+        };
+        places.q = take(n);
+        places.q_low = take(if sums { n } else { 0 });
+        places.way = take(n);
+        places.way_low = take(if sums { n } else { 0 });
+        places.lifted = take(entries);
+        for place in [&mut places.guess, &mut places.last, &mut places.earlier] {
+            *place = take(m);
+        }
+        (places.square, places.rest, places.trouble) = (take(m), take(m), take(1));
+        places.kept = take(0);
+        (places.free, places.trial, places.change, places.force) = (take(n), take(n), take(n), take(n));
+        (places.g, places.gradient) = (take(m), take(entries));
+        (places.diagonal, places.inverse) = (take(m), take(m));
+        (places.lower, places.upper) = (take(lower), take(upper));
+        (places.lambda, places.found, places.x, places.y) = (take(m), take(m), take(m), take(m));
+        (places.zero, places.end) = (take(1), take(0));
+        if places.end > MOST_NUMBERS {
+            return None;
+        }
+
+        let mut plan = Self {
+            places,
+            coordinates: n,
+            equations: m,
+            entries,
+            links,
+            masses,
+            of_entry: vec![[usize::MAX; 2]; entries],
+            equation: vec![0; m],
+            place: Sheet::default(),
+            displace: Sheet::default(),
+            factor: Sheet::default(),
+            solve: Sheet::default(),
+            slopes: Sheet::default(),
+            rates: Sheet::default(),
+            push: Sheet::default(),
+        };
+        let mut by_coordinate = vec![Vec::new(); n];
+        for piece in &pieces {
+            for row in 0..piece.rows.equations() {
+                plan.equation[piece.row + row] = piece.rows.equation(row);
+                for (block, body) in piece.rows.touched_by(row) {
+                    for d in 0..D {
+                        let (entry, coordinate) = ((piece.block + block) * D + d, body * D + d);
+                        plan.of_entry[entry] = [coordinate, piece.row + row];
+                        if plan.masses[coordinate][1] != 0.0 {
+                            by_coordinate[coordinate].push((entry, piece.row + row));
+                        }
+                    }
+                }
+            }
+            plan.eliminate::<D>(piece);
+        }
+        let Places { lifted, free, trial, change, lambda, found, x, zero, .. } = places;
+        for (c, entries) in by_coordinate.iter().enumerate() {
+            let products = |of: usize| -> Vec<_> {
+                entries.iter().map(|&(entry, row)| [lifted + entry, of + row]).collect()
+            };
+            plan.place.put(trial + c, free + c, &products(lambda), &[], End::Plain);
+            plan.displace.put(change + c, zero, &products(found), &[], End::Plain);
+            if !entries.is_empty() {
+                plan.push.put(change + c, change + c, &[], &products(x), End::Plain);
+            }
+        }
+        Some(plan)
+    }
+
+    /// Writes down the elimination of a component.
+    fn eliminate<const D: usize>(&mut self, piece: &Piece<'_>) {
+        let Piece { rows, row, block, pattern, firsts } = piece;
+        let Places { lifted, gradient, g, diagonal, inverse, lower, upper, x, y, zero, change, .. } =
+            self.places;
+        let (lower, upper) = (lower + firsts.0, upper + firsts.1);
+        let entry = |block_of_row: usize, d: usize| (block + block_of_row) * D + d;
+        // ∇gᵢ(q′)·M⁻¹∇gⱼ(q), as products.
+        let entries = |i: usize, j: usize| -> Vec<[usize; 2]> {
+            let pairs = rows.blocks_of(i).flat_map(|(a, body)| {
+                rows.blocks_of(j).filter(move |&(_, other)| other == body).map(move |(b, _)| (a, b))
+            });
+            let each = pairs.flat_map(|(a, b)| (0..D).map(move |d| (a, b, d)));
+            each.map(|(a, b, d)| [gradient + entry(a, d), lifted + entry(b, d)]).collect()
+        };
+        // Where entry (k, j) of L, and (j, k) of U, is.
+        let of_lower = |k: usize, j: usize| {
+            let columns = &pattern.lower[pattern.lower_start[k]..pattern.lower_start[k + 1]];
+            columns.binary_search(&j).ok().map(|at| lower + pattern.lower_start[k] + at)
+        };
+        let of_upper = |k: usize, j: usize| {
+            let columns = &pattern.upper[pattern.upper_start[k]..pattern.upper_start[k + 1]];
+            columns.binary_search(&j).ok().map(|at| upper + pattern.upper_start[k] + at)
+        };
+        let columns = |k: usize| pattern.lower[pattern.lower_start[k]..pattern.lower_start[k + 1]].to_vec();
+        // What rows before `past` take from entry (i, j).
+        let taken = |i: usize, j: usize, past: usize| -> Vec<[usize; 2]> {
+            let before = columns(i).into_iter().filter(|&k| k < past);
+            before.filter_map(|k| Some([of_lower(i, k)?, of_upper(k, j)?])).collect()
+        };
+        let m = pattern.order.len();
+        let (factor, solve) = (&mut self.factor, &mut self.solve);
+        for i in 0..m {
+            let own = pattern.order[i];
+            for k in columns(i) {
+                let Some(to) = of_lower(i, k) else { continue };
+                let end = End::Times(inverse + row + pattern.order[k]);
+                factor.put(to, zero, &entries(own, pattern.order[k]), &taken(i, k, k), end);
+            }
+            let (all, place) = (entries(own, own), diagonal + row + own);
+            factor.put(place, zero, &all, &[], End::Plain);
+            factor.put(inverse + row + own, place, &[], &taken(i, i, i), End::Inverse);
+            self.slopes.put(place, zero, &all, &[], End::Plain);
+            for &j in &pattern.upper[pattern.upper_start[i]..pattern.upper_start[i + 1]] {
+                let Some(to) = of_upper(i, j) else { continue };
+                factor.put(to, zero, &entries(own, pattern.order[j]), &taken(i, j, i), End::Plain);
+            }
+            let known: Vec<_> =
+                columns(i).into_iter().filter_map(|k| Some([of_lower(i, k)?, y + row + k])).collect();
+            solve.put(y + row + i, g + row + own, &[], &known, End::Plain);
+        }
+        for i in (0..m).rev() {
+            let own = pattern.order[i];
+            let known: Vec<_> = pattern.upper[pattern.upper_start[i]..pattern.upper_start[i + 1]]
+                .iter()
+                .filter_map(|&j| Some([of_upper(i, j)?, x + row + pattern.order[j]]))
+                .collect();
+            solve.put(x + row + own, y + row + i, &[], &known, End::Times(inverse + row + own));
+        }
+        for i in 0..m {
+            let blocks = rows.blocks_of(i).map(|(block, body)| (block, rows.bodies[body]));
+            let each = blocks.flat_map(|(block, body)| (0..D).map(move |d| (block, body * D + d, d)));
+            let along: Vec<_> = each.map(|(block, c, d)| [gradient + entry(block, d), change + c]).collect();
+            self.rates.put(g + row + i, zero, &along, &[], End::Plain);
+        }
+    }
+
+    /// g at these coordinates.
+    #[inline(always)]
+    pub(super) fn values(&self, set: Fusing, at: usize, numbers: &mut [Numbers]) {
+        let Places { g, .. } = self.places;
+        let ranges = [at..at + self.coordinates, g..g + self.equations];
+        let Ok([q, g]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
+        for Links { links, runs, equations, .. } in &self.links {
+            for (members, row, _) in runs {
+                let g = &mut g[*row..row + members.len() * equations];
+                links.values(set, members.clone(), q, g);
+            }
+        }
+    }
+
+    /// g and its gradients at these coordinates.
+    #[inline(always)]
+    pub(super) fn gradients(&self, set: Fusing, at: usize, numbers: &mut [Numbers]) {
+        let Places { g, gradient, .. } = self.places;
+        let ranges = [at..at + self.coordinates, g..g + self.equations, gradient..gradient + self.entries];
+        let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
+        for Links { links, runs, equations, width } in &self.links {
+            for (members, row, entry) in runs {
+                let rows = members.len() * equations;
+                let (g, gradients) = (&mut g[*row..row + rows], &mut gradients[*entry..entry + rows * width]);
+                links.gradients(set, members.clone(), q, g, gradients);
+            }
+        }
+    }
+
+    /// Writes M⁻¹Gᵀ from G.
+    #[inline(always)]
+    pub(super) fn lift(&self, numbers: &mut [Numbers]) {
+        let Places { lifted, gradient, .. } = self.places;
+        for (entry, &[coordinate, _]) in self.of_entry.iter().enumerate() {
+            let over = self.masses[coordinate][1];
+            let mut of = numbers[gradient + entry];
+            for l in 0..ROW {
+                of.0[l].0 *= over;
+            }
+            numbers[lifted + entry] = of;
+        }
+    }
+}
+
+/// A component, where its rows and blocks begin, the pattern of its matrix, and where L and U begin.
+struct Piece<'a> {
+    rows: &'a Rows,
+    row: usize,
+    block: usize,
+    pattern: Pattern,
+    firsts: (usize, usize),
+}

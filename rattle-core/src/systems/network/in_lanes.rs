@@ -1,0 +1,160 @@
+//! Links of a network for trajectories side by side: each number of a link is a row of numbers, one of each trajectory.
+//!
+//! Made of a [`Group`](crate::systems::network::group::Group) for ensembles alone, and nothing in it knows how many
+//! coordinates a body has: what is built on it is compiled once, not for every scene.
+
+use crate::kernel::functions::ConstraintKernel;
+use crate::number::instructions::{Fusing, Work};
+use crate::number::lanes::{Fused, Lanes};
+use std::array::from_fn;
+use std::ops::Range;
+
+/// Trajectories of a row: so many that what is kept of some links fits the nearest cache.
+pub(crate) const ROW: usize = 32;
+
+/// A number of a lane.
+pub(crate) type Number = Fused<f64>;
+
+/// A number of each trajectory.
+pub(crate) type Numbers = Lanes<Number, ROW>;
+
+/// Zeros.
+pub(crate) const ZEROS: Numbers = Lanes([Fused(0.0); ROW]);
+
+/// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
+/// and coordinate of the link's bodies, are written one after the other.
+pub(crate) trait InLanes: Send + Sync {
+    /// g of some members.
+    fn values(&self, set: Fusing, members: Range<usize>, q: &[Numbers], g: &mut [Numbers]);
+    /// g and ∂g/∂q of some members.
+    fn gradients(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        q: &[Numbers],
+        g: &mut [Numbers],
+        gradients: &mut [Numbers],
+    );
+}
+
+/// Copies of one constraint between A bodies of D coordinates; K = A·D.
+pub(super) struct LinksInLanes<H, const K: usize, const M: usize, const A: usize, const D: usize> {
+    /// One for all members, or one for each.
+    pub(super) kernels: Vec<H>,
+    pub(super) members: Vec<[usize; A]>,
+}
+
+impl<H: Clone, const K: usize, const M: usize, const A: usize, const D: usize> LinksInLanes<H, K, M, A, D> {
+    /// A kernel of one's own, which is out of reach of what loops write.
+    #[inline(always)]
+    fn kernel(&self, member: usize) -> H {
+        self.kernels[if self.kernels.len() == 1 { 0 } else { member }].clone()
+    }
+
+    /// Where the coordinates of a member's bodies are.
+    #[inline(always)]
+    fn places<'a>(&self, member: usize, q: &'a [Numbers]) -> [&'a Numbers; K] {
+        let bodies = &self.members[member];
+        from_fn(|k| &q[bodies[k / D] * D + k % D])
+    }
+}
+
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize> InLanes
+    for LinksInLanes<H, K, M, A, D>
+where
+    H: ConstraintKernel<Number, K, M>,
+{
+    fn values(&self, set: Fusing, members: Range<usize>, q: &[Numbers], g: &mut [Numbers]) {
+        set.run(Values { links: self, members, q, g });
+    }
+
+    fn gradients(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        q: &[Numbers],
+        g: &mut [Numbers],
+        gradients: &mut [Numbers],
+    ) {
+        set.run(Gradients { links: self, members, q, g, gradients });
+    }
+}
+
+struct Values<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
+    links: &'a LinksInLanes<H, K, M, A, D>,
+    members: Range<usize>,
+    q: &'a [Numbers],
+    g: &'a mut [Numbers],
+}
+
+impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
+    for Values<'_, H, K, M, A, D>
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { links, members, q, g } = self;
+        for (member, g) in members.zip(g.as_chunks_mut().0) {
+            values_of(&links.kernel(member), links.places(member, q), g);
+        }
+    }
+}
+
+struct Gradients<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
+    links: &'a LinksInLanes<H, K, M, A, D>,
+    members: Range<usize>,
+    q: &'a [Numbers],
+    g: &'a mut [Numbers],
+    gradients: &'a mut [Numbers],
+}
+
+impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
+    for Gradients<'_, H, K, M, A, D>
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { links, members, q, g, gradients } = self;
+        let rows = gradients.as_chunks_mut::<K>().0.as_chunks_mut::<M>().0;
+        for (member, (g, rows)) in members.zip(g.as_chunks_mut().0.iter_mut().zip(rows)) {
+            gradients_of(&links.kernel(member), links.places(member, q), g, rows);
+        }
+    }
+}
+
+/// One member. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
+#[inline(always)]
+fn values_of<H, const K: usize, const M: usize>(kernel: &H, q: [&Numbers; K], g: &mut [Numbers; M])
+where
+    H: ConstraintKernel<Number, K, M>,
+{
+    for l in 0..ROW {
+        let values = kernel.value(&from_fn(|k| q[k].0[l]));
+        for i in 0..M {
+            g[i].0[l] = values[i];
+        }
+    }
+}
+
+/// See [`values_of`].
+#[inline(always)]
+fn gradients_of<H, const K: usize, const M: usize>(
+    kernel: &H,
+    q: [&Numbers; K],
+    g: &mut [Numbers; M],
+    rows: &mut [[Numbers; K]; M],
+) where
+    H: ConstraintKernel<Number, K, M>,
+{
+    for l in 0..ROW {
+        let (values, gradients) = kernel.value_and_jacobian(&from_fn(|k| q[k].0[l]));
+        for i in 0..M {
+            g[i].0[l] = values[i];
+            for k in 0..K {
+                rows[i][k].0[l] = gradients[i][k];
+            }
+        }
+    }
+}
