@@ -53,6 +53,9 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     const REMEMBERS: bool;
     /// Whether all flows are [pushes](Acting::PUSHES).
     const PUSHES: bool;
+    /// Whether the forces on each of several bodies are those on a body which is the only one, see
+    /// [`Acting::ON_EACH`].
+    const ON_EACH: bool;
     /// Room for so many bodies, made before the first step.
     fn room(&self, bodies: usize) -> Self::Room;
 
@@ -157,6 +160,7 @@ impl<T: Real, const D: usize> Forces<T, D> for () {
     const EFFECTS: usize = 0;
     const REMEMBERS: bool = false;
     const PUSHES: bool = true;
+    const ON_EACH: bool = true;
     fn room(&self, _: usize) {}
 
     #[inline(always)]
@@ -232,6 +236,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     const EFFECTS: usize = F::EFFECTS + 1;
     const REMEMBERS: bool = F::REMEMBERS || A::REMEMBERS;
     const PUSHES: bool = F::PUSHES && (A::PUSHES || !A::FLOWS);
+    const ON_EACH: bool = F::ON_EACH && A::ON_EACH;
     fn room(&self, bodies: usize) -> Self::Room {
         (self.others.room(bodies), self.effect.room(bodies))
     }

@@ -35,6 +35,7 @@ impl<P: Potential<D>, const D: usize> Effect<D, OnEach> for P {
 
 impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnEach<K> {
     type Room = ();
+    const ON_EACH: bool = true;
     fn room(&self, _: usize) {}
 
     #[inline(always)]

@@ -97,6 +97,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Whether the flow is a push, in proportion to h and the same for all momenta: such a flow acts where there are
     /// [no momenta](crate::methods::brownian::Brownian) too.
     const PUSHES: bool = false;
+    /// Whether the force on each of several bodies is that on a body which is the only one.
+    const ON_EACH: bool = false;
     /// How many numbers the effect remembers from step to step in a scene of so many bodies. They decide what it does:
     /// they are put back with the places when a step fails, and a [`State`](crate::motion::state::State) takes them
     /// along.

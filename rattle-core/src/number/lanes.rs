@@ -30,7 +30,6 @@
 use crate::number::functions::{self, single};
 use crate::number::instructions::{InstructionSet, Work};
 use crate::number::real::{Mask, Real};
-use std::array::from_fn;
 use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -54,6 +53,16 @@ pub struct Fused<F>(pub F);
 #[repr(C, align(64))] // cache lines, and the widest registers
 pub struct Lanes<S, const L: usize>(pub [S; L]);
 
+/// What each lane becomes. A loop: of many lanes `array::from_fn` is a call, compiled for no instruction set.
+#[inline(always)]
+fn each<X: Copy, const L: usize>(first: X, of: impl Fn(usize) -> X) -> [X; L] {
+    let mut all = [first; L];
+    for (l, x) in all.iter_mut().enumerate() {
+        *x = of(l);
+    }
+    all
+}
+
 /// The kernel of lanes of which lane i is the kernel `lane(i)`; `numbers` shows the numbers of a kernel in turn, and
 /// `map` replaces them in the same order.
 ///
@@ -75,7 +84,7 @@ pub(crate) fn side_by_side<S: Lane, K, R, const L: usize>(
     let of_each = all.len() / L;
     map(&lane(0), &|_| {
         let place = next.replace(next.get() + 1);
-        Lanes(from_fn(|i| all[i * of_each + place]))
+        Lanes(each(S::default(), |i| all[i * of_each + place]))
     })
 }
 
@@ -98,15 +107,15 @@ impl<const L: usize> Mask for Marks<L> {
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i] & other.0[i]))
+        Self(each(false, |i| self.0[i] & other.0[i]))
     }
     #[inline(always)]
     fn or(self, other: Self) -> Self {
-        Self(from_fn(|i| self.0[i] | other.0[i]))
+        Self(each(false, |i| self.0[i] | other.0[i]))
     }
     #[inline(always)]
     fn not(self) -> Self {
-        Self(self.0.map(|mark| !mark))
+        Self(each(false, |i| !self.0[i]))
     }
     fn lanes(self) -> impl Iterator<Item = bool> {
         self.0.into_iter()
@@ -126,7 +135,7 @@ macro_rules! operators {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self(from_fn(|i| self.0[i].$method(other.0[i])))
+                Self(each(S::default(), |i| self.0[i].$method(other.0[i])))
             }
         }
     )*};
@@ -145,7 +154,7 @@ impl<S: Lane, const L: usize> Neg for Lanes<S, L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        Self(self.0.map(Neg::neg))
+        Self(each(S::default(), |i| -self.0[i]))
     }
 }
 
@@ -249,7 +258,7 @@ macro_rules! of_each_lane {
     ($($name:ident)*) => {
         $(#[inline(always)]
         fn $name(self) -> Self {
-            Self(self.0.map(Real::$name))
+            Self(each(S::default(), |i| Real::$name(self.0[i])))
         })*
     };
 }
@@ -263,43 +272,46 @@ impl<S: Lane, const L: usize> Real for Lanes<S, L> {
     }
     #[inline(always)]
     fn from_lanes(lane: impl Fn(usize) -> f64) -> Self {
-        Self(from_fn(|i| S::from_f64(lane(i))))
+        Self(each(S::default(), |i| S::from_f64(lane(i))))
     }
     fn lanes(self) -> impl Iterator<Item = f64> {
         self.0.into_iter().map(Lane::to_f64)
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Marks<L> {
-        Marks(from_fn(|i| self.0[i].lt(other.0[i])))
+        Marks(each(false, |i| self.0[i].lt(other.0[i])))
     }
     #[inline(always)]
     fn le(self, other: Self) -> Marks<L> {
-        Marks(from_fn(|i| self.0[i].le(other.0[i])))
+        Marks(each(false, |i| self.0[i].le(other.0[i])))
     }
     #[inline(always)]
     fn select(mask: Marks<L>, a: Self, b: Self) -> Self {
-        Self(from_fn(|i| S::select(mask.0[i], a.0[i], b.0[i])))
+        Self(each(S::default(), |i| S::select(mask.0[i], a.0[i], b.0[i])))
     }
     #[inline(always)]
     fn multiply_add(self, b: Self, c: Self) -> Self {
-        Self(from_fn(|i| self.0[i].multiply_add(b.0[i], c.0[i])))
+        Self(each(S::default(), |i| self.0[i].multiply_add(b.0[i], c.0[i])))
     }
     each_function!(of_each_lane);
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let both = self.0.map(Real::sin_cos);
-        (Self(both.map(|(sine, _)| sine)), Self(both.map(|(_, cosine)| cosine)))
+        let mut both = (self, self);
+        for l in 0..L {
+            (both.0.0[l], both.1.0[l]) = self.0[l].sin_cos();
+        }
+        both
     }
     #[inline(always)]
     fn powf(self, exponent: Self) -> Self {
-        Self(from_fn(|i| self.0[i].powf(exponent.0[i])))
+        Self(each(S::default(), |i| self.0[i].powf(exponent.0[i])))
     }
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        Self(from_fn(|i| self.0[i].atan2(x.0[i])))
+        Self(each(S::default(), |i| self.0[i].atan2(x.0[i])))
     }
     #[inline(always)]
     fn hypot(self, y: Self) -> Self {
-        Self(from_fn(|i| self.0[i].hypot(y.0[i])))
+        Self(each(S::default(), |i| self.0[i].hypot(y.0[i])))
     }
 }

@@ -13,6 +13,7 @@ use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lanes};
+use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::linked_row::{Course, Landed, Pulling, Pulls, Steps, Velocities, at_rest};
@@ -29,12 +30,6 @@ use nalgebra::SVector;
 use std::array::from_fn;
 use std::hint::black_box;
 use std::sync::Arc;
-
-/// Lanes whose forces are evaluated at once: as many as the widest register has.
-const WIDE: usize = 8;
-
-/// A number of each of them.
-type Wide = Lanes<Number, WIDE>;
 
 /// What all rows of an ensemble have in common.
 struct Common<F, const D: usize> {
@@ -81,8 +76,13 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D> {
         }
         let plan = Plan::of(&shape, sums)?;
         let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
-        let pulls = (F::EFFECTS > 0)
-            .then(|| Box::new(Pull::<E::Forces<Wide>, D> { effects: effects.forces::<Wide>(), bodies }) as _);
+        let pulls: Option<Box<dyn Pulls>> = if const { F::EFFECTS == 0 } {
+            None
+        } else if const { F::ON_EACH } {
+            Some(Box::new(OnEach(effects.forces::<Number>())))
+        } else {
+            Some(Box::new(Any { effects: effects.forces::<Wide>(), bodies }))
+        };
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
         let numbers = vec![ZEROS; plan.places.kept];
         let common = Common { system, plan, pulls, stages: stages.to_vec(), parts, h, equal, sums, set };
@@ -332,12 +332,12 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
         let Some(pulls) = &self.common.pulls else { return };
         let Common { plan, parts, set, .. } = &*self.common;
         let (mut pulling, n) = (pulls.begin(), plan.coordinates);
-        let mut forces = vec![ZEROS; n];
+        let mut kicked = vec![ZEROS; n];
         for _ in 0..steps * parts.len() as u32 {
             let q = &self.numbers[plan.places.q..plan.places.q + n];
-            pulling.pull(*set, black_box(q), &mut forces);
+            pulling.pull(*set, 1e-9, black_box(q), &plan.masses, &mut kicked);
         }
-        black_box(forces);
+        black_box(kicked);
     }
 
     fn forces(&self) -> Vec<&'static str> {
@@ -374,20 +374,82 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
     }
 }
 
-/// Forces of effects over as many lanes as a register has.
-struct Pull<G, const D: usize> {
+/// Forces of effects that act on each body by itself.
+struct OnEach<G, const D: usize>(G);
+
+impl<G: Forces<Number, D>, const D: usize> Pulls for OnEach<G, D> {
+    fn begin(&self) -> Box<dyn Pulling + '_> {
+        Box::new(self)
+    }
+}
+
+impl<G: Forces<Number, D>, const D: usize> Pulling for &OnEach<G, D> {
+    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]) {
+        set.run(PullEach { effects: &self.0, times, q, masses, to });
+    }
+}
+
+struct PullEach<'a, G, const D: usize> {
+    effects: &'a G,
+    times: f64,
+    q: &'a [Numbers],
+    masses: &'a [[f64; 2]],
+    to: &'a mut [Numbers],
+}
+
+impl<G: Forces<Number, D>, const D: usize> Work for PullEach<'_, G, D> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { effects, times, q, masses, to } = self;
+        let effects = effects.clone(); // out of reach of what the loops write
+        let bodies = q.as_chunks::<D>().0.iter().zip(masses.as_chunks::<D>().0);
+        for ((q, masses), to) in bodies.zip(to.as_chunks_mut::<D>().0) {
+            if masses[0][1] != 0.0 {
+                pull_one(&effects, masses.map(|[_, over]| Fused(times * over)), q, to);
+            }
+        }
+    }
+}
+
+/// One body. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
+#[inline(always)]
+fn pull_one<G: Forces<Number, D>, const D: usize>(
+    effects: &G,
+    times: [Number; D],
+    q: &[Numbers; D],
+    to: &mut [Numbers; D],
+) {
+    let (zero, one) = ([Fused(-0.0); D], Fused(1.0));
+    for l in 0..ROW {
+        let force = effects.kick(&from_fn(|d| q[d].0[l]), one, zero);
+        for d in 0..D {
+            to[d].0[l] = times[d].multiply_add(force[d], to[d].0[l]);
+        }
+    }
+}
+
+/// Lanes for which forces between bodies are evaluated at once: as many as the widest register has.
+const WIDE: usize = 8;
+
+/// A number of each of them.
+type Wide = Lanes<Number, WIDE>;
+
+/// Forces of any effects.
+struct Any<G, const D: usize> {
     effects: G,
     bodies: usize,
 }
 
-impl<G: Forces<Wide, D>, const D: usize> Pulls for Pull<G, D> {
+impl<G: Forces<Wide, D>, const D: usize> Pulls for Any<G, D> {
     fn begin(&self) -> Box<dyn Pulling + '_> {
         let zero = Lanes([Fused(0.0); WIDE]);
         Box::new(Room {
             effects: &self.effects,
             positions: vec![[zero; D]; self.bodies],
             forces: vec![Force::zero(); self.bodies],
-            of_effects: self.effects.room(self.bodies),
+            room: self.effects.room(self.bodies),
         })
     }
 }
@@ -397,19 +459,21 @@ struct Room<'a, G: Forces<Wide, D>, const D: usize> {
     effects: &'a G,
     positions: Vec<[Wide; D]>,
     forces: Vec<G::Force>,
-    of_effects: G::Room,
+    room: G::Room,
 }
 
 impl<G: Forces<Wide, D>, const D: usize> Pulling for Room<'_, G, D> {
-    fn pull(&mut self, set: Fusing, q: &[Numbers], forces: &mut [Numbers]) {
-        set.run(PullAll { room: self, q, forces });
+    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]) {
+        set.run(PullAll { room: self, times, q, masses, to });
     }
 }
 
 struct PullAll<'a, 'b, G: Forces<Wide, D>, const D: usize> {
     room: &'a mut Room<'b, G, D>,
+    times: f64,
     q: &'a [Numbers],
-    forces: &'a mut [Numbers],
+    masses: &'a [[f64; 2]],
+    to: &'a mut [Numbers],
 }
 
 impl<G: Forces<Wide, D>, const D: usize> Work for PullAll<'_, '_, G, D> {
@@ -417,17 +481,20 @@ impl<G: Forces<Wide, D>, const D: usize> Work for PullAll<'_, '_, G, D> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { room: Room { effects, positions, forces, of_effects }, q, forces: all } = self;
+        let Self { room: Room { effects, positions, forces, room }, times, q, masses, to } = self;
         for first in (0..ROW).step_by(WIDE) {
             for (position, q) in positions.iter_mut().zip(q.as_chunks::<D>().0) {
                 *position = from_fn(|d| Lanes(from_fn(|l| q[d].0[first + l])));
             }
-            let at = Moment { time: 0.0, positions };
-            effects.evaluate(at, of_effects, forces);
-            for (force, all) in forces.iter().zip(all.as_chunks_mut::<D>().0) {
+            effects.evaluate(Moment { time: 0.0, positions }, room, forces);
+            let bodies = forces.iter().zip(masses.as_chunks::<D>().0).zip(to.as_chunks_mut::<D>().0);
+            for ((force, masses), to) in bodies {
                 let force = force.components();
                 for d in 0..D {
-                    all[d].0[first..first + WIDE].copy_from_slice(&force[d].0);
+                    let times = Fused(times * masses[d][1]);
+                    for l in 0..WIDE {
+                        to[d].0[first + l] = times.multiply_add(force[d].0[l], to[d].0[first + l]);
+                    }
                 }
             }
         }

@@ -50,8 +50,8 @@ pub(super) trait Pulls: Send + Sync {
 
 /// Forces and their room.
 pub(super) trait Pulling {
-    /// Writes the forces at these coordinates.
-    fn pull(&mut self, set: Fusing, q: &[Numbers], forces: &mut [Numbers]);
+    /// Adds so many times M⁻¹f, with the forces at these coordinates, and for each the mass and 1 over it.
+    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]);
 }
 
 /// Λ and the entries of G of a lane that cannot go with the others.
@@ -95,6 +95,9 @@ impl Work for Steps<'_, '_> {
     fn run(self) -> Result<(), Stuck> {
         let Self { course, mut pulling, apart, numbers, part, from, steps, looks } = self;
         let Course { plan, parts, equal, .. } = course;
+        for c in 0..plan.coordinates {
+            numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
+        }
         if from == 0 && steps > 0 {
             course.look_around(0, &parts[*part], numbers, &mut pulling)?;
         }
@@ -118,6 +121,18 @@ impl Work for Steps<'_, '_> {
         let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
         (0..ROW).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
+}
+
+/// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
+type Which = [u64; ROW];
+
+/// No lane.
+const CALM: Which = [0; ROW];
+
+/// Whether there is one among them.
+#[inline(always)]
+fn any(which: &Which) -> bool {
+    which.iter().fold(0, |any, which| any | which) != 0
 }
 
 /// Writes `f` of each lane of these numbers.
@@ -152,10 +167,10 @@ impl Course<'_> {
         apart: &mut Apart<'_>,
     ) -> Result<(), Stuck> {
         let Self { plan, sums, set, .. } = *self;
-        let (n, m) = (plan.coordinates, plan.equations);
+        let m = plan.equations;
         let Places { q, q_low, way, way_low, guess, free, trial, x, lambda, found, .. } = plan.places;
         let share = Fused(part.h / part.unit);
-        for c in 0..n {
+        for &c in &plan.moving {
             if sums {
                 let of = [q + c, way + c, q_low + c, way_low + c];
                 each(free + c, of, numbers, |[q, way, q_low, way_low]| {
@@ -173,11 +188,11 @@ impl Course<'_> {
         plan.factor.carry_out(numbers);
         let astray = self.astray(numbers);
         plan.solve.carry_out(numbers);
-        let far = self.unrest(FAR, numbers);
+        let far = self.unrest(FAR, &CALM, numbers);
         for i in 0..m {
             each(lambda + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
         }
-        if far.iter().any(|&far| far) {
+        if any(&far) {
             plan.place.carry_out(numbers);
             plan.values(set, trial, numbers);
             plan.solve.carry_out(numbers);
@@ -191,19 +206,17 @@ impl Course<'_> {
             for i in 0..m {
                 each(found + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
             }
-            let mut unrest = self.unrest(1.0, numbers);
-            for (unrest, astray) in unrest.iter_mut().zip(astray) {
-                *unrest &= !astray;
+            let unrest = self.unrest(1.0, &astray, numbers);
+            if !any(&unrest) {
+                break;
             }
             corrections += 1;
-            if corrections < CORRECTIONS && unrest.iter().any(|&unrest| unrest) {
+            if corrections < CORRECTIONS && unrest != astray {
                 self.correct(&unrest, numbers);
                 continue;
             }
-            for lane in 0..ROW {
-                if unrest[lane] || astray[lane] {
-                    self.go_apart(lane, part, numbers, apart)?;
-                }
+            for lane in (0..ROW).filter(|&lane| unrest[lane] != 0) {
+                self.go_apart(lane, part, numbers, apart)?;
             }
             break;
         }
@@ -213,37 +226,37 @@ impl Course<'_> {
 
     /// Takes the correction in these lanes.
     #[inline(always)]
-    fn correct(&self, lanes: &[bool; ROW], numbers: &mut [Numbers]) {
+    fn correct(&self, lanes: &Which, numbers: &mut [Numbers]) {
         let Places { lambda, x, .. } = self.plan.places;
         for i in 0..self.plan.equations {
             let (mut to, by) = (numbers[lambda + i], numbers[x + i]);
             for l in 0..ROW {
-                to.0[l] = Real::select(lanes[l], to.0[l] - by.0[l], to.0[l]);
+                to.0[l] = Real::select(lanes[l] != 0, to.0[l] - by.0[l], to.0[l]);
             }
             numbers[lambda + i] = to;
         }
     }
 
-    /// In which lanes a residual is more than so many times what it may be at rest, or is no number.
+    /// These lanes, and those in which a residual is more than so many times what it may be at rest, or is no number.
     #[inline(always)]
-    fn unrest(&self, times: f64, numbers: &[Numbers]) -> [bool; ROW] {
+    fn unrest(&self, times: f64, beside: &Which, numbers: &[Numbers]) -> Which {
         let Places { g, rest, .. } = self.plan.places;
-        let mut found = [0.0; ROW];
+        let mut which = *beside;
         for i in 0..self.plan.equations {
             let (g, rest) = (&numbers[g + i], &numbers[rest + i]);
             for l in 0..ROW {
                 let rests = g.0[l].0.abs() <= times * rest.0[l].0;
-                found[l] = if rests { found[l] } else { 1.0 };
+                which[l] = if rests { which[l] } else { 1 };
             }
         }
-        found.map(|found| found != 0.0)
+        which
     }
 
     /// In which lanes the constraints may have been left, or depend on each other, as the matrix just factored says.
     #[inline(always)]
-    fn astray(&self, numbers: &[Numbers]) -> [bool; ROW] {
+    fn astray(&self, numbers: &[Numbers]) -> Which {
         let Places { diagonal, inverse, square, .. } = self.plan.places;
-        let mut found = [0.0; ROW];
+        let mut which = CALM;
         for i in 0..self.plan.equations {
             let (slope, inverse, square) =
                 (&numbers[diagonal + i], &numbers[inverse + i], &numbers[square + i]);
@@ -251,10 +264,10 @@ impl Course<'_> {
                 let (slope, inverse, square) = (slope.0[l].0, inverse.0[l].0, square.0[l].0);
                 let upright = 2.0 * (slope - square).abs() <= square;
                 let clear = (0.0 < inverse) & (inverse * slope <= CLEAR);
-                found[l] = if upright & clear { found[l] } else { 1.0 };
+                which[l] = if upright & clear { which[l] } else { 1 };
             }
         }
-        found.map(|found| found != 0.0)
+        which
     }
 
     /// Finds where the step leads a lane that cannot go with the others.
@@ -282,11 +295,10 @@ impl Course<'_> {
     #[inline(always)]
     fn finish(&self, part: &Part, numbers: &mut [Numbers], pulling: &mut Option<&mut (dyn Pulling + '_)>) {
         let Self { plan, equal, sums, .. } = *self;
-        let Places { q, q_low, way, way_low, free, change, found, guess, last, earlier, square, .. } =
-            plan.places;
+        let Places { q, q_low, way, way_low, free, change, found, guess, last, earlier, .. } = plan.places;
         let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
         plan.displace.carry_out(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             if sums {
                 let of = [way, q_low, way_low, change].map(|of| of + c);
                 each(free + c, of, numbers, |[way, q_low, way_low, change]| {
@@ -306,14 +318,10 @@ impl Course<'_> {
             self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
         }
         plan.lift(numbers);
-        plan.slopes.carry_out(numbers);
-        for i in 0..plan.equations {
-            numbers[square + i] = numbers[plan.places.diagonal + i];
-        }
         if !equal {
             self.project(numbers);
         } else if sums {
-            for c in 0..plan.coordinates {
+            for &c in &plan.moving {
                 two_sum(way + c, way_low + c, way_low + c, numbers);
             }
         }
@@ -340,14 +348,13 @@ impl Course<'_> {
         numbers: &mut [Numbers],
         pulling: &mut Option<&mut (dyn Pulling + '_)>,
     ) {
-        let (Some(pulling), n) = (pulling, self.plan.coordinates) else { return };
-        let Places { q, force, .. } = self.plan.places;
-        if let Ok([q, force]) = numbers.get_disjoint_mut([q..q + n, force..force + n]) {
-            pulling.pull(self.set, q, force);
-        }
-        for (c, [_, over]) in self.plan.masses.iter().enumerate() {
-            let times = Fused(times * over);
-            each(to + c, [to + c, force + c], numbers, |[to, force]| times.multiply_add(force, to));
+        let (Some(pulling), Plan { coordinates: n, places: Places { q, .. }, masses, .. }) =
+            (pulling, self.plan)
+        else {
+            return;
+        };
+        if let Ok([q, to]) = numbers.get_disjoint_mut([*q..q + n, to..to + n]) {
+            pulling.pull(self.set, times, q, masses, to);
         }
     }
 
@@ -356,7 +363,7 @@ impl Course<'_> {
     fn project(&self, numbers: &mut [Numbers]) {
         let Self { plan, sums, .. } = *self;
         let Places { way, way_low, change, .. } = plan.places;
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             if sums {
                 each(change + c, [way + c, way_low + c], numbers, |[way, low]| way + low);
             } else {
@@ -366,11 +373,11 @@ impl Course<'_> {
         plan.factor.carry_out(numbers);
         plan.rates.carry_out(numbers);
         plan.solve.carry_out(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             numbers[change + c] = numbers[if sums { way_low } else { way } + c];
         }
         plan.push.carry_out(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             if sums {
                 two_sum(way + c, way_low + c, change + c, numbers);
             } else {
@@ -446,7 +453,7 @@ impl Course<'_> {
             }
             plan.place.carry_out(numbers);
             plan.gradients(set, trial, numbers);
-            plan.slopes.carry_out(numbers);
+            plan.slopes(numbers);
             for i in 0..m {
                 let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
                 for l in 0..ROW {
@@ -473,23 +480,23 @@ impl Course<'_> {
         let Places { q, way, way_low, free, change, .. } = plan.places;
         plan.gradients(set, q, numbers);
         plan.lift(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             numbers[free + c] = if sums { numbers[way_low + c] } else { ZEROS };
         }
         if part.lead != 0.0 {
             self.kick(-part.unit * part.lead, free, numbers, pulling);
         }
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             each(change + c, [way + c, free + c], numbers, |[way, low]| way + low);
         }
         plan.factor.carry_out(numbers);
         plan.rates.carry_out(numbers);
         plan.solve.carry_out(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             numbers[change + c] = numbers[free + c];
         }
         plan.push.carry_out(numbers);
-        for c in 0..plan.coordinates {
+        for &c in &plan.moving {
             numbers[free + c] = numbers[way + c];
             two_sum(free + c, change + c, change + c, numbers);
         }

@@ -5,8 +5,9 @@
 //! once for all lanes, and what is carried out are loops over lanes that know nothing of bodies.
 
 use crate::number::instructions::Fusing;
+use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::network::in_lanes::{InLanes, Numbers, ROW};
+use crate::systems::network::in_lanes::{InLanes, Numbers, ROW, ZEROS};
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
@@ -146,7 +147,6 @@ pub(super) struct Places {
     pub(super) found: usize,
     pub(super) x: usize,
     y: usize,
-    pub(super) force: usize,
     zero: usize,
     /// The end of all.
     pub(super) end: usize,
@@ -172,7 +172,9 @@ pub(super) struct Plan {
     links: Vec<Links>,
     /// For each coordinate its mass and 1 over it; both 0 where pinned.
     pub(super) masses: Vec<[f64; 2]>,
-    /// For each entry its coordinate, and its equation.
+    /// The coordinates that are not pinned.
+    pub(super) moving: Vec<usize>,
+    /// For each entry its coordinate, and its equation; those of an equation in turn.
     pub(super) of_entry: Vec<[usize; 2]>,
     /// The number of each row among the equations of the scene.
     pub(super) equation: Vec<usize>,
@@ -184,8 +186,6 @@ pub(super) struct Plan {
     pub(super) factor: Sheet,
     /// What solves it for g.
     pub(super) solve: Sheet,
-    /// ∇gᵢ(q′)·M⁻¹∇gᵢ(q) alone: the diagonal of the matrix.
-    pub(super) slopes: Sheet,
     /// How fast a way leads off the constraints, and what x makes of it.
     pub(super) rates: Sheet,
     pub(super) push: Sheet,
@@ -241,7 +241,7 @@ impl Plan {
         }
         (places.square, places.rest, places.trouble) = (take(m), take(m), take(1));
         places.kept = take(0);
-        (places.free, places.trial, places.change, places.force) = (take(n), take(n), take(n), take(n));
+        (places.free, places.trial, places.change) = (take(n), take(n), take(n));
         (places.g, places.gradient) = (take(m), take(entries));
         (places.diagonal, places.inverse) = (take(m), take(m));
         (places.lower, places.upper) = (take(lower), take(upper));
@@ -257,6 +257,7 @@ impl Plan {
             equations: m,
             entries,
             links,
+            moving: (0..n).filter(|&c| masses[c][1] != 0.0).collect(),
             masses,
             of_entry: vec![[usize::MAX; 2]; entries],
             equation: vec![0; m],
@@ -264,7 +265,6 @@ impl Plan {
             displace: Sheet::default(),
             factor: Sheet::default(),
             solve: Sheet::default(),
-            slopes: Sheet::default(),
             rates: Sheet::default(),
             push: Sheet::default(),
         };
@@ -285,7 +285,8 @@ impl Plan {
             plan.eliminate::<D>(piece);
         }
         let Places { lifted, free, trial, change, lambda, found, x, zero, .. } = places;
-        for (c, entries) in by_coordinate.iter().enumerate() {
+        for &c in &plan.moving {
+            let entries = &by_coordinate[c];
             let products = |of: usize| -> Vec<_> {
                 entries.iter().map(|&(entry, row)| [lifted + entry, of + row]).collect()
             };
@@ -340,7 +341,6 @@ impl Plan {
             let (all, place) = (entries(own, own), diagonal + row + own);
             factor.put(place, zero, &all, &[], End::Plain);
             factor.put(inverse + row + own, place, &[], &taken(i, i, i), End::Inverse);
-            self.slopes.put(place, zero, &all, &[], End::Plain);
             for &j in &pattern.upper[pattern.upper_start[i]..pattern.upper_start[i + 1]] {
                 let Some(to) = of_upper(i, j) else { continue };
                 factor.put(to, zero, &entries(own, pattern.order[j]), &taken(i, j, i), End::Plain);
@@ -394,17 +394,39 @@ impl Plan {
         }
     }
 
-    /// Writes M⁻¹Gᵀ from G.
+    /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ.
     #[inline(always)]
     pub(super) fn lift(&self, numbers: &mut [Numbers]) {
-        let Places { lifted, gradient, .. } = self.places;
-        for (entry, &[coordinate, _]) in self.of_entry.iter().enumerate() {
-            let over = self.masses[coordinate][1];
-            let mut of = numbers[gradient + entry];
-            for l in 0..ROW {
-                of.0[l].0 *= over;
+        let Places { lifted, gradient, square, .. } = self.places;
+        let mut first = 0;
+        while first < self.entries {
+            let (row, mut sum) = (self.of_entry[first][1], ZEROS);
+            while first < self.entries && self.of_entry[first][1] == row {
+                let over = Fused(self.masses[self.of_entry[first][0]][1]);
+                let of = &numbers[gradient + first];
+                let mut up = ZEROS;
+                for l in 0..ROW {
+                    up.0[l] = over * of.0[l];
+                    sum.0[l] = of.0[l].multiply_add(up.0[l], sum.0[l]);
+                }
+                numbers[lifted + first] = up;
+                first += 1;
             }
-            numbers[lifted + entry] = of;
+            numbers[square + row] = sum;
+        }
+    }
+
+    /// Writes ∇gᵢ·M⁻¹∇gᵢ with the gradients of another place: the diagonal of the matrix.
+    #[inline(always)]
+    pub(super) fn slopes(&self, numbers: &mut [Numbers]) {
+        let Places { lifted, gradient, diagonal, .. } = self.places;
+        for i in 0..self.equations {
+            numbers[diagonal + i] = ZEROS;
+        }
+        for (entry, &[_, i]) in self.of_entry.iter().enumerate() {
+            let mut sum = numbers[diagonal + i];
+            add_product(&mut sum, &numbers[gradient + entry], &numbers[lifted + entry]);
+            numbers[diagonal + i] = sum;
         }
     }
 }
