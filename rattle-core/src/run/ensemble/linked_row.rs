@@ -29,10 +29,6 @@ use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
 use crate::systems::surface::tiles::AT_REST;
 
-/// A residual at the guess that is so many times what may be at rest takes a correction before gradients are evaluated
-/// again.
-const FAR: f64 = 1024.0;
-
 /// Corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
 
@@ -186,67 +182,73 @@ impl Course<'_> {
         plan.place.carry_out(numbers);
         plan.gradients(set, trial, numbers);
         plan.factor.carry_out(numbers);
-        let astray = self.astray(numbers);
+        let mut going = self.astray(numbers);
+        let astray = going;
         plan.solve.carry_out(numbers);
-        let far = self.unrest(FAR, &CALM, numbers);
         for i in 0..m {
             each(lambda + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
         }
-        if any(&far) {
-            plan.place.carry_out(numbers);
-            plan.values(set, trial, numbers);
-            plan.solve.carry_out(numbers);
-            self.correct(&far, numbers);
+        plan.place.carry_out(numbers);
+        plan.gradients(set, trial, numbers);
+        going = self.unrest(&going, numbers);
+        plan.solve.carry_out(numbers);
+        for i in 0..m {
+            each(found + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
         }
-        let mut corrections = 0;
-        loop {
-            plan.place.carry_out(numbers);
-            plan.gradients(set, trial, numbers);
-            plan.solve.carry_out(numbers);
-            for i in 0..m {
-                each(found + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
-            }
-            let unrest = self.unrest(1.0, &astray, numbers);
-            if !any(&unrest) {
-                break;
-            }
-            corrections += 1;
-            if corrections < CORRECTIONS && unrest != astray {
-                self.correct(&unrest, numbers);
-                continue;
-            }
-            for lane in (0..ROW).filter(|&lane| unrest[lane] != 0) {
+        if any(&going) {
+            self.go_on(&mut going, &astray, numbers);
+            for lane in (0..ROW).filter(|&lane| going[lane] != 0) {
                 self.go_apart(lane, part, numbers, apart)?;
             }
-            break;
         }
         self.finish(part, numbers, pulling);
         Ok(())
     }
 
-    /// Takes the correction in these lanes.
+    /// Corrects lanes that are not at rest, by Newton's method; at the end `going` are those that need more of it.
+    /// Nothing changes in others.
     #[inline(always)]
-    fn correct(&self, lanes: &Which, numbers: &mut [Numbers]) {
-        let Places { lambda, x, .. } = self.plan.places;
-        for i in 0..self.plan.equations {
-            let (mut to, by) = (numbers[lambda + i], numbers[x + i]);
-            for l in 0..ROW {
-                to.0[l] = Real::select(lanes[l] != 0, to.0[l] - by.0[l], to.0[l]);
+    fn go_on(&self, going: &mut Which, astray: &Which, numbers: &mut [Numbers]) {
+        let Self { plan, set, .. } = *self;
+        let Places { trial, lambda, found, .. } = plan.places;
+        for _ in 0..CORRECTIONS {
+            if going == astray {
+                return;
             }
-            numbers[lambda + i] = to;
+            plan.factor.carry_out(numbers);
+            plan.solve.carry_out(numbers);
+            self.correct(lambda, going, numbers);
+            plan.place.carry_out(numbers);
+            plan.gradients(set, trial, numbers);
+            let unrest = self.unrest(astray, numbers);
+            plan.solve.carry_out(numbers);
+            self.correct(found, going, numbers);
+            *going = unrest;
         }
     }
 
-    /// These lanes, and those in which a residual is more than so many times what it may be at rest, or is no number.
+    /// Writes Λ less the correction in these lanes.
     #[inline(always)]
-    fn unrest(&self, times: f64, beside: &Which, numbers: &[Numbers]) -> Which {
+    fn correct(&self, to: usize, lanes: &Which, numbers: &mut [Numbers]) {
+        let Places { lambda, x, .. } = self.plan.places;
+        for i in 0..self.plan.equations {
+            let (mut all, from, by) = (numbers[to + i], numbers[lambda + i], numbers[x + i]);
+            for l in 0..ROW {
+                all.0[l] = Real::select(lanes[l] != 0, from.0[l] - by.0[l], all.0[l]);
+            }
+            numbers[to + i] = all;
+        }
+    }
+
+    /// These lanes, and those in which a residual is more than it may be at rest, or is no number.
+    #[inline(always)]
+    fn unrest(&self, beside: &Which, numbers: &[Numbers]) -> Which {
         let Places { g, rest, .. } = self.plan.places;
         let mut which = *beside;
         for i in 0..self.plan.equations {
             let (g, rest) = (&numbers[g + i], &numbers[rest + i]);
             for l in 0..ROW {
-                let rests = g.0[l].0.abs() <= times * rest.0[l].0;
-                which[l] = if rests { which[l] } else { 1 };
+                which[l] = if g.0[l].0.abs() <= rest.0[l].0 { which[l] } else { 1 };
             }
         }
         which

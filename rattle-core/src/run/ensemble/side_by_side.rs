@@ -169,25 +169,26 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         let before = (self.engine.lanes(), self.engine.laws(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
+        let alone: Vec<_> = (0..E::WIDTH).filter(|&lane| together[lane] && self.crowded[lane]).collect();
+        let mut stuck: Vec<_> = alone.into_iter().map(|lane| Stuck { lane, failure: None }).collect();
         loop {
-            let crowded = (0..E::WIDTH).find(|&lane| together[lane] && self.crowded[lane]);
-            let Stuck { lane, failure } = if let Some(lane) = crowded {
-                Stuck { lane, failure: None }
-            } else if !together.contains(&true) {
-                break;
-            } else if let Err(stuck) = self.attempt(steps, None) {
-                Stuck { lane: self.copy_of[stuck.lane], ..stuck }
-            } else {
-                break;
-            };
-            self.crowded[lane] |= failure.is_none();
-            match self.by_itself(lane, failure, steps) {
-                Ok(bodies) => apart.push((lane, bodies)),
-                Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
-                Err(failure) => self.end(lane, failure),
+            for Stuck { lane, failure } in stuck.drain(..) {
+                self.crowded[lane] |= failure.is_none();
+                match self.by_itself(lane, failure, steps) {
+                    Ok(bodies) => apart.push((lane, bodies)),
+                    Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
+                    Err(failure) => self.end(lane, failure),
+                }
+                together[lane] = false;
             }
-            together[lane] = false;
             self.stand_in(&together);
+            if !together.contains(&true) {
+                break;
+            }
+            match self.attempt(steps, None) {
+                Ok(()) => break,
+                Err(of) => stuck.push(Stuck { lane: self.copy_of[of.lane], ..of }),
+            }
         }
         if fails {
             self.engine.keep(before.0);

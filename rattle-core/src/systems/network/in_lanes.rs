@@ -10,7 +10,7 @@ use std::array::from_fn;
 use std::ops::Range;
 
 /// Trajectories of a row: so many that what is kept of some links fits the nearest cache.
-pub(crate) const ROW: usize = 32;
+pub(crate) const ROW: usize = 64;
 
 /// A number of a lane.
 pub(crate) type Number = Fused<f64>;
