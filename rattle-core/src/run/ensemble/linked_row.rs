@@ -13,8 +13,8 @@
 //! as on surfaces. A lane at rest stays as it is while others are corrected again: what a lane does depends on nothing
 //! but its own past.
 //!
-//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is half to one and a half of what it was, and pivots are at least a sixteenth
-//! of that, as where normals are clearly independent. Lanes where that is not so, or that do not come to rest, are
+//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is half to one and a half of what it was, and pivots are not too small a
+//! part of that. Lanes where that is not so, or that do not come to rest, are
 //! solved as a [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets
 //! are near ([`crate::solve::crowd`]).
 
@@ -24,7 +24,7 @@ use crate::number::real::Real;
 use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::plan::{Places, Plan};
+use crate::run::ensemble::plan::{Places, Plan, Takes};
 use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
 use crate::systems::surface::tiles::AT_REST;
@@ -32,8 +32,10 @@ use crate::systems::surface::tiles::AT_REST;
 /// Corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
 
-/// Pivots are no smaller than one over this, relative to what they were formed of.
-const CLEAR: f64 = 16.0;
+/// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits of
+/// multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links that
+/// is eliminated from both ends the last pivot is 4/n.
+const CLEAR: f64 = 4096.0;
 
 /// A lane that goes apart in so many of some hundred steps goes by itself.
 const TROUBLED: f64 = 24.0;
@@ -164,7 +166,7 @@ impl Course<'_> {
     ) -> Result<(), Stuck> {
         let Self { plan, sums, set, .. } = *self;
         let m = plan.equations;
-        let Places { q, q_low, way, way_low, guess, free, trial, x, lambda, found, .. } = plan.places;
+        let Places { q, q_low, way, way_low, guess, free, trial, lambda, found, .. } = plan.places;
         let share = Fused(part.h / part.unit);
         for &c in &plan.moving {
             if sums {
@@ -184,17 +186,11 @@ impl Course<'_> {
         plan.factor.carry_out(numbers);
         let mut going = self.astray(numbers);
         let astray = going;
-        plan.solve.carry_out(numbers);
-        for i in 0..m {
-            each(lambda + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
-        }
+        plan.correct(lambda, lambda, numbers);
         plan.place.carry_out(numbers);
         plan.gradients(set, trial, numbers);
         going = self.unrest(&going, numbers);
-        plan.solve.carry_out(numbers);
-        for i in 0..m {
-            each(found + i, [lambda + i, x + i], numbers, |[lambda, x]| lambda - x);
-        }
+        plan.correct(lambda, found, numbers);
         if any(&going) {
             self.go_on(&mut going, &astray, numbers);
             for lane in (0..ROW).filter(|&lane| going[lane] != 0) {
@@ -216,12 +212,12 @@ impl Course<'_> {
                 return;
             }
             plan.factor.carry_out(numbers);
-            plan.solve.carry_out(numbers);
+            plan.solve(numbers);
             self.correct(lambda, going, numbers);
             plan.place.carry_out(numbers);
             plan.gradients(set, trial, numbers);
             let unrest = self.unrest(astray, numbers);
-            plan.solve.carry_out(numbers);
+            plan.solve(numbers);
             self.correct(found, going, numbers);
             *going = unrest;
         }
@@ -297,24 +293,12 @@ impl Course<'_> {
     #[inline(always)]
     fn finish(&self, part: &Part, numbers: &mut [Numbers], pulling: &mut Option<&mut (dyn Pulling + '_)>) {
         let Self { plan, equal, sums, .. } = *self;
-        let Places { q, q_low, way, way_low, free, change, found, guess, last, earlier, .. } = plan.places;
+        let Places { way, way_low, found, guess, last, earlier, .. } = plan.places;
         let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
-        plan.displace.carry_out(numbers);
-        for &c in &plan.moving {
-            if sums {
-                let of = [way, q_low, way_low, change].map(|of| of + c);
-                each(free + c, of, numbers, |[way, q_low, way_low, change]| {
-                    share.multiply_add(way_low, q_low) + share.multiply_add(way, change)
-                });
-                two_sum(q + c, q_low + c, free + c, numbers);
-                let of = [way_low + c, change + c];
-                each(way_low + c, of, numbers, |[low, change]| over_share.multiply_add(change, low));
-            } else {
-                each(q + c, [free + c, change + c], numbers, |[free, change]| free + change);
-                each(way + c, [way + c, change + c], numbers, |[way, change]| {
-                    over_share.multiply_add(change, way)
-                });
-            }
+        if sums {
+            plan.displace.hand_over(numbers, &MoveSums { places: &plan.places, share, over_share });
+        } else {
+            plan.displace.hand_over(numbers, &Move { places: &plan.places, over_share });
         }
         if part.kick != 0.0 {
             self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
@@ -329,15 +313,16 @@ impl Course<'_> {
         }
         let [a, b, c] = part.weights.map(Fused);
         for i in 0..plan.equations {
-            each(guess + i, [found + i, last + i, earlier + i], numbers, |[found, last, earlier]| {
-                if equal {
+            let (new, before, mut first) = (numbers[found + i], numbers[last + i], numbers[earlier + i]);
+            for l in 0..ROW {
+                let (found, last, earlier) = (new.0[l], before.0[l], first.0[l]);
+                first.0[l] = if equal {
                     Fused(3.0).multiply_add(found - last, earlier)
                 } else {
                     a.multiply_add(found, b.multiply_add(last, c * earlier))
-                }
-            });
-            numbers[earlier + i] = numbers[last + i];
-            numbers[last + i] = numbers[found + i];
+                };
+            }
+            (numbers[guess + i], numbers[last + i], numbers[earlier + i]) = (first, new, before);
         }
     }
 
@@ -374,7 +359,7 @@ impl Course<'_> {
         }
         plan.factor.carry_out(numbers);
         plan.rates.carry_out(numbers);
-        plan.solve.carry_out(numbers);
+        plan.solve(numbers);
         for &c in &plan.moving {
             numbers[change + c] = numbers[if sums { way_low } else { way } + c];
         }
@@ -493,7 +478,7 @@ impl Course<'_> {
         }
         plan.factor.carry_out(numbers);
         plan.rates.carry_out(numbers);
-        plan.solve.carry_out(numbers);
+        plan.solve(numbers);
         for &c in &plan.moving {
             numbers[change + c] = numbers[free + c];
         }
@@ -523,6 +508,47 @@ impl Work for Velocities<'_, '_> {
     }
 }
 
+/// Moves a coordinate on by what constraints make of it.
+struct Move<'a> {
+    places: &'a Places,
+    over_share: Number,
+}
+
+impl Takes for Move<'_> {
+    #[inline(always)]
+    fn take(&self, place: usize, moved: &Numbers, numbers: &mut [Numbers]) {
+        let Places { q, way, free, change, .. } = *self.places;
+        let c = place - change;
+        let mut to = numbers[free + c];
+        for l in 0..ROW {
+            to.0[l] = to.0[l] + moved.0[l];
+        }
+        numbers[q + c] = to;
+        add_times(self.over_share, moved, &mut numbers[way + c]);
+    }
+}
+
+/// The same with compensated sums; what ways change by is left in their low digits.
+struct MoveSums<'a> {
+    places: &'a Places,
+    share: Number,
+    over_share: Number,
+}
+
+impl Takes for MoveSums<'_> {
+    #[inline(always)]
+    fn take(&self, place: usize, moved: &Numbers, numbers: &mut [Numbers]) {
+        let Places { q, q_low, way, way_low, change, .. } = *self.places;
+        let (c, share, mut by) = (place - change, self.share, ZEROS);
+        let (way, back, low) = (&numbers[way + c], &numbers[q_low + c], &numbers[way_low + c]);
+        for l in 0..ROW {
+            by.0[l] = share.multiply_add(low.0[l], back.0[l]) + share.multiply_add(way.0[l], moved.0[l]);
+        }
+        add(q + c, q_low + c, &by, numbers);
+        add_times(self.over_share, moved, &mut numbers[way_low + c]);
+    }
+}
+
 /// What |g| may be at rest, from the largest coordinates of ∇g and of places.
 #[inline(always)]
 pub(super) fn at_rest(length: Number, size: Number) -> Number {
@@ -532,11 +558,25 @@ pub(super) fn at_rest(length: Number, size: Number) -> Number {
 /// Adds `by` to a number that is a sum of two.
 #[inline(always)]
 fn two_sum(high: usize, low: usize, by: usize, numbers: &mut [Numbers]) {
+    let by = numbers[by];
+    add(high, low, &by, numbers);
+}
+
+/// See [`two_sum`].
+#[inline(always)]
+fn add(high: usize, low: usize, by: &Numbers, numbers: &mut [Numbers]) {
     let (mut sum, mut rest) = (numbers[high], ZEROS);
-    let by = &numbers[by];
     for l in 0..ROW {
         let ([s], [r]) = vector::two_sum(&[sum.0[l]], &[by.0[l]]);
         (sum.0[l], rest.0[l]) = (s, r);
     }
     (numbers[high], numbers[low]) = (sum, rest);
+}
+
+/// Adds this many times `by`.
+#[inline(always)]
+fn add_times(times: Number, by: &Numbers, to: &mut Numbers) {
+    for l in 0..ROW {
+        to.0[l] = times.multiply_add(by.0[l], to.0[l]);
+    }
 }

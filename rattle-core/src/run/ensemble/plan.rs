@@ -46,6 +46,36 @@ pub(super) enum End {
     Inverse,
 }
 
+/// Who is handed each sum of a sheet. (No closure: what is not inlined is compiled for no instruction set.)
+pub(super) trait Takes {
+    /// Takes the sum that was written to this place. Must be `#[inline(always)]`.
+    fn take(&self, place: usize, sum: &Numbers, numbers: &mut [Numbers]);
+}
+
+impl Takes for () {
+    #[inline(always)]
+    fn take(&self, _: usize, _: &Numbers, _: &mut [Numbers]) {}
+}
+
+/// Writes `from` less x.
+struct Less {
+    from: usize,
+    to: usize,
+    x: usize,
+}
+
+impl Takes for Less {
+    #[inline(always)]
+    fn take(&self, place: usize, by: &Numbers, numbers: &mut [Numbers]) {
+        let i = place - self.x;
+        let mut less = numbers[self.from + i];
+        for l in 0..ROW {
+            less.0[l] = less.0[l] - by.0[l];
+        }
+        numbers[self.to + i] = less;
+    }
+}
+
 impl Sheet {
     /// One more sum.
     fn put(&mut self, to: usize, from: usize, added: &[[usize; 2]], taken: &[[usize; 2]], end: End) {
@@ -61,6 +91,12 @@ impl Sheet {
     /// Computes all of them in turn.
     #[inline(always)]
     pub(super) fn carry_out(&self, numbers: &mut [Numbers]) {
+        self.hand_over(numbers, &());
+    }
+
+    /// The same, and hands over each as it is written.
+    #[inline(always)]
+    pub(super) fn hand_over(&self, numbers: &mut [Numbers], to_whom: &impl Takes) {
         for Sum { to, from, added, taken, end } in &self.sums {
             let mut sum = numbers[*from as usize];
             for &[a, b] in &self.products[added.start as usize..added.end as usize] {
@@ -83,6 +119,7 @@ impl Sheet {
                 }
             }
             numbers[*to as usize] = sum;
+            to_whom.take(*to as usize, &sum, numbers);
         }
     }
 }
@@ -184,8 +221,9 @@ pub(super) struct Plan {
     pub(super) displace: Sheet,
     /// The matrix of the position equation, factored.
     pub(super) factor: Sheet,
-    /// What solves it for g.
-    pub(super) solve: Sheet,
+    /// What solves it for g: forwards, and back to x.
+    pub(super) forwards: Sheet,
+    pub(super) back: Sheet,
     /// How fast a way leads off the constraints, and what x makes of it.
     pub(super) rates: Sheet,
     pub(super) push: Sheet,
@@ -264,7 +302,8 @@ impl Plan {
             place: Sheet::default(),
             displace: Sheet::default(),
             factor: Sheet::default(),
-            solve: Sheet::default(),
+            forwards: Sheet::default(),
+            back: Sheet::default(),
             rates: Sheet::default(),
             push: Sheet::default(),
         };
@@ -330,7 +369,7 @@ impl Plan {
             before.filter_map(|k| Some([of_lower(i, k)?, of_upper(k, j)?])).collect()
         };
         let m = pattern.order.len();
-        let (factor, solve) = (&mut self.factor, &mut self.solve);
+        let (factor, forwards, back) = (&mut self.factor, &mut self.forwards, &mut self.back);
         for i in 0..m {
             let own = pattern.order[i];
             for k in columns(i) {
@@ -347,7 +386,7 @@ impl Plan {
             }
             let known: Vec<_> =
                 columns(i).into_iter().filter_map(|k| Some([of_lower(i, k)?, y + row + k])).collect();
-            solve.put(y + row + i, g + row + own, &[], &known, End::Plain);
+            forwards.put(y + row + i, g + row + own, &[], &known, End::Plain);
         }
         for i in (0..m).rev() {
             let own = pattern.order[i];
@@ -355,27 +394,13 @@ impl Plan {
                 .iter()
                 .filter_map(|&j| Some([of_upper(i, j)?, x + row + pattern.order[j]]))
                 .collect();
-            solve.put(x + row + own, y + row + i, &[], &known, End::Times(inverse + row + own));
+            back.put(x + row + own, y + row + i, &[], &known, End::Times(inverse + row + own));
         }
         for i in 0..m {
             let blocks = rows.blocks_of(i).map(|(block, body)| (block, rows.bodies[body]));
             let each = blocks.flat_map(|(block, body)| (0..D).map(move |d| (block, body * D + d, d)));
             let along: Vec<_> = each.map(|(block, c, d)| [gradient + entry(block, d), change + c]).collect();
             self.rates.put(g + row + i, zero, &along, &[], End::Plain);
-        }
-    }
-
-    /// g at these coordinates.
-    #[inline(always)]
-    pub(super) fn values(&self, set: Fusing, at: usize, numbers: &mut [Numbers]) {
-        let Places { g, .. } = self.places;
-        let ranges = [at..at + self.coordinates, g..g + self.equations];
-        let Ok([q, g]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
-        for Links { links, runs, equations, .. } in &self.links {
-            for (members, row, _) in runs {
-                let g = &mut g[*row..row + members.len() * equations];
-                links.values(set, members.clone(), q, g);
-            }
         }
     }
 
@@ -392,6 +417,21 @@ impl Plan {
                 links.gradients(set, members.clone(), q, g, gradients);
             }
         }
+    }
+
+    /// Solves for x, and writes `from` less x.
+    #[inline(always)]
+    pub(super) fn correct(&self, from: usize, to: usize, numbers: &mut [Numbers]) {
+        let Places { x, .. } = self.places;
+        self.forwards.carry_out(numbers);
+        self.back.hand_over(numbers, &Less { from, to, x });
+    }
+
+    /// Solves for x.
+    #[inline(always)]
+    pub(super) fn solve(&self, numbers: &mut [Numbers]) {
+        self.forwards.carry_out(numbers);
+        self.back.carry_out(numbers);
     }
 
     /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ.

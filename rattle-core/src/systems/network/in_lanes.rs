@@ -24,8 +24,6 @@ pub(crate) const ZEROS: Numbers = Lanes([Fused(0.0); ROW]);
 /// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
 /// and coordinate of the link's bodies, are written one after the other.
 pub(crate) trait InLanes: Send + Sync {
-    /// g of some members.
-    fn values(&self, set: Fusing, members: Range<usize>, q: &[Numbers], g: &mut [Numbers]);
     /// g and ∂g/∂q of some members.
     fn gradients(
         &self,
@@ -64,10 +62,6 @@ impl<H, const K: usize, const M: usize, const A: usize, const D: usize> InLanes
 where
     H: ConstraintKernel<Number, K, M>,
 {
-    fn values(&self, set: Fusing, members: Range<usize>, q: &[Numbers], g: &mut [Numbers]) {
-        set.run(Values { links: self, members, q, g });
-    }
-
     fn gradients(
         &self,
         set: Fusing,
@@ -77,27 +71,6 @@ where
         gradients: &mut [Numbers],
     ) {
         set.run(Gradients { links: self, members, q, g, gradients });
-    }
-}
-
-struct Values<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
-    links: &'a LinksInLanes<H, K, M, A, D>,
-    members: Range<usize>,
-    q: &'a [Numbers],
-    g: &'a mut [Numbers],
-}
-
-impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
-    for Values<'_, H, K, M, A, D>
-{
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { links, members, q, g } = self;
-        for (member, g) in members.zip(g.as_chunks_mut().0) {
-            values_of(&links.kernel(member), links.places(member, q), g);
-        }
     }
 }
 
@@ -125,20 +98,6 @@ impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A:
 }
 
 /// One member. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
-#[inline(always)]
-fn values_of<H, const K: usize, const M: usize>(kernel: &H, q: [&Numbers; K], g: &mut [Numbers; M])
-where
-    H: ConstraintKernel<Number, K, M>,
-{
-    for l in 0..ROW {
-        let values = kernel.value(&from_fn(|k| q[k].0[l]));
-        for i in 0..M {
-            g[i].0[l] = values[i];
-        }
-    }
-}
-
-/// See [`values_of`].
 #[inline(always)]
 fn gradients_of<H, const K: usize, const M: usize>(
     kernel: &H,
