@@ -67,25 +67,6 @@ fn lanes_are_simulations_to_rounding() {
 fn what_does_not_go_in_lanes_goes_alone_and_is_a_simulation() {
     assert_eq!(off(Double, &Dop853::new(0.02), 20), 0.0);
     assert_eq!(off(Double, &Shake::new(0.02), 20), 0.0);
-    let double = || Scene::points::<2>(2).link(PlanarRod { length: 1.0 }, [[0, 1]]).pin(0, [0.0, 0.0]);
-    let scene = double().with(PlanarGravity { g: 1.0 });
-    let starts = (0..5).map(|i| {
-        let angle = f64::from(i);
-        State::of([[0.0, 0.0], [angle.sin(), -angle.cos()]])
-    });
-    let mut together = scene.ensemble(starts.clone(), Rattle::new(0.01)).unwrap();
-    together.run(100);
-    for (state, start) in together.states().zip(starts) {
-        let mut alone = scene.simulate(start, Rattle::new(0.01)).unwrap();
-        alone.run(100).unwrap();
-        assert_eq!(bits(&state), bits(&alone.state()));
-    }
-}
-
-constraint! {
-    /// A rod in the plane.
-    pub struct PlanarRod { length }
-    |a: [f64; 2], b: [f64; 2]| (a[0] - b[0])^2 + (a[1] - b[1])^2 - length^2
 }
 
 /// One hash for all: any width, any instruction set that fuses, any number of threads, any neighbours, any division of

@@ -8,6 +8,8 @@ mod ensemble;
 mod ensemble_retry;
 #[path = "../lanes.rs"]
 mod lanes;
+#[path = "../lanes_linked.rs"]
+mod lanes_linked;
 #[path = "../lanes_splittings.rs"]
 mod lanes_splittings;
 #[path = "../observers.rs"]

@@ -13,8 +13,7 @@
 //! as on surfaces. A lane at rest stays as it is while others are corrected again: what a lane does depends on nothing
 //! but its own past.
 //!
-//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is half to one and a half of what it was, and pivots are not too small a
-//! part of that. Lanes where that is not so, or that do not come to rest, are
+//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is what it was to an eighth, and pivots are not too small a part of that. Lanes where that is not so, or that do not come to rest, are
 //! solved as a [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets
 //! are near ([`crate::solve::crowd`]).
 
@@ -28,6 +27,10 @@ use crate::run::ensemble::plan::{Places, Plan, Takes};
 use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
 use crate::systems::surface::tiles::AT_REST;
+
+/// The slope ∇gᵢ(q′)·M⁻¹∇gᵢ(q) differs from what it was by no more than one over this: the cosine of the half by which a
+/// normal may turn on a path that is [short](crate::solve::root).
+const TURN: f64 = 8.0;
 
 /// Corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
@@ -260,7 +263,7 @@ impl Course<'_> {
                 (&numbers[diagonal + i], &numbers[inverse + i], &numbers[square + i]);
             for l in 0..ROW {
                 let (slope, inverse, square) = (slope.0[l].0, inverse.0[l].0, square.0[l].0);
-                let upright = 2.0 * (slope - square).abs() <= square;
+                let upright = TURN * (slope - square).abs() <= square;
                 let clear = (0.0 < inverse) & (inverse * slope <= CLEAR);
                 which[l] = if upright & clear { which[l] } else { 1 };
             }

@@ -1,0 +1,359 @@
+//! Linked bodies in lanes: as each trajectory alone but for rounding, whatever the links, masses, effects and methods.
+
+use rattle::bodies::Count;
+use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
+use rattle::effect::{Effects, LinearDrag};
+use rattle::ensemble::InstructionSet;
+use rattle::links::planar::Rod as PlanarRod;
+use rattle::links::{Angle, Rod};
+use rattle::method::Method;
+use rattle::potentials::planar::Gravity as PlanarGravity;
+use rattle::potentials::weights;
+use rattle::prelude::*;
+use rattle::scene::Hold;
+
+potential! {
+    struct Weight { g }
+    |_x, y, z| g * z + y^2 / 4
+}
+
+pair_potential! {
+    struct Repulsion { strength }
+    |r| strength * exp(-r^2)
+}
+
+constraint! {
+    /// A hinge of two equations: the second body is at unit distance, and in a plane that turns with the first.
+    struct Hinge { pitch }
+    |a: [f64; 3], b: [f64; 3]| [dot(b - a, b - a) - 1, b[2] - a[2] - pitch * sin(a[0])]
+}
+
+/// Places of a chain of rods of unit length, that hangs at these angles.
+fn chain<const D: usize>(links: usize, lean: f64) -> Vec<[f64; D]> {
+    let mut places = vec![[0.0; D]];
+    for i in 0..links {
+        let (angle, mut next) = (lean + 0.3 * i as f64, places[i]);
+        next[0] += angle.sin();
+        next[D - 1] -= angle.cos();
+        places.push(next);
+    }
+    places
+}
+
+/// More than a row, in motion along the constraints.
+fn starts<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    places: impl Fn(f64) -> Vec<[f64; D]>,
+) -> Vec<State<D>> {
+    let start = |i: u32| {
+        let lean = 0.4 + 0.02 * f64::from(i);
+        let places = places(lean);
+        let momenta = places.iter().map(|q| {
+            let mut p = [0.2; D];
+            p[0] = 0.5 * (q[D - 1] + lean).cos();
+            p
+        });
+        let momenta: Vec<_> = momenta.collect();
+        scene.project(&State::of(places).with_momenta(momenta)).unwrap()
+    };
+    (0..70).map(start).collect()
+}
+
+/// How far positions and momenta of an ensemble are off those of simulations.
+fn off<P: Precision, C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method, const D: usize>(
+    precision: P,
+    scene: &Scene<C, E, N, D>,
+    starts: &[State<D>],
+    method: &S,
+    steps: u64,
+) -> f64 {
+    let mut ensemble = scene.ensemble_in(precision, starts.iter().cloned(), method.clone()).unwrap();
+    ensemble.run(steps);
+    let apart = starts.iter().enumerate().step_by(3).map(|(i, start)| {
+        let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
+        simulation.run(steps).unwrap();
+        let state = ensemble.state(i);
+        assert_eq!((ensemble.failure(i), state.time()), (None, simulation.time()));
+        let places = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
+        let ways = state.momenta().zip(simulation.momenta()).map(|(a, b)| (a - b).norm());
+        places.chain(ways).fold(0.0, f64::max)
+    });
+    apart.fold(0.0, f64::max)
+}
+
+/// All methods and precisions in this scene.
+fn agree<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    places: impl Fn(f64) -> Vec<[f64; D]>,
+) {
+    let starts = starts(scene, places);
+    let found = [
+        off(Double, scene, &starts, &Rattle::new(0.01), 50),
+        off(Compensated, scene, &starts, &Rattle::new(0.01), 50),
+        off(Single, scene, &starts, &Rattle::new(0.01), 50), // in double precision too
+        off(Double, scene, &starts, &PositionVerlet::new(0.01), 50),
+        off(Double, scene, &starts, &SymplecticEuler::new(-0.01), 50),
+        off(Compensated, scene, &starts, &Geodesic::new(2, 0.02), 25),
+        off(Double, scene, &starts, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
+        off(Compensated, scene, &starts, &Composition::new(KAHAN_LI_1997_ORDER_8, 0.1), 5),
+    ];
+    println!("{found:?}");
+    let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
+    assert!(found.iter().all(|&off| off < 4e-13 && (off > 0.0) == fused), "{found:?}");
+    assert_eq!(off(Double, scene, &starts, &Lobatto::<3>::new(0.02), 5), 0.0, "none of them is in lanes");
+}
+
+#[test]
+fn double_pendulums_with_masses() {
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .masses([1.0, 2.5, 0.3])
+        .with(PlanarGravity { g: 1.0 });
+    agree(&scene, |lean| chain(2, lean));
+}
+
+#[test]
+fn chains_in_space_with_weights_and_a_free_end() {
+    let scene = Scene::points(7)
+        .link(Rod { length: 1.0 }, (0..5).map(|i| [i, i + 1])) // body 6 is free
+        .masses((0..7).map(|i| [1.0 + 0.1 * f64::from(i), 2.0, 0.7]))
+        .with(Weight { g: 0.5 })
+        .with(weights(1.0, (0..7).map(f64::from)));
+    agree(&scene, |lean| [chain(5, lean), vec![[3.0, 1.0, lean]]].concat());
+}
+
+/// A ring fills in where it is eliminated.
+#[test]
+fn rings_and_angles() {
+    let ring = |lean: f64| {
+        let corner = |i: u32| {
+            let angle = lean + f64::from(i) * std::f64::consts::TAU / 5.0;
+            let radius = 0.5 / (std::f64::consts::TAU / 10.0).sin();
+            [radius * angle.cos(), radius * angle.sin(), 0.3 * lean]
+        };
+        (0..5).map(corner).collect()
+    };
+    let inner = 0.6 * std::f64::consts::PI;
+    let scene = Scene::points(5)
+        .link(Rod { length: 1.0 }, (0..5).map(|i| [i, (i + 1) % 5]))
+        .link(Angle { angle: inner }, [[0, 1, 2]])
+        .with(Weight { g: 1.0 });
+    agree(&scene, ring);
+}
+
+/// Components of two bodies each, with forces between all.
+#[test]
+fn dumbbells_that_repel_each_other() {
+    let scene = Scene::points(6)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [2, 3], [4, 5]])
+        .with(Repulsion { strength: 2.0 });
+    let places = |lean: f64| {
+        let pair = |i: u32| {
+            let (x, angle) = (1.5 * f64::from(i), lean * f64::from(i + 1));
+            [[x, 0.0], [x + angle.cos(), angle.sin()]]
+        };
+        (0..3).flat_map(pair).collect()
+    };
+    agree(&scene, places);
+}
+
+#[test]
+fn links_of_two_equations_and_one_body() {
+    let scene = Scene::points(3)
+        .link(Hinge { pitch: 0.3 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0; 3])
+        .with(Weight { g: 1.0 });
+    let places = |lean: f64| {
+        let second = [lean.cos(), lean.sin(), 0.0];
+        let rise = 0.3 * second[0].sin();
+        let flat = (1.0 - rise * rise).sqrt();
+        vec![[0.0; 3], second, [second[0] + flat * lean.sin(), second[1] + flat * lean.cos(), rise]]
+    };
+    agree(&scene, places);
+
+    constraint! {
+        struct Curve { tilt }
+        |x, y, z| [x^2 + y^2 + z^2 - 1, z - tilt * x]
+    }
+    let tilt = 0.4_f64;
+    let scene = Scene::on(Curve { tilt }).with(Weight { g: 1.0 });
+    let round = (1.0 + tilt * tilt).sqrt();
+    agree(&scene, |lean| vec![[lean.cos() / round, lean.sin(), tilt * lean.cos() / round]]);
+}
+
+/// What cannot go side by side goes alone: those are simulations, bit for bit.
+#[test]
+fn others_go_alone() {
+    let double = || Scene::points(3).link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0, 0.0]);
+    let places = |lean| chain(2, lean);
+    fn alone<C: Hold<2> + 'static, E: Effects<2>, N: Count>(
+        scene: &Scene<C, E, N, 2>,
+        places: impl Fn(f64) -> Vec<[f64; 2]>,
+    ) {
+        let starts = &starts(scene, places)[..9];
+        assert_eq!(off(Double, scene, starts, &Rattle::new(0.01), 20), 0.0);
+    }
+    // Twice the same rod: normals depend on each other.
+    alone(
+        &double().link(PlanarRod { length: 1.0 }, [[1, 2]]).linear_algebra(LinearAlgebra::Orthogonal),
+        places,
+    );
+    // A mass that is a matrix.
+    alone(&double().mass(nalgebra::Matrix2::new(1.0, 0.2, 0.2, 2.0)), places);
+    // A link with a kink.
+    constraint! {
+        struct Bent {}
+        |x, y| abs(x) + y
+    }
+    alone(&Scene::points(1).link(Bent {}, [[0]]), |lean| vec![[1.0 + lean, -1.0 - lean]]);
+    // A link that moves, an effect with time, drag.
+    constraint! {
+        struct Lift {}
+        |_x, y, t| y - sin(t)
+    }
+    alone(&Scene::points(1).link_moving(Lift {}, [[0]]), |lean| vec![[lean, 0.0]]);
+    alone(&double().with(LinearDrag::new(0.1)), places);
+}
+
+/// Bits of a trajectory depend on no neighbour, no division of the run, no number of threads, no instruction set that
+/// fuses, and not on a checkpoint. Some steps are too long for some of the trajectories: these end, or go apart.
+#[test]
+fn the_same_bits_everywhere() {
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    fn check<S: Method>(
+        scene: &Scene<impl Hold<2> + Sync + 'static, impl Effects<2> + Sync, impl Count, 2>,
+        method: &S,
+        fails: bool,
+    ) {
+        let start = |i: u32| {
+            let speed = if i.is_multiple_of(5) { 8.0 } else { 0.3 };
+            let places = chain(2, 0.005 * f64::from(i));
+            scene.project(&State::of(places).with_momenta([[0.0, 0.0], [speed, 0.1], [-speed, 0.2]])).unwrap()
+        };
+        let of = |numbers: &[u32], set| {
+            let starts = numbers.iter().map(|&i| start(i));
+            Ensemble::of(Double, scene, starts, method.clone(), set).unwrap()
+        };
+        let bits = |ensemble: &Ensemble<2>| {
+            let states = (0..ensemble.len()).map(|i| (ensemble.state(i), ensemble.failure(i).cloned()));
+            states.map(|(state, why)| format!("{state:?} {}", why.is_some())).collect::<Vec<_>>()
+        };
+        let (numbers, widest): (Vec<u32>, _) = ((0..150).collect(), InstructionSet::widest());
+        let mut first = of(&numbers, widest);
+        first.run(300);
+        let expected = bits(&first);
+        let ended = first.failures().map(|(i, _)| i).collect::<Vec<_>>();
+        println!("{} ended", ended.len());
+        assert!(ended.is_empty() != fails && ended.iter().all(|i| i.is_multiple_of(5)), "{ended:?}");
+        for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
+            if set.is_present() && set.fuses() && widest.fuses() {
+                let mut other = of(&numbers, set);
+                other.run(300);
+                assert_eq!(bits(&other), expected, "{set}");
+            }
+        }
+        let mut parts = of(&numbers, widest);
+        for steps in [1, 63, 2, 134, 100] {
+            parts.run(steps);
+            let (record, mut again) = (parts.checkpoint(), of(&numbers, widest));
+            again.resume(&record).unwrap();
+            parts = again;
+        }
+        assert_eq!(bits(&parts), expected, "in parts");
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let mut others = of(&numbers[7..], widest);
+        pool.install(|| others.run(300));
+        assert_eq!(bits(&others), expected[7..], "others beside them");
+        let calm = numbers.iter().copied().filter(|i| !i.is_multiple_of(5)).collect::<Vec<_>>();
+        let mut calm_ones = of(&calm, widest);
+        calm_ones.run(300);
+        for (state, i) in bits(&calm_ones).into_iter().zip(calm) {
+            assert_eq!(state, expected[i as usize], "trajectory {i} without its wild neighbours");
+        }
+        let mut alone = of(&[77], widest);
+        alone.run(300);
+        assert_eq!(bits(&alone)[0], expected[77]);
+    }
+    check(&scene, &Rattle::new(0.02), false);
+    check(&scene, &Rattle::new(0.2), true);
+    check(&scene, &Composition::new(SUZUKI_1990_ORDER_4, 0.1), true);
+}
+
+/// In steps far too long a lane ends where a simulation ends, or neither does; and so does what is halved. What a lane
+/// starts with is momenta after the first kick, so that a step may be trusted that a simulation refuses: one here.
+#[test]
+fn long_steps_end_where_those_of_simulations_end() {
+    let scene = Scene::points(4)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2], [2, 3]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let start = |i: u32| {
+        let (places, rate) = (chain(3, 0.1 * f64::from(i)), 0.2 * f64::from(i));
+        let momenta = [[0.0, 0.0], [rate, 0.1], [0.3, -rate], [0.0, 0.5]];
+        scene.project(&State::of(places).with_momenta(momenta)).unwrap()
+    };
+    let (mut ended, mut bolder, mut longest) = (0, 0, 0.0_f64);
+    for halvings in [0, 8] {
+        let mut ensemble = scene.ensemble((0..64).map(start), Rattle::new(0.3)).unwrap().retry(halvings);
+        ensemble.run(6);
+        for i in 0..64 {
+            let mut simulation = scene.simulate(start(i), Rattle::new(0.3)).unwrap().retry(halvings);
+            let end = simulation.run(6).err();
+            let (state, why) = (ensemble.state(i as usize), ensemble.failure(i as usize));
+            let apart = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
+            let far = apart.fold(0.0, f64::max);
+            if state.time() > simulation.time() || (halvings > 0 && far > 1e-9) {
+                bolder += 1;
+                continue;
+            }
+            assert_eq!((why.is_some(), state.time()), (end.is_some(), simulation.time()), "trajectory {i}");
+            (ended, longest) = (ended + u32::from(end.is_some()), longest.max(far));
+        }
+    }
+    println!("{ended} ended, {bolder} bolder, others {longest:e} apart");
+    assert!(ended > 40 && bolder <= 2 && longest < 1e-9, "{ended} {bolder} {longest:e}");
+}
+
+/// What a sight tells in lanes, it tells of simulations.
+#[test]
+fn sights_tell_the_same() {
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .masses([1.0, 2.0, 3.0])
+        .with(PlanarGravity { g: 1.0 });
+    let starts = starts(&scene, |lean| chain(2, lean));
+    struct Told(Vec<f64>);
+    impl Observer<2> for Told {
+        fn see(&mut self, _: &Sight<'_, 2>, now: &Sight<'_, 2>) {
+            let forces = now.constraint_forces().into_iter().map(|f| f.norm());
+            self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature(), now.time]);
+            self.0.extend(now.multipliers().into_iter().chain(forces).chain(now.effect_energies()));
+            self.0.extend(now.positions.iter().flat_map(|q| q.iter()));
+        }
+        fn join(&mut self, next: Self) {
+            self.0.extend(next.0);
+        }
+    }
+    let mut ensemble = scene.ensemble(starts[..3].iter().cloned(), Rattle::new(0.01)).unwrap();
+    let seen = ensemble.observe(30, 10, || Each::of(|| Told(Vec::new())));
+    for (i, start) in starts[..3].iter().enumerate() {
+        let (mut own, mut simulation) =
+            (Told(Vec::new()), scene.simulate(start.clone(), Rattle::new(0.01)).unwrap());
+        simulation.observe(30, 10, &mut own).unwrap();
+        let told = seen.get(i).unwrap();
+        assert_eq!(told.0.len(), own.0.len());
+        let off = told.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-11, "{i}: {off:e}");
+    }
+    let bill = ensemble.bill().unwrap();
+    assert_eq!(
+        (bill.side_by_side > 1, &bill.items[0].what[..]),
+        (InstructionSet::widest().fuses(), "force of `Gravity`")
+    );
+    assert_eq!(ensemble.bodies(), 3);
+}
