@@ -23,6 +23,7 @@ use crate::run::fingerprint::of_system;
 use crate::run::readings::as_shown;
 use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::Linked;
+use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
 use crate::systems::network::solver::Solver;
@@ -184,15 +185,25 @@ fn go_apart<F: Forces<f64, D>, const D: usize>(
     lane: usize,
     part: &Part,
     numbers: &[Numbers],
+    room: &mut Option<BodiesOf<F, Many, D>>,
 ) -> Result<Landed, Stuck> {
     let Common { system, plan, sums, .. } = common;
     let Places { way, way_low, .. } = plan.places;
-    let bodies = bodies_of(plan, numbers, lane, [way, way_low], part.unit, *sums);
-    let mut bodies = system.bodies(&bodies, 0.0);
+    let places = bodies_of(plan, numbers, lane, [way, way_low], part.unit, *sums);
+    let bodies = match room {
+        None => room.insert(system.bodies(&places, 0.0)),
+        Some(bodies) => {
+            for (i, &Body { q, q_low, p, p_low }) in places.iter().enumerate() {
+                (bodies.q[i], bodies.q_low[i], bodies.p[i], bodies.p_low[i]) = (q, q_low, p, p_low);
+            }
+            system.refresh(bodies);
+            bodies
+        }
+    };
     let mut heard = Heard::of(plan.equations);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
-    system.settle(0.0, part.h, &mut bodies, &mut heard).map_err(stuck)?;
-    system.drift(0.0, part.h, &mut bodies, &mut heard).map_err(stuck)?;
+    system.settle(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
+    system.drift(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
     // What the way leads off the constraints Λ puts back.
     let [drift, settle] = &heard.multipliers;
     let multiplier = |&i: &usize| 0.5 * part.h * part.h * (drift[i] + settle[i]);
@@ -215,7 +226,10 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
         let mut part = self.part;
         let mut room = common.pulls.as_ref().map(|pulls| pulls.begin());
         let course = common.course();
-        let mut apart = |lane: usize, part: &Part, numbers: &[Numbers]| go_apart(common, lane, part, numbers);
+        let mut bodies = None;
+        let mut apart = |lane: usize, part: &Part, numbers: &[Numbers]| {
+            go_apart(common, lane, part, numbers, &mut bodies)
+        };
         let n = self.bodies_of_each();
         while let Some(Leg { from, steps, written }) = tour.next() {
             common.set.run(Steps {
@@ -249,8 +263,7 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Common { system, plan, parts, equal, sums, .. } = &*self.common;
-        let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, trouble, .. } =
-            plan.places;
+        let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
         let mut heard = Heard::of(plan.equations);
@@ -298,7 +311,6 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
             put(square + i, squares[i]);
             put(rest + i, at_rest(Fused(lengths[i]), Fused(reaches[i])).0);
         }
-        put(trouble, 0.0);
         drifted.is_ok() && off <= 2.0 * path
     }
 

@@ -40,9 +40,6 @@ const CORRECTIONS: usize = 5;
 /// is eliminated from both ends the last pivot is 4/n.
 const CLEAR: f64 = 4096.0;
 
-/// A lane that goes apart in so many of some hundred steps goes by itself.
-const TROUBLED: f64 = 24.0;
-
 /// Forces on all bodies of all lanes.
 pub(super) trait Pulls: Send + Sync {
     /// Room to evaluate them in.
@@ -109,10 +106,6 @@ impl Work for Steps<'_, '_> {
             }
             if now % EVERY == 0 {
                 course.rest(numbers);
-                let trouble = &mut numbers[plan.places.trouble];
-                for l in 0..ROW {
-                    trouble.0[l] = Fused(0.5) * trouble.0[l];
-                }
             }
             if now % EVERY == 0 || (looks && now == from + steps) {
                 course.look_around(now, &parts[*part], numbers, &mut pulling)?;
@@ -281,15 +274,13 @@ impl Course<'_> {
         numbers: &mut [Numbers],
         apart: &mut Apart<'_>,
     ) -> Result<(), Stuck> {
-        let Places { found, gradient, trouble, .. } = self.plan.places;
+        let Places { found, gradient, .. } = self.plan.places;
         let Landed { multipliers, gradients } = apart(lane, part, numbers)?;
         for (to, from) in [(found, multipliers), (gradient, gradients)] {
             let lanes = numbers[to..].iter_mut().map(|numbers| &mut numbers.0[lane]);
             lanes.zip(from).for_each(|(to, from)| *to = Fused(from));
         }
-        let trouble = &mut numbers[trouble].0[lane].0;
-        *trouble += 1.0;
-        if *trouble > TROUBLED { Err(Stuck { lane, failure: None }) } else { Ok(()) }
+        Ok(())
     }
 
     /// Makes the new positions and ways, and the next guess.

@@ -163,8 +163,6 @@ pub(super) struct Places {
     pub(super) square: usize,
     /// What |gᵢ| may be at rest.
     pub(super) rest: usize,
-    /// How often a lane has gone apart of late.
-    pub(super) trouble: usize,
     /// What is kept from step to step ends here; what follows is room for one step.
     pub(super) kept: usize,
     /// q + h v.
@@ -277,7 +275,7 @@ impl Plan {
         for place in [&mut places.guess, &mut places.last, &mut places.earlier] {
             *place = take(m);
         }
-        (places.square, places.rest, places.trouble) = (take(m), take(m), take(1));
+        (places.square, places.rest) = (take(m), take(m));
         places.kept = take(0);
         (places.free, places.trial, places.change) = (take(n), take(n), take(n));
         (places.g, places.gradient) = (take(m), take(entries));

@@ -168,7 +168,10 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     let stages = stages.iter().map(stage).collect::<Vec<_>>();
     let places = places.iter().map(|body| body.map(S::from_f64)).collect::<Vec<_>>();
     let mut bodies = system.bodies(&places, 0.0);
-    for _ in 0..steps {
+    for step in 0..steps {
+        if step > 0 {
+            system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+        }
         let start = bodies.saved();
         for _ in 0..parts {
             for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
