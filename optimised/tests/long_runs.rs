@@ -218,6 +218,35 @@ fn energy_does_not_drift_by_collocation_in_lanes() {
     assert!(slope.abs() <= 2e-20, "{slope:e}");
 }
 
+/// The same of double pendulums that swing a little, by a composition whose own error is below rounding.
+#[test]
+fn energy_does_not_drift_of_links_in_lanes() {
+    let scene = Scene::points(3)
+        .link(rattle::links::planar::Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    let start = |i: u32| {
+        let (a, b) = (0.1 + 0.5 * f64::from(i) / 64.0, 0.4 - 0.6 * f64::from(i) / 64.0);
+        let first = [a.sin(), -a.cos()];
+        State::of([[0.0, 0.0], first, [first[0] + b.sin(), first[1] - b.cos()]])
+    };
+    let method = Composition::new(KAHAN_LI_1997_ORDER_8, 0.05);
+    let mut ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
+    let energy = |ensemble: &Ensemble<2>| {
+        let of = |state: &State<2>| {
+            let kinetic = state.momenta().map(|p| 0.5 * p.norm_squared()).sum::<f64>();
+            kinetic + state.positions().map(|q| q.y).sum::<f64>()
+        };
+        ensemble.states().map(|state| of(&state)).sum::<f64>() / 64.0
+    };
+    let before = energy(&ensemble);
+    ensemble.run(50_000);
+    assert_eq!(ensemble.failures().count(), 0);
+    let slope = (energy(&ensemble) - before) / (5e4 * 17.0);
+    println!("links in lanes: {slope:.1e} each stage");
+    assert!(slope.abs() <= 1e-19, "{slope:e}");
+}
+
 #[test]
 #[ignore = "a minute"]
 fn energy_does_not_drift_in_1e6_steps_by_collocation() {

@@ -5,8 +5,11 @@
 
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
+use rattle::bodies::Many;
+use rattle::effect::Effects;
 use rattle::links::planar::Rod;
-use rattle::network::LinearAlgebra;
+use rattle::nalgebra::Vector2;
+use rattle::network::{LinearAlgebra, Network};
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
 use rayon::prelude::*;
@@ -25,31 +28,80 @@ struct Outcome {
     wrong: u32,
 }
 
-/// Random chains that hang from a pivot: links of `Distances` and rods in turn.
+/// A chain that hangs from a pivot: links of `Distances` and rods in turn.
+fn chain(links: usize, k: f64, algebra: LinearAlgebra) -> Scene<Network<2>, impl Effects<2>, Many, 2> {
+    let pairs = |parity: usize| (0..links).filter(move |i| i % 2 == parity).map(|i| [i, i + 1]);
+    Scene::points(links + 1)
+        .link(Distances { k }, pairs(0))
+        .link(Rod { length: 1.0 }, pairs(1))
+        .pin(0, [0.0, 0.0])
+        .linear_algebra(algebra)
+        .with(Gravity { g: 1.0 })
+}
+
+/// Random places and momenta of such a chain.
+fn start(links: usize, random: &mut StdRng) -> State<2> {
+    let mut places = vec![[0.0, 0.0]];
+    let mut momenta = vec![[0.0, 0.0]];
+    for i in 0..links {
+        let (angle, rate) = (random.random_range(-3.0_f64..3.0), random.random_range(-1.5..1.5));
+        let ([x, y], [u, v], (sin, cos)) = (places[i], momenta[i], angle.sin_cos());
+        places.push([x + cos, y + sin]);
+        momenta.push([u - rate * sin, v + rate * cos]);
+    }
+    State::of(places).with_momenta(momenta)
+}
+
+/// By how much a distance is not 1, at most.
+fn strain(places: impl Iterator<Item = Vector2<f64>>) -> f64 {
+    let places: Vec<_> = places.collect();
+    places.windows(2).map(|pair| ((pair[1] - pair[0]).norm() - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Random chains in lanes, 40 from each of so many scenes.
+fn chains_in_lanes<P: Precision, S: Method>(
+    precision: P,
+    seed: u64,
+    scenes: u32,
+    links: usize,
+    method: impl Fn(f64) -> S,
+) -> Outcome {
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    for _ in 0..scenes {
+        let k = 10_f64.powf(random.random_range(2.5..6.0));
+        let h = 10_f64.powf(random.random_range(-2.5..-0.5));
+        let starts = (0..40).map(|_| start(links, &mut random)).collect::<Vec<_>>();
+        let scene = chain(links, k, LinearAlgebra::Automatic);
+        let mut ensemble = scene.ensemble_in(precision, starts, method(h)).unwrap();
+        ensemble.run(60);
+        for (i, state) in ensemble.states().enumerate() {
+            let worst = strain(state.positions());
+            if worst > 1e-9 {
+                outcome.wrong += 1;
+                println!("seed {seed} k = {k:e}, h = {h}: {worst:e} in lane {i}");
+            } else if ensemble.failure(i).is_some() {
+                outcome.refused += 1;
+            } else {
+                outcome.right += 1;
+            }
+        }
+    }
+    println!("{outcome:?}");
+    outcome
+}
+
+/// Random chains.
 fn chains<S: Method>(seed: u64, runs: u32, links: usize, method: impl Fn(f64) -> S) -> Outcome {
     let mut random = StdRng::seed_from_u64(seed);
     let mut outcome = Outcome::default();
     for _ in 0..runs {
         let k = 10_f64.powf(random.random_range(2.5..6.0));
         let h = 10_f64.powf(random.random_range(-2.0..-0.5));
-        let mut places = vec![[0.0, 0.0]];
-        let mut momenta = vec![[0.0, 0.0]];
-        for i in 0..links {
-            let (angle, rate) = (random.random_range(-3.0_f64..3.0), random.random_range(-1.5..1.5));
-            let ([x, y], [u, v], (sin, cos)) = (places[i], momenta[i], angle.sin_cos());
-            places.push([x + cos, y + sin]);
-            momenta.push([u - rate * sin, v + rate * cos]);
-        }
-        let pairs = |parity: usize| (0..links).filter(move |i| i % 2 == parity).map(|i| [i, i + 1]);
+        let start = start(links, &mut random);
         let algebra =
             if random.random_bool(0.7) { LinearAlgebra::Automatic } else { LinearAlgebra::Orthogonal };
-        let scene = Scene::points(links + 1)
-            .link(Distances { k }, pairs(0))
-            .link(Rod { length: 1.0 }, pairs(1))
-            .pin(0, [0.0, 0.0])
-            .linear_algebra(algebra)
-            .with(Gravity { g: 1.0 });
-        let start = State::of(places).with_momenta(momenta);
+        let scene = chain(links, k, algebra);
         let mut simulation = scene.simulate(start, method(h)).unwrap();
         let mut ended = None;
         for _ in 0..60 {
@@ -57,9 +109,7 @@ fn chains<S: Method>(seed: u64, runs: u32, links: usize, method: impl Fn(f64) ->
                 ended = Some(error);
                 break;
             }
-            let places = simulation.positions().collect::<Vec<_>>();
-            let strain = places.windows(2).map(|pair| ((pair[1] - pair[0]).norm() - 1.0).abs());
-            let worst = strain.fold(0.0, f64::max);
+            let worst = strain(simulation.positions());
             if worst > 1e-9 {
                 outcome.wrong += 1;
                 println!("seed {seed} k = {k:e}, h = {h}: {worst:e} after {} steps", simulation.steps());
@@ -114,6 +164,24 @@ fn methods_without_a_guess_keep_them() {
     stay(22, 300, 2, 200, |h| Taylor::new(8, h));
     stay(23, 300, 2, 210, Dop853::new);
     stay(24, 300, 2, 80, Bdf2::new);
+}
+
+#[test]
+fn lanes_keep_them() {
+    for (seed, links, right) in [(30, 1, 600), (31, 2, 500), (32, 3, 400), (33, 7, 200)] {
+        let outcome = chains_in_lanes(Double, seed, 30, links, Rattle::new);
+        assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+    }
+    let suzuki = |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h);
+    let outcome = chains_in_lanes(Compensated, 34, 20, 2, suzuki);
+    assert!(outcome.wrong == 0 && outcome.right >= 200, "{outcome:?}");
+}
+
+#[test]
+#[ignore = "some minutes"]
+fn many_chains_in_lanes_keep_them() {
+    let wrong = |seed: u64| chains_in_lanes(Double, seed, 25, 1 + (seed % 4) as usize, Rattle::new).wrong;
+    assert_eq!((9000..9100_u64).into_par_iter().map(wrong).sum::<u32>(), 0);
 }
 
 /// `cargo test --test networks sheets_linked::many_chains -- --ignored`
