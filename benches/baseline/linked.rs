@@ -32,6 +32,118 @@ pub(crate) fn linked(task: &str, n: usize) -> Option<Box<dyn Run>> {
     }
 }
 
+/// Double pendulums, as `pendulums.c` has them: so many [side by side](PENDULUMS), with sums [compensated](SUMS), or one
+/// after the other [as simulations](APART).
+pub(crate) const PENDULUMS: &str = "pendulums";
+pub(crate) const SUMS: &str = "pendulums_compensated";
+pub(crate) const APART: &str = "pendulums_simulations";
+
+pub(crate) fn pendulums(row: &str, n: usize) -> Option<Box<dyn Run>> {
+    let scene = Scene::points(3)
+        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .with(Gravity { g: 1.0 });
+    let starts = (0..n).map(|i| {
+        let (sin, cos) = (0.5 + 1.5 * i as f64 / n as f64).sin_cos();
+        State::of([[0.0, 0.0], [sin, -cos], [2.0 * sin, -2.0 * cos]])
+    });
+    let method = Rattle::new(0.005);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    match row {
+        PENDULUMS => {
+            Some(Box::new(Pendulums { pool, ensemble: scene.ensemble(starts, method).expect("starts") }))
+        }
+        SUMS => {
+            let ensemble = scene.ensemble_in(Compensated, starts, method).expect("starts");
+            Some(Box::new(Pendulums { pool, ensemble }))
+        }
+        APART => {
+            let simulations = starts.map(|start| scene.simulate(start, method).expect("a start"));
+            Some(Box::new(ApartPendulums(simulations.collect())))
+        }
+        _ => None,
+    }
+}
+
+/// Energies, kinetic energies and residuals of double pendulums: mean, mean and largest.
+fn of_all(states: impl Iterator<Item = State<2>>) -> [f64; 3] {
+    let (mut energy, mut kinetic, mut worst, mut number) = (0.0, 0.0, 0.0_f64, 0.0);
+    for state in states {
+        let q = state.positions().collect::<Vec<_>>();
+        let own = state.momenta().map(|p| 0.5 * p.norm_squared()).sum::<f64>();
+        (energy, kinetic, number) = (energy + own + q[1].y + q[2].y, kinetic + own, number + 1.0);
+        worst = worst.max((q[1].norm_squared() - 1.0).abs()).max(((q[2] - q[1]).norm_squared() - 1.0).abs());
+    }
+    [energy / number, kinetic / number, worst]
+}
+
+struct Pendulums {
+    pool: rayon::ThreadPool,
+    ensemble: Ensemble<2>,
+}
+
+struct ApartPendulums<Y: System<f64, 2>>(Vec<Simulation<Y, Rattle, 2>>);
+
+/// The lower body.
+fn lower(state: &State<2>) -> ([f64; 3], [f64; 3]) {
+    let (q, p) = (state.positions().nth(2), state.momenta().nth(2));
+    let (q, p) = (q.expect("three bodies"), p.expect("three bodies"));
+    ([q.x, q.y, 0.0], [p.x, p.y, 0.0])
+}
+
+macro_rules! run_of_all {
+    ($($generics:tt)*) => {
+        $($generics)* {
+            fn advance(&mut self, steps: u64) {
+                self.go(steps);
+            }
+            fn body(&self, i: usize) -> ([f64; 3], [f64; 3]) {
+                lower(&self.state(i))
+            }
+            fn evaluations(&self) -> [u64; 2] {
+                [0; 2]
+            }
+            fn energy(&self) -> Option<f64> {
+                Some(of_all(self.states())[0])
+            }
+            fn kinetic(&self) -> Option<f64> {
+                Some(of_all(self.states())[1])
+            }
+            fn residual(&self) -> Option<f64> {
+                Some(of_all(self.states())[2])
+            }
+        }
+    };
+}
+run_of_all!(impl Run for Pendulums);
+run_of_all!(impl<Y: System<f64, 2>> Run for ApartPendulums<Y>);
+
+impl Pendulums {
+    fn go(&mut self, steps: u64) {
+        let Self { pool, ensemble } = self;
+        pool.install(|| ensemble.run(steps));
+        assert!(self.ensemble.failures().next().is_none(), "steps within reach");
+    }
+    fn state(&self, i: usize) -> State<2> {
+        self.ensemble.state(i)
+    }
+    fn states(&self) -> impl Iterator<Item = State<2>> + '_ {
+        self.ensemble.states()
+    }
+}
+
+impl<Y: System<f64, 2>> ApartPendulums<Y> {
+    fn go(&mut self, steps: u64) {
+        self.0.iter_mut().for_each(|simulation| simulation.run(steps).expect("steps within reach"));
+    }
+    fn state(&self, i: usize) -> State<2> {
+        self.0[i].state()
+    }
+    fn states(&self) -> impl Iterator<Item = State<2>> + '_ {
+        self.0.iter().map(Simulation::state)
+    }
+}
+
 /// Rods in the plane from a pin, horizontal and at rest.
 fn rods(n: usize, length: f64, h: f64, told: Vec<usize>) -> Box<dyn Run> {
     let scene = Scene::points(n + 1)

@@ -9,7 +9,8 @@
 //!
 //! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h =
 //! 0.01,
-//! |g| ≤ 1e-14; the same by Lobatto of five stages, h = 0.025; the gas of 21 and of 1000 particles; a double pendulum, a chain of 1000 links and a heavy top, each alone. Every opponent is a program that waits for requests; they take
+//! |g| ≤ 1e-14; the same by Lobatto of five stages, h = 0.025; the gas of 21 and of 1000 particles; a double pendulum, alone and 10 000 side by side; a chain of 1000
+//! links and a heavy top, each alone. Every opponent is a program that waits for requests; they take
 //! turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the median
 //! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once
 //! and the fastest go on. Before that, positions, energies and constraints are compared.
@@ -28,13 +29,14 @@ use std::path::Path;
 const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
 
 /// Names, trajectories or particles or links, steps.
-const TASKS: [(&str, usize, u64); 8] = [
+const TASKS: [(&str, usize, u64); 9] = [
     ("one after the other", 500, 2000),
     ("side by side", 10_000, 2000),
     ("lobatto", 1000, 1000),
     ("gas of 21", 21, 5000),
     ("gas of 1000", 1000, 20),
     ("double pendulum", 1, 200_000),
+    ("pendulums side by side", 10_000, 1000),
     ("chain of 1000", 1000, 150),
     ("heavy top", 1, 200_000),
 ];
@@ -54,6 +56,9 @@ fn main() -> Result<(), String> {
     if let Some(what) = after("--serve") {
         if what == "trajectories" {
             serve(&[&ours::ROWS[..], &HANDS[..]].concat(), trajectories);
+        } else if what == linked::PENDULUMS {
+            let rows = [linked::PENDULUMS, linked::SUMS, linked::APART];
+            serve(&rows, |row, n, _| linked::pendulums(row, n));
         } else if programs::LINKED.contains(&what.as_str()) {
             serve(&["linked"], |_, n, _| linked::linked(what, n));
         } else {

@@ -1,6 +1,7 @@
 //! The opponents: made ready, compared, timed.
 
 use crate::conversation::{Check, Program};
+use crate::linked;
 use crate::ours;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -61,6 +62,7 @@ impl Programs {
             "gas of 21" => self.gas(21, 100, 0.01),
             "gas of 1000" => self.gas(1000, 2, 0.0025),
             "double pendulum" => self.linked("double_pendulum"),
+            "pendulums side by side" => self.pendulums(),
             "chain of 1000" => self.linked("chain"),
             _ => self.linked("top"),
         }
@@ -228,6 +230,22 @@ impl Programs {
         ]))
     }
 
+    /// Double pendulums side by side.
+    fn pendulums(&self) -> Result<Vec<Entrant>, String> {
+        let name = linked::PENDULUMS;
+        Ok(present([
+            entrant(
+                "C, loops for the compiler",
+                Some("pendulums_over_c_loops"),
+                &[],
+                self.c("pendulums.c", &["-march=native", "-ffast-math", "-mprefer-vector-width=512"]),
+            ),
+            entrant("ours", None, &[linked::PENDULUMS], us(name)),
+            entrant("ours, compensated", Some("pendulums_over_compensated"), &[linked::SUMS], us(name)),
+            entrant("ours, simulations", Some("pendulums_over_simulations"), &[linked::APART], us(name)),
+        ]))
+    }
+
     /// Instructions per step of those that go one after the other.
     pub(crate) fn callgrind(&self) -> Result<(), String> {
         // Callgrind knows no AVX-512.
@@ -336,6 +354,8 @@ impl Task {
     pub(crate) fn compare(&mut self) -> Result<(), String> {
         let (looks, whole): (&[(usize, u64, f64)], _) = if self.name.starts_with("gas") {
             (&[(self.n, 20, 1e-9)], (self.n, self.steps.min(2000)))
+        } else if self.name.contains("pendulums") {
+            (&[(200, 100, 1e-12)], (200, 500))
         } else if self.name.contains("pendulum") || self.name.contains("chain") || self.name.contains("top") {
             (&[(self.n, 100, 1e-12)], (self.n, self.steps.min(2000)))
         } else if self.name == "lobatto" {
