@@ -32,8 +32,8 @@ pub(crate) fn linked(task: &str, n: usize) -> Option<Box<dyn Run>> {
     }
 }
 
-/// Double pendulums, as `pendulums.c` has them: so many [side by side](PENDULUMS), with sums [compensated](SUMS), or one
-/// after the other [as simulations](APART).
+/// Double pendulums, as `pendulums.c` has them: so many [side by side](PENDULUMS), with sums [compensated](SUMS), or
+/// one after the other [as simulations](APART).
 pub(crate) const PENDULUMS: &str = "pendulums";
 pub(crate) const SUMS: &str = "pendulums_compensated";
 pub(crate) const APART: &str = "pendulums_simulations";

@@ -9,12 +9,13 @@
 //! and steps of equal length need no η. Λ₀ is extrapolated from the last steps; Newton's method goes on from there with
 //! the matrix G(q′) M⁻¹Gᵀ(q) of the first guess, factored on the pattern of the links without a search for pivots.
 //!
-//! **Stopping.** Residuals of some ε of the coordinates that a link depends on are left to the last correction. A lane at rest stays as it is while others are corrected again: what a lane does depends on nothing
-//! but its own past.
+//! **Stopping.** Residuals of some ε of the coordinates that a link depends on are left to the last correction. A lane
+//! at rest stays as it is while others are corrected again: what a lane does depends on nothing but its own past.
 //!
-//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is what it was to an eighth, and pivots are not too small a part of that. Lanes where that is not so, or that do not come to rest, are
-//! solved as a [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets
-//! are near ([`crate::solve::crowd`]).
+//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is what it was to an eighth, and pivots are not too small a part of that.
+//! Lanes where that is not so, or that do not come to rest, are solved as a
+//! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets are near
+//! ([`crate::solve::crowd`]).
 
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
@@ -32,16 +33,16 @@ use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
 /// take a fifth longer.
 const AT_REST: f64 = 16.0;
 
-/// The slope ∇gᵢ(q′)·M⁻¹∇gᵢ(q) differs from what it was by no more than one over this: the cosine of the half by which a
-/// normal may turn on a path that is [short](crate::solve::root).
+/// The slope ∇gᵢ(q′)·M⁻¹∇gᵢ(q) differs from what it was by no more than one over this: the cosine of the half by which
+/// a normal may turn on a path that is [short](crate::solve::root).
 const TURN: f64 = 8.0;
 
 /// Corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
 
-/// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits of
-/// multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links that
-/// is eliminated from both ends the last pivot is 4/n.
+/// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits
+/// of multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links
+/// that is eliminated from both ends the last pivot is 4/n.
 const CLEAR: f64 = 4096.0;
 
 /// Forces on all bodies of all lanes.

@@ -10,9 +10,14 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! **What goes in lanes.** One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position
-//! Verlet, symplectic Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method, on a processor with
-//! fused multiply-add.
+//! **What goes in lanes,** on a processor with fused multiply-add.
+//!
+//! * One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
+//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method.
+//! * Any number of linked bodies, moved by the same methods but Lobatto's; always in double precision. Not where links
+//!   move, have kinks, or act on chosen coordinates, where a mass is a matrix, for
+//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal), and not in sweeps.
+//!
 //! Trajectories of all other scenes and methods are simulations each (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
 //!

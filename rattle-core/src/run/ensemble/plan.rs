@@ -1,8 +1,8 @@
 //! What is computed in a step of linked bodies side by side, found once: which products make which number.
 //!
-//! A [`Row`](crate::run::ensemble::linked_row) of trajectories keeps its numbers in one list, each of them a number of
-//! every trajectory. A [`Sheet`] of work is a list of sums of products of such numbers. So topology is walked through
-//! once for all lanes, and what is carried out are loops over lanes that know nothing of bodies.
+//! A [row](crate::run::ensemble::linked_row) of trajectories keeps its numbers in one list, each of them a number of
+//! every trajectory. A [`Sheet`] is a list of sums of products of such numbers: topology is walked through once, and what
+//! is carried out in a step are loops over lanes that know nothing of bodies.
 
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;

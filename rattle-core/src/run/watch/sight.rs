@@ -40,7 +40,7 @@ pub struct Sight<'a, const D: usize> {
 }
 
 impl<const D: usize> Sight<'_, D> {
-    /// The position of the first body, which in lanes is the only one.
+    /// The position of the first body.
     #[must_use]
     pub fn position(&self) -> SVector<f64, D> {
         self.positions[0]
