@@ -542,7 +542,7 @@ fn compensated_sums_lose_less() {
                 .collect::<Vec<_>>()
         };
         let before = energies(&ensemble);
-        ensemble.run(100_000);
+        ensemble.run(30_000);
         let after = energies(&ensemble);
         let squares = before.iter().zip(&after).map(|(a, b)| ((a - b) / a).powi(2));
         (squares.sum::<f64>() / 64.0).sqrt()
@@ -550,7 +550,7 @@ fn compensated_sums_lose_less() {
     // On great circles RATTLE keeps the energy exactly, so that all of it is rounding.
     let plain = drift(scene.ensemble_in(Double, start(), Rattle::new(0.01)).unwrap());
     let compensated = drift(scene.ensemble_in(Compensated, start(), Rattle::new(0.01)).unwrap());
-    println!("relative energy after 1e5 steps: double {plain:e}, compensated {compensated:e}");
+    println!("relative energy after 3e4 steps: double {plain:e}, compensated {compensated:e}");
     assert!(compensated < 0.2 * plain && plain < 2e-13, "{compensated:e} {plain:e}");
 }
 
@@ -593,8 +593,8 @@ fn long_steps_end_where_those_of_a_simulation_end() {
     let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
     for h in [0.58, 0.7, 0.8, 0.87, 0.9, 0.92, 0.97, 0.99] {
         let mut ensemble = ball.ensemble([start.clone(), start.clone()], Rattle::new(h)).unwrap();
-        ensemble.run(300);
-        let end = ball.simulate(start.clone(), Rattle::new(h)).unwrap().run(300).err();
+        ensemble.run(100);
+        let end = ball.simulate(start.clone(), Rattle::new(h)).unwrap().run(100).err();
         assert_eq!(
             ensemble.failure(1).map(ToString::to_string),
             end.map(|error| error.to_string()),

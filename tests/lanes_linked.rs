@@ -81,14 +81,36 @@ fn off<P: Precision, C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method, c
     apart.fold(0.0, f64::max)
 }
 
-/// All methods and precisions in this scene.
+/// Whether all is rounding, and something is.
+fn check(found: &[f64]) {
+    println!("{found:?}");
+    let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
+    assert!(found.iter().all(|&off| off < 4e-13 && (off > 0.0) == fused), "{found:?}");
+}
+
+/// Equal steps, and unequal ones with compensated sums, in this scene.
 fn agree<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
     scene: &Scene<C, E, N, D>,
     places: impl Fn(f64) -> Vec<[f64; D]>,
 ) {
     let starts = starts(scene, places);
-    let found = [
+    check(&[
         off(Double, scene, &starts, &Rattle::new(0.01), 50),
+        off(Compensated, scene, &starts, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
+        off(Double, scene, &starts[..5], &Rattle::new(0.01), 50), // in a row of a few
+    ]);
+}
+
+/// All methods and precisions.
+#[test]
+fn methods_and_precisions() {
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .masses([1.0, 2.5, 0.3])
+        .with(PlanarGravity { g: 1.0 });
+    let (starts, scene) = (starts(&scene, |lean| chain(2, lean)), &scene);
+    check(&[
         off(Compensated, scene, &starts, &Rattle::new(0.01), 50),
         off(Single, scene, &starts, &Rattle::new(0.01), 50), // in double precision too
         off(Double, scene, &starts, &PositionVerlet::new(0.01), 50),
@@ -96,10 +118,7 @@ fn agree<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
         off(Compensated, scene, &starts, &Geodesic::new(2, 0.02), 25),
         off(Double, scene, &starts, &Composition::new(SUZUKI_1990_ORDER_4, 0.02), 25),
         off(Compensated, scene, &starts, &Composition::new(KAHAN_LI_1997_ORDER_8, 0.1), 5),
-    ];
-    println!("{found:?}");
-    let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
-    assert!(found.iter().all(|&off| off < 4e-13 && (off > 0.0) == fused), "{found:?}");
+    ]);
     assert_eq!(off(Double, scene, &starts, &Lobatto::<3>::new(0.02), 5), 0.0, "none of them is in lanes");
 }
 
@@ -242,9 +261,9 @@ fn the_same_bits_everywhere() {
             let states = (0..ensemble.len()).map(|i| (ensemble.state(i), ensemble.failure(i).cloned()));
             states.map(|(state, why)| format!("{state:?} {}", why.is_some())).collect::<Vec<_>>()
         };
-        let (numbers, widest): (Vec<u32>, _) = ((0..150).collect(), InstructionSet::widest());
+        let (numbers, widest): (Vec<u32>, _) = ((0..90).collect(), InstructionSet::widest());
         let mut first = of(&numbers, widest);
-        first.run(300);
+        first.run(200);
         let expected = bits(&first);
         let ended = first.failures().map(|(i, _)| i).collect::<Vec<_>>();
         println!("{} ended", ended.len());
@@ -252,12 +271,12 @@ fn the_same_bits_everywhere() {
         for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
             if set.is_present() && set.fuses() && widest.fuses() {
                 let mut other = of(&numbers, set);
-                other.run(300);
+                other.run(200);
                 assert_eq!(bits(&other), expected, "{set}");
             }
         }
         let mut parts = of(&numbers, widest);
-        for steps in [1, 63, 2, 134, 100] {
+        for steps in [1, 63, 2, 71, 63] {
             parts.run(steps);
             let (record, mut again) = (parts.checkpoint(), of(&numbers, widest));
             again.resume(&record).unwrap();
@@ -266,16 +285,16 @@ fn the_same_bits_everywhere() {
         assert_eq!(bits(&parts), expected, "in parts");
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         let mut others = of(&numbers[7..], widest);
-        pool.install(|| others.run(300));
+        pool.install(|| others.run(200));
         assert_eq!(bits(&others), expected[7..], "others beside them");
         let calm = numbers.iter().copied().filter(|i| !i.is_multiple_of(5)).collect::<Vec<_>>();
         let mut calm_ones = of(&calm, widest);
-        calm_ones.run(300);
+        calm_ones.run(200);
         for (state, i) in bits(&calm_ones).into_iter().zip(calm) {
             assert_eq!(state, expected[i as usize], "trajectory {i} without its wild neighbours");
         }
         let mut alone = of(&[77], widest);
-        alone.run(300);
+        alone.run(200);
         assert_eq!(bits(&alone)[0], expected[77]);
     }
     check(&scene, &Rattle::new(0.02), false);
@@ -298,10 +317,11 @@ fn long_steps_end_where_those_of_simulations_end() {
     };
     let (mut ended, mut bolder, mut longest) = (0, 0, 0.0_f64);
     for halvings in [0, 8] {
-        let mut ensemble = scene.ensemble((0..64).map(start), Rattle::new(0.3)).unwrap().retry(halvings);
+        let mut ensemble =
+            scene.ensemble((0..64).step_by(2).map(start), Rattle::new(0.3)).unwrap().retry(halvings);
         ensemble.run(6);
-        for i in 0..64 {
-            let mut simulation = scene.simulate(start(i), Rattle::new(0.3)).unwrap().retry(halvings);
+        for i in 0..32 {
+            let mut simulation = scene.simulate(start(2 * i), Rattle::new(0.3)).unwrap().retry(halvings);
             let end = simulation.run(6).err();
             let (state, why) = (ensemble.state(i as usize), ensemble.failure(i as usize));
             let apart = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
@@ -315,7 +335,7 @@ fn long_steps_end_where_those_of_simulations_end() {
         }
     }
     println!("{ended} ended, {bolder} bolder, others {longest:e} apart");
-    assert!(ended > 40 && bolder <= 2 && longest < 1e-9, "{ended} {bolder} {longest:e}");
+    assert!(ended > 20 && bolder <= 2 && longest < 1e-9, "{ended} {bolder} {longest:e}");
 }
 
 /// What a sight tells in lanes, it tells of simulations.

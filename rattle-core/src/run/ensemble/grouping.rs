@@ -19,7 +19,7 @@ use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::side_by_side::SideBySide;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::systems::network::Network;
-use crate::systems::network::in_lanes::ROW;
+use crate::systems::network::in_lanes::{FEW, ROW};
 use std::marker::PhantomData;
 
 /// Groups of trajectories in lanes, if they go in lanes.
@@ -150,7 +150,12 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     let InLanes { stages, h, set } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let bodies = starts.first()?.len();
-    let row = LinkedLanes::new(network, effects, bodies, (stages, equal, *h), P::compute(Sums), *set)?;
+    let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
+    if starts.len() <= FEW {
+        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method, sums, *set)?;
+        return Some(vec![side_by_side(row, starts)]);
+    }
+    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
     Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
 }
 

@@ -16,7 +16,9 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
-use crate::run::ensemble::linked_row::{Course, Landed, Pulling, Pulls, Steps, Velocities, at_rest};
+use crate::run::ensemble::linked_row::{
+    Course, Landed, Pulling, Pulls, Steps, Velocities, Wide, Width, at_rest,
+};
 use crate::run::ensemble::plan::{Places, Plan};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
@@ -25,7 +27,7 @@ use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::Network;
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
+use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 use crate::systems::network::solver::Solver;
 use nalgebra::SVector;
 use std::array::from_fn;
@@ -33,10 +35,10 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 /// What all rows of an ensemble have in common.
-struct Common<F, const D: usize> {
+struct Common<F, const D: usize, const W: usize> {
     system: Linked<F, Many, D>,
-    plan: Plan,
-    pulls: Option<Box<dyn Pulls>>,
+    plan: Plan<W>,
+    pulls: Option<Box<dyn Pulls<W>>>,
     stages: Vec<Stage>,
     parts: Vec<Part>,
     h: f64,
@@ -46,21 +48,24 @@ struct Common<F, const D: usize> {
 }
 
 /// A row of trajectories of linked bodies, moved by a splitting.
-pub(super) struct LinkedLanes<F, const D: usize> {
-    common: Arc<Common<F, D>>,
+pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
+    common: Arc<Common<F, D, W>>,
     /// Number by number, as the [`Plan`] lays them out.
-    numbers: Vec<Numbers>,
+    numbers: Vec<Numbers<W>>,
     /// The part of the method's step that comes next.
     part: usize,
 }
 
-impl<F, const D: usize> Clone for LinkedLanes<F, D> {
+impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     fn clone(&self) -> Self {
         Self { common: self.common.clone(), numbers: self.numbers.clone(), part: self.part }
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D> {
+impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
+where
+    Width: Wide<W>,
+{
     /// Lanes, none of them set, for so many bodies of a network under these effects, by a method of these stages, all
     /// of which are `equal`, or not; with compensated sums or without. None where they cannot go side by side.
     pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
@@ -75,56 +80,56 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D> {
         if shape.components.iter().any(|component| matches!(component.solver, Solver::Orthogonal(_))) {
             return None;
         }
-        let plan = Plan::of(&shape, sums)?;
+        let plan = Plan::of(&shape, sums, |group| Width::links(group))?;
         let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
-        let pulls: Option<Box<dyn Pulls>> = if const { F::EFFECTS == 0 } {
+        let pulls: Option<Box<dyn Pulls<W>>> = if const { F::EFFECTS == 0 } {
             None
         } else if const { F::ON_EACH } {
             Some(Box::new(OnEach(effects.forces::<Number>())))
         } else {
-            Some(Box::new(Any { effects: effects.forces::<Wide>(), bodies }))
+            Some(Box::new(Any { effects: effects.forces::<Vector>(), bodies }))
         };
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
-        let numbers = vec![ZEROS; plan.places.kept];
+        let numbers = vec![zeros(); plan.places.kept];
         let common = Common { system, plan, pulls, stages: stages.to_vec(), parts, h, equal, sums, set };
         Some(Self { common: Arc::new(common), numbers, part: 0 })
     }
 
     /// All numbers, with room for those of one step.
-    fn with_room(&self) -> Vec<Numbers> {
+    fn with_room(&self) -> Vec<Numbers<W>> {
         let mut numbers = self.numbers.clone();
-        numbers.resize(self.common.plan.places.end, ZEROS);
+        numbers.resize(self.common.plan.places.end, zeros());
         numbers
     }
 
     /// Bodies of a lane, with these places of the numbers of velocities, times the unit of a part.
-    fn bodies_of(&self, numbers: &[Numbers], lane: usize, [way, low]: [usize; 2]) -> Vec<Body<f64, D>> {
+    fn bodies_of(&self, numbers: &[Numbers<W>], lane: usize, [way, low]: [usize; 2]) -> Vec<Body<f64, D>> {
         let Common { plan, parts, sums, .. } = &*self.common;
         bodies_of(plan, numbers, lane, [way, low], parts[self.part].unit, *sums)
     }
 
     /// Writes velocities and what rounding took from them; returns where.
-    fn velocities(&self, numbers: &mut [Numbers], part: usize) -> [usize; 2] {
+    fn velocities(&self, numbers: &mut [Numbers<W>], part: usize) -> [usize; 2] {
         let mut pulling = self.common.pulls.as_ref().map(|pulls| pulls.begin());
-        let pulling = pulling.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling);
+        let pulling = pulling.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>);
         let course = self.common.course();
-        self.common.set.run(Velocities { course: &course, pulling, numbers, part });
+        Width::look(Velocities { course: &course, pulling, numbers, part });
         let Places { free, change, .. } = self.common.plan.places;
         [free, change]
     }
 }
 
-impl<F, const D: usize> Common<F, D> {
-    fn course(&self) -> Course<'_> {
+impl<F, const D: usize, const W: usize> Common<F, D, W> {
+    fn course(&self) -> Course<'_, W> {
         let Self { plan, parts, equal, sums, set, .. } = self;
         Course { plan, parts, equal: *equal, sums: *sums, set: *set }
     }
 }
 
 /// Bodies of a lane; low digits of momenta only where sums are compensated.
-fn bodies_of<const D: usize>(
-    plan: &Plan,
-    numbers: &[Numbers],
+fn bodies_of<const D: usize, const W: usize>(
+    plan: &Plan<W>,
+    numbers: &[Numbers<W>],
     lane: usize,
     [way, low]: [usize; 2],
     unit: f64,
@@ -180,11 +185,11 @@ fn gradients<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>, q: 
 /// Where a part of a step leads a lane by itself.
 #[cold]
 #[inline(never)]
-fn go_apart<F: Forces<f64, D>, const D: usize>(
-    common: &Common<F, D>,
+fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
+    common: &Common<F, D, W>,
     lane: usize,
     part: &Part,
-    numbers: &[Numbers],
+    numbers: &[Numbers<W>],
     room: &mut Option<BodiesOf<F, Many, D>>,
 ) -> Result<Landed, Stuck> {
     let Common { system, plan, sums, .. } = common;
@@ -211,9 +216,12 @@ fn go_apart<F: Forces<f64, D>, const D: usize>(
     Ok(Landed { multipliers, gradients: gradients(system, &bodies.q) })
 }
 
-impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
-    const WIDTH: usize = ROW;
-    type Lanes = (Vec<Numbers>, usize);
+impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedLanes<F, D, W>
+where
+    Width: Wide<W>,
+{
+    const WIDTH: usize = W;
+    type Lanes = (Vec<Numbers<W>>, usize);
     type Laws = ();
 
     fn bodies_of_each(&self) -> usize {
@@ -227,14 +235,14 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
         let mut room = common.pulls.as_ref().map(|pulls| pulls.begin());
         let course = common.course();
         let mut bodies = None;
-        let mut apart = |lane: usize, part: &Part, numbers: &[Numbers]| {
+        let mut apart = |lane: usize, part: &Part, numbers: &[Numbers<W>]| {
             go_apart(common, lane, part, numbers, &mut bodies)
         };
         let n = self.bodies_of_each();
         while let Some(Leg { from, steps, written }) = tour.next() {
-            common.set.run(Steps {
+            Width::go(Steps {
                 course: &course,
-                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling),
+                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>),
                 apart: &mut apart,
                 numbers: &mut numbers,
                 part: &mut part,
@@ -245,8 +253,8 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
             if let Some(written) = written {
                 let mut now = numbers.clone();
                 let way = self.velocities(&mut now, part);
-                let bodies = (0..ROW).flat_map(|lane| self.bodies_of(&now, lane, way)).collect::<Vec<_>>();
-                written.fill(ROW * n, |i| bodies[i].q, |i| bodies[i].p);
+                let bodies = (0..W).flat_map(|lane| self.bodies_of(&now, lane, way)).collect::<Vec<_>>();
+                written.fill(W * n, |i| bodies[i].q, |i| bodies[i].p);
             }
         }
         numbers.truncate(common.plan.places.kept);
@@ -344,7 +352,7 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
         let Some(pulls) = &self.common.pulls else { return };
         let Common { plan, parts, set, .. } = &*self.common;
         let (mut pulling, n) = (pulls.begin(), plan.coordinates);
-        let mut kicked = vec![ZEROS; n];
+        let mut kicked = vec![zeros(); n];
         for _ in 0..steps * parts.len() as u32 {
             let q = &self.numbers[plan.places.q..plan.places.q + n];
             pulling.pull(*set, 1e-9, black_box(q), &plan.masses, &mut kicked);
@@ -361,13 +369,13 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
 
     fn record(&self, to: &mut Record) {
         let numbers = self.numbers.iter().flat_map(|numbers| numbers.0.map(|x| x.0));
-        to.numbers("numbers", &[self.numbers.len(), ROW], numbers);
+        to.numbers("numbers", &[self.numbers.len(), W], numbers);
         to.counts("part", [self.part as u64]);
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
         let mut again = self.clone();
-        let numbers = from.numbers("numbers", &[self.numbers.len(), ROW])?;
+        let numbers = from.numbers("numbers", &[self.numbers.len(), W])?;
         for (to, from) in again.numbers.iter_mut().zip(numbers.as_chunks().0) {
             *to = Lanes(from.map(Fused));
         }
@@ -389,27 +397,34 @@ impl<F: Forces<f64, D>, const D: usize> Engine<D> for LinkedLanes<F, D> {
 /// Forces of effects that act on each body by itself.
 struct OnEach<G, const D: usize>(G);
 
-impl<G: Forces<Number, D>, const D: usize> Pulls for OnEach<G, D> {
-    fn begin(&self) -> Box<dyn Pulling + '_> {
+impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulls<W> for OnEach<G, D> {
+    fn begin(&self) -> Box<dyn Pulling<W> + '_> {
         Box::new(self)
     }
 }
 
-impl<G: Forces<Number, D>, const D: usize> Pulling for &OnEach<G, D> {
-    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]) {
+impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulling<W> for &OnEach<G, D> {
+    fn pull(
+        &mut self,
+        set: Fusing,
+        times: f64,
+        q: &[Numbers<W>],
+        masses: &[[f64; 2]],
+        to: &mut [Numbers<W>],
+    ) {
         set.run(PullEach { effects: &self.0, times, q, masses, to });
     }
 }
 
-struct PullEach<'a, G, const D: usize> {
+struct PullEach<'a, G, const D: usize, const W: usize> {
     effects: &'a G,
     times: f64,
-    q: &'a [Numbers],
+    q: &'a [Numbers<W>],
     masses: &'a [[f64; 2]],
-    to: &'a mut [Numbers],
+    to: &'a mut [Numbers<W>],
 }
 
-impl<G: Forces<Number, D>, const D: usize> Work for PullEach<'_, G, D> {
+impl<G: Forces<Number, D>, const D: usize, const W: usize> Work for PullEach<'_, G, D, W> {
     type Done = ();
 
     #[inline(always)]
@@ -427,14 +442,14 @@ impl<G: Forces<Number, D>, const D: usize> Work for PullEach<'_, G, D> {
 
 /// One body. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
 #[inline(always)]
-fn pull_one<G: Forces<Number, D>, const D: usize>(
+fn pull_one<G: Forces<Number, D>, const D: usize, const W: usize>(
     effects: &G,
     times: [Number; D],
-    q: &[Numbers; D],
-    to: &mut [Numbers; D],
+    q: &[Numbers<W>; D],
+    to: &mut [Numbers<W>; D],
 ) {
     let (zero, one) = ([Fused(-0.0); D], Fused(1.0));
-    for l in 0..ROW {
+    for l in 0..W {
         let force = effects.kick(&from_fn(|d| q[d].0[l]), one, zero);
         for d in 0..D {
             to[d].0[l] = times[d].multiply_add(force[d], to[d].0[l]);
@@ -442,11 +457,8 @@ fn pull_one<G: Forces<Number, D>, const D: usize>(
     }
 }
 
-/// Lanes for which forces between bodies are evaluated at once: as many as the widest register has.
-const WIDE: usize = 8;
-
-/// A number of each of them.
-type Wide = Lanes<Number, WIDE>;
+/// Numbers of the lanes for which forces between bodies are evaluated at once.
+type Vector = Numbers<FEW>;
 
 /// Forces of any effects.
 struct Any<G, const D: usize> {
@@ -454,9 +466,9 @@ struct Any<G, const D: usize> {
     bodies: usize,
 }
 
-impl<G: Forces<Wide, D>, const D: usize> Pulls for Any<G, D> {
-    fn begin(&self) -> Box<dyn Pulling + '_> {
-        let zero = Lanes([Fused(0.0); WIDE]);
+impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulls<W> for Any<G, D> {
+    fn begin(&self) -> Box<dyn Pulling<W> + '_> {
+        let zero = zeros::<FEW>();
         Box::new(Room {
             effects: &self.effects,
             positions: vec![[zero; D]; self.bodies],
@@ -467,34 +479,41 @@ impl<G: Forces<Wide, D>, const D: usize> Pulls for Any<G, D> {
 }
 
 /// Effects, and room for some lanes.
-struct Room<'a, G: Forces<Wide, D>, const D: usize> {
+struct Room<'a, G: Forces<Vector, D>, const D: usize> {
     effects: &'a G,
-    positions: Vec<[Wide; D]>,
+    positions: Vec<[Vector; D]>,
     forces: Vec<G::Force>,
     room: G::Room,
 }
 
-impl<G: Forces<Wide, D>, const D: usize> Pulling for Room<'_, G, D> {
-    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]) {
+impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulling<W> for Room<'_, G, D> {
+    fn pull(
+        &mut self,
+        set: Fusing,
+        times: f64,
+        q: &[Numbers<W>],
+        masses: &[[f64; 2]],
+        to: &mut [Numbers<W>],
+    ) {
         set.run(PullAll { room: self, times, q, masses, to });
     }
 }
 
-struct PullAll<'a, 'b, G: Forces<Wide, D>, const D: usize> {
+struct PullAll<'a, 'b, G: Forces<Vector, D>, const D: usize, const W: usize> {
     room: &'a mut Room<'b, G, D>,
     times: f64,
-    q: &'a [Numbers],
+    q: &'a [Numbers<W>],
     masses: &'a [[f64; 2]],
-    to: &'a mut [Numbers],
+    to: &'a mut [Numbers<W>],
 }
 
-impl<G: Forces<Wide, D>, const D: usize> Work for PullAll<'_, '_, G, D> {
+impl<G: Forces<Vector, D>, const D: usize, const W: usize> Work for PullAll<'_, '_, G, D, W> {
     type Done = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { room: Room { effects, positions, forces, room }, times, q, masses, to } = self;
-        for first in (0..ROW).step_by(WIDE) {
+        for first in (0..W).step_by(FEW) {
             for (position, q) in positions.iter_mut().zip(q.as_chunks::<D>().0) {
                 *position = from_fn(|d| Lanes(from_fn(|l| q[d].0[first + l])));
             }
@@ -504,7 +523,7 @@ impl<G: Forces<Wide, D>, const D: usize> Work for PullAll<'_, '_, G, D> {
                 let force = force.components();
                 for d in 0..D {
                     let times = Fused(times * masses[d][1]);
-                    for l in 0..WIDE {
+                    for l in 0..FEW {
                         to[d].0[first + l] = times.multiply_add(force[d].0[l], to[d].0[first + l]);
                     }
                 }
@@ -513,7 +532,7 @@ impl<G: Forces<Wide, D>, const D: usize> Work for PullAll<'_, '_, G, D> {
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize> Source<D> for LinkedLanes<F, D> {
+impl<F: Forces<f64, D>, const D: usize, const W: usize> Source<D> for LinkedLanes<F, D, W> {
     fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
         let Common { system, .. } = &*self.common;
         let bodies = as_shown(system, sight);

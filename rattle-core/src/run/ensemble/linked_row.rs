@@ -25,7 +25,8 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::plan::{Places, Plan, Takes};
 use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, ZEROS};
+use crate::systems::network::group::Group;
+use crate::systems::network::in_lanes::{FEW, InLanes, Number, Numbers, ROW, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
 /// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
@@ -46,15 +47,15 @@ const CORRECTIONS: usize = 5;
 const CLEAR: f64 = 4096.0;
 
 /// Forces on all bodies of all lanes.
-pub(super) trait Pulls: Send + Sync {
+pub(super) trait Pulls<const W: usize>: Send + Sync {
     /// Room to evaluate them in.
-    fn begin(&self) -> Box<dyn Pulling + '_>;
+    fn begin(&self) -> Box<dyn Pulling<W> + '_>;
 }
 
 /// Forces and their room.
-pub(super) trait Pulling {
+pub(super) trait Pulling<const W: usize> {
     /// Adds so many times M⁻¹f, with the forces at these coordinates, and for each the mass and 1 over it.
-    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers], masses: &[[f64; 2]], to: &mut [Numbers]);
+    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers<W>], masses: &[[f64; 2]], to: &mut [Numbers<W>]);
 }
 
 /// Λ and the entries of G of a lane that cannot go with the others.
@@ -64,11 +65,12 @@ pub(super) struct Landed {
 }
 
 /// Finds where a step leads a lane that cannot go with the others.
-pub(super) type Apart<'a> = dyn FnMut(usize, &Part, &[Numbers]) -> Result<Landed, Stuck> + 'a;
+pub(super) type Apart<'a, const W: usize> =
+    dyn FnMut(usize, &Part, &[Numbers<W>]) -> Result<Landed, Stuck> + 'a;
 
 /// What a row obeys, and the parts of its steps.
-pub(super) struct Course<'a> {
-    pub(super) plan: &'a Plan,
+pub(super) struct Course<'a, const W: usize> {
+    pub(super) plan: &'a Plan<W>,
     pub(super) parts: &'a [Part],
     /// Whether all steps are equal.
     pub(super) equal: bool,
@@ -78,12 +80,12 @@ pub(super) struct Course<'a> {
 }
 
 /// Some steps of a row, after so many.
-pub(super) struct Steps<'a, 'b> {
-    pub(super) course: &'a Course<'b>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling + 'b)>,
-    pub(super) apart: &'a mut Apart<'b>,
+pub(super) struct Steps<'a, 'b, const W: usize> {
+    pub(super) course: &'a Course<'b, W>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) apart: &'a mut Apart<'b, W>,
     /// All numbers, those of one step too.
-    pub(super) numbers: &'a mut [Numbers],
+    pub(super) numbers: &'a mut [Numbers<W>],
     pub(super) part: &'a mut usize,
     pub(super) from: u64,
     pub(super) steps: u64,
@@ -91,7 +93,7 @@ pub(super) struct Steps<'a, 'b> {
     pub(super) looks: bool,
 }
 
-impl Work for Steps<'_, '_> {
+impl<const W: usize> Work for Steps<'_, '_, W> {
     type Done = Result<(), Stuck>;
 
     #[inline(always)]
@@ -118,52 +120,90 @@ impl Work for Steps<'_, '_> {
         }
         let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
         let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
-        (0..ROW).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
     }
 }
 
 /// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
-type Which = [u64; ROW];
-
-/// No lane.
-const CALM: Which = [0; ROW];
+type Which<const W: usize> = [u64; W];
 
 /// Whether there is one among them.
 #[inline(always)]
-fn any(which: &Which) -> bool {
+fn any<const W: usize>(which: &Which<W>) -> bool {
     which.iter().fold(0, |any, which| any | which) != 0
+}
+
+/// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
+pub(super) trait Wide<const W: usize> {
+    /// The links of a group.
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>;
+    /// Takes steps.
+    fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
+    /// Writes velocities.
+    fn look(velocities: Velocities<'_, '_, W>);
+}
+
+/// Names a number of lanes.
+pub(super) struct Width;
+
+impl Wide<ROW> for Width {
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<ROW>>> {
+        group.in_lanes()
+    }
+    fn go(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
+    fn look(velocities: Velocities<'_, '_, ROW>) {
+        velocities.course.set.run(velocities);
+    }
+}
+
+impl Wide<FEW> for Width {
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<FEW>>> {
+        group.in_few_lanes()
+    }
+    fn go(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
+    fn look(velocities: Velocities<'_, '_, FEW>) {
+        velocities.course.set.run(velocities);
+    }
 }
 
 /// Writes `f` of each lane of these numbers.
 #[inline(always)]
-fn each<const N: usize>(
+fn each<const N: usize, const W: usize>(
     to: usize,
     of: [usize; N],
-    numbers: &mut [Numbers],
+    numbers: &mut [Numbers<W>],
     f: impl Fn([Number; N]) -> Number,
 ) {
-    let mut row = ZEROS;
+    let mut row = zeros();
     each_lane(&mut row, of.map(|number| &numbers[number]), f);
     numbers[to] = row;
 }
 
 /// See [`each`].
 #[inline(always)]
-fn each_lane<const N: usize>(row: &mut Numbers, of: [&Numbers; N], f: impl Fn([Number; N]) -> Number) {
-    for l in 0..ROW {
+fn each_lane<const N: usize, const W: usize>(
+    row: &mut Numbers<W>,
+    of: [&Numbers<W>; N],
+    f: impl Fn([Number; N]) -> Number,
+) {
+    for l in 0..W {
         row.0[l] = f(of.map(|numbers| numbers.0[l]));
     }
 }
 
-impl Course<'_> {
+impl<const W: usize> Course<'_, W> {
     /// One part of a step.
     #[inline(always)]
     fn advance(
         &self,
         part: &Part,
-        numbers: &mut [Numbers],
-        pulling: &mut Option<&mut (dyn Pulling + '_)>,
-        apart: &mut Apart<'_>,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
         let Self { plan, sums, set, .. } = *self;
         let m = plan.equations;
@@ -194,7 +234,7 @@ impl Course<'_> {
         plan.correct(lambda, found, numbers);
         if any(&going) {
             self.go_on(&mut going, &astray, numbers);
-            for lane in (0..ROW).filter(|&lane| going[lane] != 0) {
+            for lane in (0..W).filter(|&lane| going[lane] != 0) {
                 self.go_apart(lane, part, numbers, apart)?;
             }
         }
@@ -205,7 +245,7 @@ impl Course<'_> {
     /// Corrects lanes that are not at rest, by Newton's method; at the end `going` are those that need more of it.
     /// Nothing changes in others.
     #[inline(always)]
-    fn go_on(&self, going: &mut Which, astray: &Which, numbers: &mut [Numbers]) {
+    fn go_on(&self, going: &mut Which<W>, astray: &Which<W>, numbers: &mut [Numbers<W>]) {
         let Self { plan, set, .. } = *self;
         let Places { trial, lambda, found, .. } = plan.places;
         for _ in 0..CORRECTIONS {
@@ -226,11 +266,11 @@ impl Course<'_> {
 
     /// Writes Λ less the correction in these lanes.
     #[inline(always)]
-    fn correct(&self, to: usize, lanes: &Which, numbers: &mut [Numbers]) {
+    fn correct(&self, to: usize, lanes: &Which<W>, numbers: &mut [Numbers<W>]) {
         let Places { lambda, x, .. } = self.plan.places;
         for i in 0..self.plan.equations {
             let (mut all, from, by) = (numbers[to + i], numbers[lambda + i], numbers[x + i]);
-            for l in 0..ROW {
+            for l in 0..W {
                 all.0[l] = Real::select(lanes[l] != 0, from.0[l] - by.0[l], all.0[l]);
             }
             numbers[to + i] = all;
@@ -239,12 +279,12 @@ impl Course<'_> {
 
     /// These lanes, and those in which a residual is more than it may be at rest, or is no number.
     #[inline(always)]
-    fn unrest(&self, beside: &Which, numbers: &[Numbers]) -> Which {
+    fn unrest(&self, beside: &Which<W>, numbers: &[Numbers<W>]) -> Which<W> {
         let Places { g, rest, .. } = self.plan.places;
         let mut which = *beside;
         for i in 0..self.plan.equations {
             let (g, rest) = (&numbers[g + i], &numbers[rest + i]);
-            for l in 0..ROW {
+            for l in 0..W {
                 which[l] = if g.0[l].0.abs() <= rest.0[l].0 { which[l] } else { 1 };
             }
         }
@@ -253,13 +293,13 @@ impl Course<'_> {
 
     /// In which lanes the constraints may have been left, or depend on each other, as the matrix just factored says.
     #[inline(always)]
-    fn astray(&self, numbers: &[Numbers]) -> Which {
+    fn astray(&self, numbers: &[Numbers<W>]) -> Which<W> {
         let Places { diagonal, inverse, square, .. } = self.plan.places;
-        let mut which = CALM;
+        let mut which = [0; W];
         for i in 0..self.plan.equations {
             let (slope, inverse, square) =
                 (&numbers[diagonal + i], &numbers[inverse + i], &numbers[square + i]);
-            for l in 0..ROW {
+            for l in 0..W {
                 let (slope, inverse, square) = (slope.0[l].0, inverse.0[l].0, square.0[l].0);
                 let upright = TURN * (slope - square).abs() <= square;
                 let clear = (0.0 < inverse) & (inverse * slope <= CLEAR);
@@ -276,8 +316,8 @@ impl Course<'_> {
         &self,
         lane: usize,
         part: &Part,
-        numbers: &mut [Numbers],
-        apart: &mut Apart<'_>,
+        numbers: &mut [Numbers<W>],
+        apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
         let Places { found, gradient, .. } = self.plan.places;
         let Landed { multipliers, gradients } = apart(lane, part, numbers)?;
@@ -290,7 +330,12 @@ impl Course<'_> {
 
     /// Makes the new positions and ways, and the next guess.
     #[inline(always)]
-    fn finish(&self, part: &Part, numbers: &mut [Numbers], pulling: &mut Option<&mut (dyn Pulling + '_)>) {
+    fn finish(
+        &self,
+        part: &Part,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+    ) {
         let Self { plan, equal, sums, .. } = *self;
         let Places { way, way_low, found, guess, last, earlier, .. } = plan.places;
         let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
@@ -313,7 +358,7 @@ impl Course<'_> {
         let [a, b, c] = part.weights.map(Fused);
         for i in 0..plan.equations {
             let (new, before, mut first) = (numbers[found + i], numbers[last + i], numbers[earlier + i]);
-            for l in 0..ROW {
+            for l in 0..W {
                 let (found, last, earlier) = (new.0[l], before.0[l], first.0[l]);
                 first.0[l] = if equal {
                     Fused(3.0).multiply_add(found - last, earlier)
@@ -331,8 +376,8 @@ impl Course<'_> {
         &self,
         times: f64,
         to: usize,
-        numbers: &mut [Numbers],
-        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) {
         let (Some(pulling), Plan { coordinates: n, places: Places { q, .. }, masses, .. }) =
             (pulling, self.plan)
@@ -346,7 +391,7 @@ impl Course<'_> {
 
     /// Makes ways lead along the constraints, by G and M⁻¹Gᵀ as they are.
     #[inline(always)]
-    fn project(&self, numbers: &mut [Numbers]) {
+    fn project(&self, numbers: &mut [Numbers<W>]) {
         let Self { plan, sums, .. } = *self;
         let Places { way, way_low, change, .. } = plan.places;
         for &c in &plan.moving {
@@ -374,12 +419,12 @@ impl Course<'_> {
 
     /// What |g| may be at rest, by the gradients just evaluated.
     #[inline(always)]
-    fn rest(&self, numbers: &mut [Numbers]) {
+    fn rest(&self, numbers: &mut [Numbers<W>]) {
         let Self { plan, .. } = *self;
         let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
         let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
         for i in 0..plan.equations {
-            (numbers[lengths + i], numbers[sizes + i]) = (ZEROS, ZEROS);
+            (numbers[lengths + i], numbers[sizes + i]) = (zeros(), zeros());
         }
         for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
             each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
@@ -397,8 +442,8 @@ impl Course<'_> {
         &self,
         steps: u64,
         part: &Part,
-        numbers: &mut [Numbers],
-        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) -> Result<(), Stuck> {
         let Self { plan, set, .. } = *self;
         let (n, m) = (plan.coordinates, plan.equations);
@@ -406,14 +451,14 @@ impl Course<'_> {
         let Places { free, trial, change, lambda, found, x, .. } = plan.places;
         let &Part { h, unit, kick, reach, .. } = part;
         for c in 0..n {
-            (numbers[free + c], numbers[change + c]) = (numbers[q + c], ZEROS);
+            (numbers[free + c], numbers[change + c]) = (numbers[q + c], zeros());
         }
         self.kick(reach * h * kick, change, numbers, pulling);
         // By equation: the largest entry of M⁻¹Gᵀ, and how far the way and the forces of a step lead.
         let (entries, ways, pushes) = (x, found, lambda);
         for i in 0..m {
             for to in [entries, ways, pushes] {
-                numbers[to + i] = ZEROS;
+                numbers[to + i] = zeros();
             }
         }
         for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
@@ -432,7 +477,7 @@ impl Course<'_> {
                 (reach * back).min(along) + along + pushed * push / entry
             });
         }
-        let mut crowded = [0.0; ROW];
+        let mut crowded = [0.0; W];
         for share in shares(steps) {
             for i in 0..m {
                 each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
@@ -442,7 +487,7 @@ impl Course<'_> {
             plan.slopes(numbers);
             for i in 0..m {
                 let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
-                for l in 0..ROW {
+                for l in 0..W {
                     let rises = RISES * square.0[l].0 <= slope.0[l].0;
                     crowded[l] = if rises { crowded[l] } else { 1.0 };
                 }
@@ -459,15 +504,15 @@ impl Course<'_> {
     fn velocities(
         &self,
         part: &Part,
-        numbers: &mut [Numbers],
-        pulling: &mut Option<&mut (dyn Pulling + '_)>,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) {
         let Self { plan, sums, set, .. } = *self;
         let Places { q, way, way_low, free, change, .. } = plan.places;
         plan.gradients(set, q, numbers);
         plan.lift(numbers);
         for &c in &plan.moving {
-            numbers[free + c] = if sums { numbers[way_low + c] } else { ZEROS };
+            numbers[free + c] = if sums { numbers[way_low + c] } else { zeros() };
         }
         if part.lead != 0.0 {
             self.kick(-part.unit * part.lead, free, numbers, pulling);
@@ -490,14 +535,14 @@ impl Course<'_> {
 }
 
 /// Writes velocities, see [`Course::velocities`].
-pub(super) struct Velocities<'a, 'b> {
-    pub(super) course: &'a Course<'b>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling + 'b)>,
-    pub(super) numbers: &'a mut [Numbers],
+pub(super) struct Velocities<'a, 'b, const W: usize> {
+    pub(super) course: &'a Course<'b, W>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) numbers: &'a mut [Numbers<W>],
     pub(super) part: usize,
 }
 
-impl Work for Velocities<'_, '_> {
+impl<const W: usize> Work for Velocities<'_, '_, W> {
     type Done = ();
 
     #[inline(always)]
@@ -513,13 +558,13 @@ struct Move<'a> {
     over_share: Number,
 }
 
-impl Takes for Move<'_> {
+impl<const W: usize> Takes<W> for Move<'_> {
     #[inline(always)]
-    fn take(&self, place: usize, moved: &Numbers, numbers: &mut [Numbers]) {
+    fn take(&self, place: usize, moved: &Numbers<W>, numbers: &mut [Numbers<W>]) {
         let Places { q, way, free, change, .. } = *self.places;
         let c = place - change;
         let mut to = numbers[free + c];
-        for l in 0..ROW {
+        for l in 0..W {
             to.0[l] = to.0[l] + moved.0[l];
         }
         numbers[q + c] = to;
@@ -534,13 +579,13 @@ struct MoveSums<'a> {
     over_share: Number,
 }
 
-impl Takes for MoveSums<'_> {
+impl<const W: usize> Takes<W> for MoveSums<'_> {
     #[inline(always)]
-    fn take(&self, place: usize, moved: &Numbers, numbers: &mut [Numbers]) {
+    fn take(&self, place: usize, moved: &Numbers<W>, numbers: &mut [Numbers<W>]) {
         let Places { q, q_low, way, way_low, change, .. } = *self.places;
-        let (c, share, mut by) = (place - change, self.share, ZEROS);
+        let (c, share, mut by) = (place - change, self.share, zeros());
         let (way, back, low) = (&numbers[way + c], &numbers[q_low + c], &numbers[way_low + c]);
-        for l in 0..ROW {
+        for l in 0..W {
             by.0[l] = share.multiply_add(low.0[l], back.0[l]) + share.multiply_add(way.0[l], moved.0[l]);
         }
         add(q + c, q_low + c, &by, numbers);
@@ -556,16 +601,16 @@ pub(super) fn at_rest(length: Number, size: Number) -> Number {
 
 /// Adds `by` to a number that is a sum of two.
 #[inline(always)]
-fn two_sum(high: usize, low: usize, by: usize, numbers: &mut [Numbers]) {
+fn two_sum<const W: usize>(high: usize, low: usize, by: usize, numbers: &mut [Numbers<W>]) {
     let by = numbers[by];
     add(high, low, &by, numbers);
 }
 
 /// See [`two_sum`].
 #[inline(always)]
-fn add(high: usize, low: usize, by: &Numbers, numbers: &mut [Numbers]) {
-    let (mut sum, mut rest) = (numbers[high], ZEROS);
-    for l in 0..ROW {
+fn add<const W: usize>(high: usize, low: usize, by: &Numbers<W>, numbers: &mut [Numbers<W>]) {
+    let (mut sum, mut rest) = (numbers[high], zeros());
+    for l in 0..W {
         let ([s], [r]) = vector::two_sum(&[sum.0[l]], &[by.0[l]]);
         (sum.0[l], rest.0[l]) = (s, r);
     }
@@ -574,8 +619,8 @@ fn add(high: usize, low: usize, by: &Numbers, numbers: &mut [Numbers]) {
 
 /// Adds this many times `by`.
 #[inline(always)]
-fn add_times(times: Number, by: &Numbers, to: &mut Numbers) {
-    for l in 0..ROW {
+fn add_times<const W: usize>(times: Number, by: &Numbers<W>, to: &mut Numbers<W>) {
+    for l in 0..W {
         to.0[l] = times.multiply_add(by.0[l], to.0[l]);
     }
 }

@@ -1,13 +1,14 @@
 //! What is computed in a step of linked bodies side by side, found once: which products make which number.
 //!
 //! A [row](crate::run::ensemble::linked_row) of trajectories keeps its numbers in one list, each of them a number of
-//! every trajectory. A [`Sheet`] is a list of sums of products of such numbers: topology is walked through once, and what
-//! is carried out in a step are loops over lanes that know nothing of bodies.
+//! every trajectory. A [`Sheet`] is a list of sums of products of such numbers: topology is walked through once, and
+//! what is carried out in a step are loops over lanes that know nothing of bodies.
 
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::network::in_lanes::{InLanes, Numbers, ROW, ZEROS};
+use crate::systems::network::group::Group;
+use crate::systems::network::in_lanes::{InLanes, Numbers, zeros};
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
@@ -47,14 +48,14 @@ pub(super) enum End {
 }
 
 /// Who is handed each sum of a sheet. (No closure: what is not inlined is compiled for no instruction set.)
-pub(super) trait Takes {
+pub(super) trait Takes<const W: usize> {
     /// Takes the sum that was written to this place. Must be `#[inline(always)]`.
-    fn take(&self, place: usize, sum: &Numbers, numbers: &mut [Numbers]);
+    fn take(&self, place: usize, sum: &Numbers<W>, numbers: &mut [Numbers<W>]);
 }
 
-impl Takes for () {
+impl<const W: usize> Takes<W> for () {
     #[inline(always)]
-    fn take(&self, _: usize, _: &Numbers, _: &mut [Numbers]) {}
+    fn take(&self, _: usize, _: &Numbers<W>, _: &mut [Numbers<W>]) {}
 }
 
 /// Writes `from` less x.
@@ -64,12 +65,12 @@ struct Less {
     x: usize,
 }
 
-impl Takes for Less {
+impl<const W: usize> Takes<W> for Less {
     #[inline(always)]
-    fn take(&self, place: usize, by: &Numbers, numbers: &mut [Numbers]) {
+    fn take(&self, place: usize, by: &Numbers<W>, numbers: &mut [Numbers<W>]) {
         let i = place - self.x;
         let mut less = numbers[self.from + i];
-        for l in 0..ROW {
+        for l in 0..W {
             less.0[l] = less.0[l] - by.0[l];
         }
         numbers[self.to + i] = less;
@@ -90,13 +91,13 @@ impl Sheet {
 
     /// Computes all of them in turn.
     #[inline(always)]
-    pub(super) fn carry_out(&self, numbers: &mut [Numbers]) {
+    pub(super) fn carry_out<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
         self.hand_over(numbers, &());
     }
 
     /// The same, and hands over each as it is written.
     #[inline(always)]
-    pub(super) fn hand_over(&self, numbers: &mut [Numbers], to_whom: &impl Takes) {
+    pub(super) fn hand_over<const W: usize>(&self, numbers: &mut [Numbers<W>], to_whom: &impl Takes<W>) {
         for Sum { to, from, added, taken, end } in &self.sums {
             let mut sum = numbers[*from as usize];
             for &[a, b] in &self.products[added.start as usize..added.end as usize] {
@@ -108,12 +109,12 @@ impl Sheet {
             match *end {
                 End::Plain => {}
                 End::Times(factor) => {
-                    for l in 0..ROW {
+                    for l in 0..W {
                         sum.0[l] = sum.0[l] * numbers[factor].0[l];
                     }
                 }
                 End::Inverse => {
-                    for l in 0..ROW {
+                    for l in 0..W {
                         sum.0[l].0 = 1.0 / sum.0[l].0;
                     }
                 }
@@ -125,15 +126,15 @@ impl Sheet {
 }
 
 #[inline(always)]
-fn add_product(sum: &mut Numbers, a: &Numbers, b: &Numbers) {
-    for l in 0..ROW {
+fn add_product<const W: usize>(sum: &mut Numbers<W>, a: &Numbers<W>, b: &Numbers<W>) {
+    for l in 0..W {
         sum.0[l] = a.0[l].multiply_add(b.0[l], sum.0[l]);
     }
 }
 
 #[inline(always)]
-fn take_product(sum: &mut Numbers, a: &Numbers, b: &Numbers) {
-    for l in 0..ROW {
+fn take_product<const W: usize>(sum: &mut Numbers<W>, a: &Numbers<W>, b: &Numbers<W>) {
+    for l in 0..W {
         sum.0[l] = (-a.0[l]).multiply_add(b.0[l], sum.0[l]);
     }
 }
@@ -188,8 +189,8 @@ pub(super) struct Places {
 }
 
 /// Links of one kind, and where what they give is written.
-struct Links {
-    links: Box<dyn InLanes>,
+struct Links<const W: usize> {
+    links: Box<dyn InLanes<W>>,
     /// Members, their first row and first entry.
     runs: Vec<(Range<usize>, usize, usize)>,
     equations: usize,
@@ -198,13 +199,13 @@ struct Links {
 }
 
 /// A network made ready for trajectories side by side.
-pub(super) struct Plan {
+pub(super) struct Plan<const W: usize> {
     pub(super) places: Places,
     /// Coordinates of all bodies, equations, and entries of their gradients.
     pub(super) coordinates: usize,
     pub(super) equations: usize,
     entries: usize,
-    links: Vec<Links>,
+    links: Vec<Links<W>>,
     /// For each coordinate its mass and 1 over it; both 0 where pinned.
     pub(super) masses: Vec<[f64; 2]>,
     /// The coordinates that are not pinned.
@@ -227,10 +228,14 @@ pub(super) struct Plan {
     pub(super) push: Sheet,
 }
 
-impl Plan {
+impl<const W: usize> Plan<W> {
     /// For so many bodies of D coordinates; none where they cannot go side by side. `SUMS` says whether sums are
     /// compensated.
-    pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool) -> Option<Self> {
+    pub(super) fn of<const D: usize>(
+        shape: &Shape<D>,
+        sums: bool,
+        in_lanes: impl Fn(&dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
+    ) -> Option<Self> {
         let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
         let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
         let masses: Vec<_> = over.as_flattened().iter().map(|&over| [mass(over), over]).collect();
@@ -244,7 +249,7 @@ impl Plan {
                 let own = component.rows.runs.iter().filter(|run| run.group == number);
                 runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
             }
-            links.push(Links { links: group.in_lanes()?, runs, equations, width });
+            links.push(Links { links: in_lanes(&**group)?, runs, equations, width });
         }
 
         let mut pieces: Vec<Piece> = Vec::new();
@@ -404,7 +409,7 @@ impl Plan {
 
     /// g and its gradients at these coordinates.
     #[inline(always)]
-    pub(super) fn gradients(&self, set: Fusing, at: usize, numbers: &mut [Numbers]) {
+    pub(super) fn gradients(&self, set: Fusing, at: usize, numbers: &mut [Numbers<W>]) {
         let Places { g, gradient, .. } = self.places;
         let ranges = [at..at + self.coordinates, g..g + self.equations, gradient..gradient + self.entries];
         let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
@@ -419,7 +424,7 @@ impl Plan {
 
     /// Solves for x, and writes `from` less x.
     #[inline(always)]
-    pub(super) fn correct(&self, from: usize, to: usize, numbers: &mut [Numbers]) {
+    pub(super) fn correct(&self, from: usize, to: usize, numbers: &mut [Numbers<W>]) {
         let Places { x, .. } = self.places;
         self.forwards.carry_out(numbers);
         self.back.hand_over(numbers, &Less { from, to, x });
@@ -427,23 +432,23 @@ impl Plan {
 
     /// Solves for x.
     #[inline(always)]
-    pub(super) fn solve(&self, numbers: &mut [Numbers]) {
+    pub(super) fn solve(&self, numbers: &mut [Numbers<W>]) {
         self.forwards.carry_out(numbers);
         self.back.carry_out(numbers);
     }
 
     /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ.
     #[inline(always)]
-    pub(super) fn lift(&self, numbers: &mut [Numbers]) {
+    pub(super) fn lift(&self, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, square, .. } = self.places;
         let mut first = 0;
         while first < self.entries {
-            let (row, mut sum) = (self.of_entry[first][1], ZEROS);
+            let (row, mut sum) = (self.of_entry[first][1], zeros::<W>());
             while first < self.entries && self.of_entry[first][1] == row {
                 let over = Fused(self.masses[self.of_entry[first][0]][1]);
                 let of = &numbers[gradient + first];
-                let mut up = ZEROS;
-                for l in 0..ROW {
+                let mut up = zeros::<W>();
+                for l in 0..W {
                     up.0[l] = over * of.0[l];
                     sum.0[l] = of.0[l].multiply_add(up.0[l], sum.0[l]);
                 }
@@ -456,10 +461,10 @@ impl Plan {
 
     /// Writes ∇gᵢ·M⁻¹∇gᵢ with the gradients of another place: the diagonal of the matrix.
     #[inline(always)]
-    pub(super) fn slopes(&self, numbers: &mut [Numbers]) {
+    pub(super) fn slopes(&self, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, diagonal, .. } = self.places;
         for i in 0..self.equations {
-            numbers[diagonal + i] = ZEROS;
+            numbers[diagonal + i] = zeros();
         }
         for (entry, &[_, i]) in self.of_entry.iter().enumerate() {
             let mut sum = numbers[diagonal + i];

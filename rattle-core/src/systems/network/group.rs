@@ -5,7 +5,7 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::Fused;
-use crate::systems::network::in_lanes::{InLanes, LinksInLanes, Number};
+use crate::systems::network::in_lanes::{FEW, InLanes, LinksInLanes, Number, ROW};
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -51,7 +51,9 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
 
     /// The same links for trajectories side by side; none where multipliers act on chosen coordinates, g depends on
     /// time, or has kinks.
-    fn in_lanes(&self) -> Option<Box<dyn InLanes>>;
+    fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>>;
+    /// The same for a few trajectories.
+    fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
 
     /// The first member of which a normal jumps on the straight way between two places and times.
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)>;
@@ -78,7 +80,8 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) kernels: Vec<G>,
     pub(crate) members: Vec<[usize; A]>,
     pub(crate) acting: Option<[[bool; D]; A]>,
-    in_lanes: fn(&Self) -> Box<dyn InLanes>,
+    in_lanes: fn(&Self) -> Box<dyn InLanes<ROW>>,
+    in_few_lanes: fn(&Self) -> Box<dyn InLanes<FEW>>,
 }
 
 impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
@@ -101,12 +104,15 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
             kernels: constraints.iter().map(|constraint| constraint.kernel::<f64>()).collect(),
             members,
             acting: None,
-            in_lanes: |links| {
-                let kernels = links.kernels.iter().map(|kernel| C::map_kernel(kernel, |&x| Fused(x)));
-                let (kernels, members) = (kernels.collect(), links.members.clone());
-                Box::new(LinksInLanes::<C::Kernel<Number>, K, M, A, D> { kernels, members })
-            },
+            in_lanes: |links| Box::new(links.fused::<C>()),
+            in_few_lanes: |links| Box::new(links.fused::<C>()),
         }
+    }
+
+    /// The same over numbers of lanes.
+    fn fused<C: Constraint<K, M, Kernel<f64> = G>>(&self) -> LinksInLanes<C::Kernel<Number>, K, M, A, D> {
+        let kernels = self.kernels.iter().map(|kernel| C::map_kernel(kernel, |&x| Fused(x)));
+        LinksInLanes { kernels: kernels.collect(), members: self.members.clone() }
     }
 
     #[inline(always)]
@@ -132,6 +138,15 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
                 rates[i] = row[K - 1];
             }
         }
+    }
+}
+
+impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G, K, M, A, D>
+where
+    G: ConstraintKernel<f64, K, M>,
+{
+    fn goes_in_lanes(&self) -> bool {
+        self.acting.is_none() && const { !Self::MOVING && G::KINKS.is_empty() }
     }
 }
 
@@ -206,9 +221,11 @@ where
         }
     }
 
-    fn in_lanes(&self) -> Option<Box<dyn InLanes>> {
-        let goes = self.acting.is_none() && const { !Self::MOVING && G::KINKS.is_empty() };
-        goes.then(|| (self.in_lanes)(self))
+    fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>> {
+        self.goes_in_lanes().then(|| (self.in_lanes)(self))
+    }
+    fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>> {
+        self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
     }
 
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)> {

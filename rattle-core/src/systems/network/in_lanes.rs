@@ -9,29 +9,34 @@ use crate::number::lanes::{Fused, Lanes};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// Trajectories of a row: so many that what is kept of some links fits the nearest cache.
+/// Trajectories of a row: what is walked through once for all is little to each of them.
 pub(crate) const ROW: usize = 64;
+
+/// Trajectories of a row of a few: as many as the widest register holds.
+pub(crate) const FEW: usize = 8;
 
 /// A number of a lane.
 pub(crate) type Number = Fused<f64>;
 
-/// A number of each trajectory.
-pub(crate) type Numbers = Lanes<Number, ROW>;
+/// A number of each of W trajectories.
+pub(crate) type Numbers<const W: usize> = Lanes<Number, W>;
 
 /// Zeros.
-pub(crate) const ZEROS: Numbers = Lanes([Fused(0.0); ROW]);
+pub(crate) const fn zeros<const W: usize>() -> Numbers<W> {
+    Lanes([Fused(0.0); W])
+}
 
 /// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
 /// and coordinate of the link's bodies, are written one after the other.
-pub(crate) trait InLanes: Send + Sync {
+pub(crate) trait InLanes<const W: usize>: Send + Sync {
     /// g and ∂g/∂q of some members.
     fn gradients(
         &self,
         set: Fusing,
         members: Range<usize>,
-        q: &[Numbers],
-        g: &mut [Numbers],
-        gradients: &mut [Numbers],
+        q: &[Numbers<W>],
+        g: &mut [Numbers<W>],
+        gradients: &mut [Numbers<W>],
     );
 }
 
@@ -51,13 +56,13 @@ impl<H: Clone, const K: usize, const M: usize, const A: usize, const D: usize> L
 
     /// Where the coordinates of a member's bodies are.
     #[inline(always)]
-    fn places<'a>(&self, member: usize, q: &'a [Numbers]) -> [&'a Numbers; K] {
+    fn places<'a, const W: usize>(&self, member: usize, q: &'a [Numbers<W>]) -> [&'a Numbers<W>; K] {
         let bodies = &self.members[member];
         from_fn(|k| &q[bodies[k / D] * D + k % D])
     }
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize> InLanes
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> InLanes<W>
     for LinksInLanes<H, K, M, A, D>
 where
     H: ConstraintKernel<Number, K, M>,
@@ -66,24 +71,26 @@ where
         &self,
         set: Fusing,
         members: Range<usize>,
-        q: &[Numbers],
-        g: &mut [Numbers],
-        gradients: &mut [Numbers],
+        q: &[Numbers<W>],
+        g: &mut [Numbers<W>],
+        gradients: &mut [Numbers<W>],
     ) {
         set.run(Gradients { links: self, members, q, g, gradients });
     }
 }
 
-struct Gradients<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
+struct Gradients<'a, H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> {
     links: &'a LinksInLanes<H, K, M, A, D>,
     members: Range<usize>,
-    q: &'a [Numbers],
-    g: &'a mut [Numbers],
-    gradients: &'a mut [Numbers],
+    q: &'a [Numbers<W>],
+    g: &'a mut [Numbers<W>],
+    gradients: &'a mut [Numbers<W>],
 }
 
-impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
-    for Gradients<'_, H, K, M, A, D>
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> Work
+    for Gradients<'_, H, K, M, A, D, W>
+where
+    H: ConstraintKernel<Number, K, M>,
 {
     type Done = ();
 
@@ -99,15 +106,15 @@ impl<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize, const A:
 
 /// One member. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
 #[inline(always)]
-fn gradients_of<H, const K: usize, const M: usize>(
+fn gradients_of<H, const K: usize, const M: usize, const W: usize>(
     kernel: &H,
-    q: [&Numbers; K],
-    g: &mut [Numbers; M],
-    rows: &mut [[Numbers; K]; M],
+    q: [&Numbers<W>; K],
+    g: &mut [Numbers<W>; M],
+    rows: &mut [[Numbers<W>; K]; M],
 ) where
     H: ConstraintKernel<Number, K, M>,
 {
-    for l in 0..ROW {
+    for l in 0..W {
         let (values, gradients) = kernel.value_and_jacobian(&from_fn(|k| q[k].0[l]));
         for i in 0..M {
             g[i].0[l] = values[i];
