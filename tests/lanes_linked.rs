@@ -142,6 +142,17 @@ fn chains_in_space_with_weights_and_a_free_end() {
     agree(&scene, |lean| [chain(5, lean), vec![[3.0, 1.0, lean]]].concat());
 }
 
+/// A link between two pins, to which a third body is tied, is no equation of motion.
+#[test]
+fn links_between_pins() {
+    let scene = Scene::points(3)
+        .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
+        .pin(0, [0.0, 0.0])
+        .pin(1, [1.0, 0.0])
+        .with(PlanarGravity { g: 1.0 });
+    agree(&scene, |lean| vec![[0.0, 0.0], [1.0, 0.0], [1.0 + lean.sin(), -lean.cos()]]);
+}
+
 /// A ring fills in where it is eliminated.
 #[test]
 fn rings_and_angles() {
@@ -218,6 +229,7 @@ fn others_go_alone() {
         &double().link(PlanarRod { length: 1.0 }, [[1, 2]]).linear_algebra(LinearAlgebra::Orthogonal),
         places,
     );
+    alone(&double().link(PlanarRod { length: 1.0 }, [[1, 2]]), places);
     // A mass that is a matrix.
     alone(&double().mass(nalgebra::Matrix2::new(1.0, 0.2, 0.2, 2.0)), places);
     // A link with a kink.

@@ -73,7 +73,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
-        self.row.set(lane, &self.laws, &bodies[0].map(S::from_f64))
+        let holds = self.row.set(lane, &self.laws, &bodies[0].map(S::from_f64));
+        holds && self.row.body(lane).p.iter().all(|p| p.to_f64().is_finite())
     }
 
     fn copy(&mut self, from: usize, to: usize) {

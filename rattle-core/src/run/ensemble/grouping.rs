@@ -149,13 +149,13 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
 ) -> Groups<D> {
     let InLanes { stages, h, set } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    let bodies = starts.first()?.len();
+    let first = starts.first()?;
     let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
     if starts.len() <= FEW {
-        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method, sums, *set)?;
+        let row = LinkedLanes::<_, D, FEW>::new(network, effects, first, method, sums, *set)?;
         return Some(vec![side_by_side(row, starts)]);
     }
-    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
+    let row = LinkedLanes::<_, D, ROW>::new(network, effects, first, method, sums, *set)?;
     Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
 }
 

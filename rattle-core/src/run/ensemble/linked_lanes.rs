@@ -9,6 +9,7 @@ use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::instructions::{Fusing, Work};
@@ -16,9 +17,8 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
-use crate::run::ensemble::linked_row::{
-    Course, Landed, Pulling, Pulls, Steps, Velocities, Wide, Width, at_rest,
-};
+use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
+use crate::run::ensemble::linked_row::{Course, Landed, Pulling, Pulls, at_rest};
 use crate::run::ensemble::plan::{Places, Plan};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
@@ -66,22 +66,28 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
 where
     Width: Wide<W>,
 {
-    /// Lanes, none of them set, for so many bodies of a network under these effects, by a method of these stages, all
-    /// of which are `equal`, or not; with compensated sums or without. None where they cannot go side by side.
+    /// Lanes, none of them set, for the bodies of this start in a network under these effects, by a method of these
+    /// stages, all of which are `equal`, or not; with compensated sums or without. None where they cannot go side by
+    /// side.
     pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
         effects: &E,
-        bodies: usize,
+        start: &State<D>,
         (stages, equal, h): (&[Stage], bool, f64),
         sums: bool,
         set: Fusing,
     ) -> Option<Self> {
+        let bodies = start.len();
         let shape = network.shape(bodies).ok()?;
         if shape.components.iter().any(|component| matches!(component.solver, Solver::Orthogonal(_))) {
             return None;
         }
         let plan = Plan::of(&shape, sums, |group| Width::links(group))?;
         let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
+        let freedom = system.freedom(&system.bodies(&start.bodies, start.time));
+        if freedom + plan.equations != plan.moving.len() {
+            return None; // equations depend on each other
+        }
         let pulls: Option<Box<dyn Pulls<W>>> = if const { F::EFFECTS == 0 } {
             None
         } else if const { F::ON_EACH } {
@@ -152,12 +158,13 @@ fn bodies_of<const D: usize, const W: usize>(
 
 /// Hears all multipliers of a step.
 struct Heard {
-    /// Of the position and the momentum equation, by equation.
+    /// Of the position and the momentum equation, by equation of the scene.
     multipliers: [Vec<f64>; 2],
 }
 
 impl Heard {
-    fn of(equations: usize) -> Self {
+    fn of<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>) -> Self {
+        let equations = system.equations();
         Self { multipliers: [vec![0.0; equations], vec![0.0; equations]] }
     }
 }
@@ -205,7 +212,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
             bodies
         }
     };
-    let mut heard = Heard::of(plan.equations);
+    let mut heard = Heard::of(system);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     system.settle(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
     system.drift(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
@@ -274,7 +281,7 @@ where
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
-        let mut heard = Heard::of(plan.equations);
+        let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
         let entries = gradients(system, &ahead.q);
@@ -319,7 +326,7 @@ where
             put(square + i, squares[i]);
             put(rest + i, at_rest(Fused(lengths[i]), Fused(reaches[i])).0);
         }
-        drifted.is_ok() && off <= 2.0 * path
+        drifted.is_ok() && path.is_finite() && off <= 2.0 * path
     }
 
     fn copy(&mut self, from: usize, to: usize) {

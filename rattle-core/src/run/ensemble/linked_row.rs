@@ -17,16 +17,14 @@
 //! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets are near
 //! ([`crate::solve::crowd`]).
 
-use crate::number::instructions::{Fusing, Work};
+use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::plan::{Places, Plan, Takes};
-use crate::solve::crowd::{EVERY, PATH, RISES, ROOT_3, shares};
-use crate::systems::network::group::Group;
-use crate::systems::network::in_lanes::{FEW, InLanes, Number, Numbers, ROW, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
 /// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
@@ -79,51 +77,6 @@ pub(super) struct Course<'a, const W: usize> {
     pub(super) set: Fusing,
 }
 
-/// Some steps of a row, after so many.
-pub(super) struct Steps<'a, 'b, const W: usize> {
-    pub(super) course: &'a Course<'b, W>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
-    pub(super) apart: &'a mut Apart<'b, W>,
-    /// All numbers, those of one step too.
-    pub(super) numbers: &'a mut [Numbers<W>],
-    pub(super) part: &'a mut usize,
-    pub(super) from: u64,
-    pub(super) steps: u64,
-    /// Whether it is to be asked at the end whether other sheets are near.
-    pub(super) looks: bool,
-}
-
-impl<const W: usize> Work for Steps<'_, '_, W> {
-    type Done = Result<(), Stuck>;
-
-    #[inline(always)]
-    fn run(self) -> Result<(), Stuck> {
-        let Self { course, mut pulling, apart, numbers, part, from, steps, looks } = self;
-        let Course { plan, parts, equal, .. } = course;
-        for c in 0..plan.coordinates {
-            numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
-        }
-        if from == 0 && steps > 0 {
-            course.look_around(0, &parts[*part], numbers, &mut pulling)?;
-        }
-        for now in from + 1..=from + steps {
-            for _ in 0..if *equal { 1 } else { parts.len() } {
-                course.advance(&parts[*part], numbers, &mut pulling, apart)?;
-                *part = if *part + 1 == parts.len() { 0 } else { *part + 1 };
-            }
-            if now % EVERY == 0 {
-                course.rest(numbers);
-            }
-            if now % EVERY == 0 || (looks && now == from + steps) {
-                course.look_around(now, &parts[*part], numbers, &mut pulling)?;
-            }
-        }
-        let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
-        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
-        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
-    }
-}
-
 /// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
 type Which<const W: usize> = [u64; W];
 
@@ -133,46 +86,9 @@ fn any<const W: usize>(which: &Which<W>) -> bool {
     which.iter().fold(0, |any, which| any | which) != 0
 }
 
-/// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
-pub(super) trait Wide<const W: usize> {
-    /// The links of a group.
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>;
-    /// Takes steps.
-    fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
-    /// Writes velocities.
-    fn look(velocities: Velocities<'_, '_, W>);
-}
-
-/// Names a number of lanes.
-pub(super) struct Width;
-
-impl Wide<ROW> for Width {
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<ROW>>> {
-        group.in_lanes()
-    }
-    fn go(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
-        steps.course.set.run(steps)
-    }
-    fn look(velocities: Velocities<'_, '_, ROW>) {
-        velocities.course.set.run(velocities);
-    }
-}
-
-impl Wide<FEW> for Width {
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<FEW>>> {
-        group.in_few_lanes()
-    }
-    fn go(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {
-        steps.course.set.run(steps)
-    }
-    fn look(velocities: Velocities<'_, '_, FEW>) {
-        velocities.course.set.run(velocities);
-    }
-}
-
 /// Writes `f` of each lane of these numbers.
 #[inline(always)]
-fn each<const N: usize, const W: usize>(
+pub(super) fn each<const N: usize, const W: usize>(
     to: usize,
     of: [usize; N],
     numbers: &mut [Numbers<W>],
@@ -198,7 +114,7 @@ fn each_lane<const N: usize, const W: usize>(
 impl<const W: usize> Course<'_, W> {
     /// One part of a step.
     #[inline(always)]
-    fn advance(
+    pub(super) fn advance(
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],
@@ -372,7 +288,7 @@ impl<const W: usize> Course<'_, W> {
 
     /// Adds this many times M⁻¹f, with the forces where bodies are.
     #[inline(always)]
-    fn kick(
+    pub(super) fn kick(
         &self,
         times: f64,
         to: usize,
@@ -419,7 +335,7 @@ impl<const W: usize> Course<'_, W> {
 
     /// What |g| may be at rest, by the gradients just evaluated.
     #[inline(always)]
-    fn rest(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn rest(&self, numbers: &mut [Numbers<W>]) {
         let Self { plan, .. } = *self;
         let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
         let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
@@ -434,121 +350,6 @@ impl<const W: usize> Course<'_, W> {
         for i in 0..plan.equations {
             each(rest + i, [lengths + i, sizes + i], numbers, |[length, size]| at_rest(length, size));
         }
-    }
-
-    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`].
-    #[inline(always)]
-    fn look_around(
-        &self,
-        steps: u64,
-        part: &Part,
-        numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
-    ) -> Result<(), Stuck> {
-        let Self { plan, set, .. } = *self;
-        let (n, m) = (plan.coordinates, plan.equations);
-        let Places { q, way, lifted, guess, last, earlier, square, diagonal, .. } = plan.places;
-        let Places { free, trial, change, lambda, found, x, .. } = plan.places;
-        let &Part { h, unit, kick, reach, .. } = part;
-        for c in 0..n {
-            (numbers[free + c], numbers[change + c]) = (numbers[q + c], zeros());
-        }
-        self.kick(reach * h * kick, change, numbers, pulling);
-        // By equation: the largest entry of M⁻¹Gᵀ, and how far the way and the forces of a step lead.
-        let (entries, ways, pushes) = (x, found, lambda);
-        for i in 0..m {
-            for to in [entries, ways, pushes] {
-                numbers[to + i] = zeros();
-            }
-        }
-        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
-            for (to, of) in
-                [(entries, lifted + entry), (ways, way + coordinate), (pushes, change + coordinate)]
-            {
-                each(to + i, [to + i, of], numbers, |[most, x]| most.max(x.abs()));
-            }
-        }
-        let [reach, path, pushed] = [reach, ROOT_3 * reach * PATH * (h / unit).abs(), ROOT_3].map(Fused);
-        for i in 0..m {
-            let of = [entries, ways, pushes, guess, last, earlier].map(|of| of + i);
-            each(ways + i, of, numbers, |[entry, way, push, guess, last, earlier]| {
-                let back = guess.abs().max(last.abs()).max(earlier.abs());
-                let along = path * way / entry;
-                (reach * back).min(along) + along + pushed * push / entry
-            });
-        }
-        let mut crowded = [0.0; W];
-        for share in shares(steps) {
-            for i in 0..m {
-                each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
-            }
-            plan.place.carry_out(numbers);
-            plan.gradients(set, trial, numbers);
-            plan.slopes(numbers);
-            for i in 0..m {
-                let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
-                for l in 0..W {
-                    let rises = RISES * square.0[l].0 <= slope.0[l].0;
-                    crowded[l] = if rises { crowded[l] } else { 1.0 };
-                }
-            }
-        }
-        let crowded = crowded.iter().position(|&crowded| crowded != 0.0);
-        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
-    }
-
-    /// Writes velocities, times the unit of the part to come and along the constraints, to `free`, and what rounding
-    /// took from them to `change`: with the kick of that part taken back, and by the normals where the bodies are. What
-    /// is kept is no longer valid then.
-    #[inline(always)]
-    fn velocities(
-        &self,
-        part: &Part,
-        numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
-    ) {
-        let Self { plan, sums, set, .. } = *self;
-        let Places { q, way, way_low, free, change, .. } = plan.places;
-        plan.gradients(set, q, numbers);
-        plan.lift(numbers);
-        for &c in &plan.moving {
-            numbers[free + c] = if sums { numbers[way_low + c] } else { zeros() };
-        }
-        if part.lead != 0.0 {
-            self.kick(-part.unit * part.lead, free, numbers, pulling);
-        }
-        for &c in &plan.moving {
-            each(change + c, [way + c, free + c], numbers, |[way, low]| way + low);
-        }
-        plan.factor.carry_out(numbers);
-        plan.rates.carry_out(numbers);
-        plan.solve(numbers);
-        for &c in &plan.moving {
-            numbers[change + c] = numbers[free + c];
-        }
-        plan.push.carry_out(numbers);
-        for &c in &plan.moving {
-            numbers[free + c] = numbers[way + c];
-            two_sum(free + c, change + c, change + c, numbers);
-        }
-    }
-}
-
-/// Writes velocities, see [`Course::velocities`].
-pub(super) struct Velocities<'a, 'b, const W: usize> {
-    pub(super) course: &'a Course<'b, W>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
-    pub(super) numbers: &'a mut [Numbers<W>],
-    pub(super) part: usize,
-}
-
-impl<const W: usize> Work for Velocities<'_, '_, W> {
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { course, mut pulling, numbers, part } = self;
-        course.velocities(&course.parts[part], numbers, &mut pulling);
     }
 }
 
@@ -601,7 +402,7 @@ pub(super) fn at_rest(length: Number, size: Number) -> Number {
 
 /// Adds `by` to a number that is a sum of two.
 #[inline(always)]
-fn two_sum<const W: usize>(high: usize, low: usize, by: usize, numbers: &mut [Numbers<W>]) {
+pub(super) fn two_sum<const W: usize>(high: usize, low: usize, by: usize, numbers: &mut [Numbers<W>]) {
     let by = numbers[by];
     add(high, low, &by, numbers);
 }

@@ -201,7 +201,7 @@ struct Links<const W: usize> {
 /// A network made ready for trajectories side by side.
 pub(super) struct Plan<const W: usize> {
     pub(super) places: Places,
-    /// Coordinates of all bodies, equations, and entries of their gradients.
+    /// Coordinates of all bodies, equations that can be solved for, and entries of their gradients.
     pub(super) coordinates: usize,
     pub(super) equations: usize,
     entries: usize,
@@ -239,7 +239,9 @@ impl<const W: usize> Plan<W> {
         let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
         let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
         let masses: Vec<_> = over.as_flattened().iter().map(|&over| [mass(over), over]).collect();
-        let (n, m, entries) = (masses.len(), shape.equations, shape.blocks * D);
+        // Not those of links between pinned bodies, which hold or do not.
+        let equations = shape.components.iter().map(|component| component.rows.equations()).sum();
+        let (n, m, entries) = (masses.len(), equations, shape.blocks * D);
         let mut links = Vec::new();
         for (number, group) in shape.groups.iter().enumerate() {
             let (equations, width) = (group.equations(), group.bodies().1 * D);

@@ -91,8 +91,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// Puts bodies, which are along the constraint, into a lane; and beside it where other sheets are near, or where
     /// the lane cannot hold them.
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) {
-        let is_finite = |body: &Body<f64, D>| body.p.iter().all(|p| p.is_finite());
-        let holds = self.engine.set(lane, bodies) && self.engine.bodies(lane).iter().all(is_finite);
+        let holds = self.engine.set(lane, bodies);
         self.own.retain(|own| own.0 != lane);
         self.crowded[lane] |= !holds;
         if self.crowded[lane] {

@@ -82,7 +82,8 @@ where
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
-        self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low])
+        let holds = self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+        holds && self.block.momentum(lane, &self.laws, &self.parts)[0].iter().all(|p| p.to_f64().is_finite())
     }
 
     fn copy(&mut self, from: usize, to: usize) {

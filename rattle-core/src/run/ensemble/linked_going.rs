@@ -1,0 +1,108 @@
+//! Steps of rows of linked bodies, and looks at them, compiled once: here, and not wherever an ensemble is made.
+
+use crate::number::instructions::Work;
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::linked_row::{Apart, Course, Pulling};
+use crate::solve::crowd::EVERY;
+use crate::systems::network::group::Group;
+use crate::systems::network::in_lanes::{FEW, InLanes, Numbers, ROW};
+
+/// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
+pub(super) trait Wide<const W: usize> {
+    /// The links of a group.
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>;
+    /// Takes steps.
+    fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
+    /// Writes velocities.
+    fn look(velocities: Velocities<'_, '_, W>);
+}
+
+/// Names a number of lanes.
+pub(super) struct Width;
+
+impl Wide<ROW> for Width {
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<ROW>>> {
+        group.in_lanes()
+    }
+    fn go(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
+    fn look(velocities: Velocities<'_, '_, ROW>) {
+        velocities.course.set.run(velocities);
+    }
+}
+
+impl Wide<FEW> for Width {
+    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<FEW>>> {
+        group.in_few_lanes()
+    }
+    fn go(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
+    fn look(velocities: Velocities<'_, '_, FEW>) {
+        velocities.course.set.run(velocities);
+    }
+}
+
+/// Some steps of a row, after so many.
+pub(super) struct Steps<'a, 'b, const W: usize> {
+    pub(super) course: &'a Course<'b, W>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) apart: &'a mut Apart<'b, W>,
+    /// All numbers, those of one step too.
+    pub(super) numbers: &'a mut [Numbers<W>],
+    pub(super) part: &'a mut usize,
+    pub(super) from: u64,
+    pub(super) steps: u64,
+    /// Whether it is to be asked at the end whether other sheets are near.
+    pub(super) looks: bool,
+}
+
+impl<const W: usize> Work for Steps<'_, '_, W> {
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(self) -> Result<(), Stuck> {
+        let Self { course, mut pulling, apart, numbers, part, from, steps, looks } = self;
+        let Course { plan, parts, equal, .. } = course;
+        for c in 0..plan.coordinates {
+            numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
+        }
+        if from == 0 && steps > 0 {
+            course.look_around(0, &parts[*part], numbers, &mut pulling)?;
+        }
+        for now in from + 1..=from + steps {
+            for _ in 0..if *equal { 1 } else { parts.len() } {
+                course.advance(&parts[*part], numbers, &mut pulling, apart)?;
+                *part = if *part + 1 == parts.len() { 0 } else { *part + 1 };
+            }
+            if now % EVERY == 0 {
+                course.rest(numbers);
+            }
+            if now % EVERY == 0 || (looks && now == from + steps) {
+                course.look_around(now, &parts[*part], numbers, &mut pulling)?;
+            }
+        }
+        let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];
+        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
+        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+}
+
+/// Writes velocities, see [`Course::velocities`].
+pub(super) struct Velocities<'a, 'b, const W: usize> {
+    pub(super) course: &'a Course<'b, W>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) numbers: &'a mut [Numbers<W>],
+    pub(super) part: usize,
+}
+
+impl<const W: usize> Work for Velocities<'_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { course, mut pulling, numbers, part } = self;
+        course.velocities(&course.parts[part], numbers, &mut pulling);
+    }
+}

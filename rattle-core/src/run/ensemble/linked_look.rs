@@ -1,0 +1,110 @@
+//! What is asked of a row of trajectories of linked bodies beside its steps: whether other sheets are near, and how fast
+//! bodies are.
+
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::run::ensemble::block::Part;
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::linked_row::{Course, Pulling, each, two_sum};
+use crate::run::ensemble::plan::Places;
+use crate::solve::crowd::{PATH, RISES, ROOT_3, shares};
+use crate::systems::network::in_lanes::{Numbers, zeros};
+
+impl<const W: usize> Course<'_, W> {
+    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`].
+    #[inline(always)]
+    pub(super) fn look_around(
+        &self,
+        steps: u64,
+        part: &Part,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+    ) -> Result<(), Stuck> {
+        let Self { plan, set, .. } = *self;
+        let (n, m) = (plan.coordinates, plan.equations);
+        let Places { q, way, lifted, guess, last, earlier, square, diagonal, .. } = plan.places;
+        let Places { free, trial, change, lambda, found, x, .. } = plan.places;
+        let &Part { h, unit, kick, reach, .. } = part;
+        for c in 0..n {
+            (numbers[free + c], numbers[change + c]) = (numbers[q + c], zeros());
+        }
+        self.kick(reach * h * kick, change, numbers, pulling);
+        // By equation: the largest entry of M⁻¹Gᵀ, and how far the way and the forces of a step lead.
+        let (entries, ways, pushes) = (x, found, lambda);
+        for i in 0..m {
+            for to in [entries, ways, pushes] {
+                numbers[to + i] = zeros();
+            }
+        }
+        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
+            for (to, of) in
+                [(entries, lifted + entry), (ways, way + coordinate), (pushes, change + coordinate)]
+            {
+                each(to + i, [to + i, of], numbers, |[most, x]| most.max(x.abs()));
+            }
+        }
+        let [reach, path, pushed] = [reach, ROOT_3 * reach * PATH * (h / unit).abs(), ROOT_3].map(Fused);
+        for i in 0..m {
+            let of = [entries, ways, pushes, guess, last, earlier].map(|of| of + i);
+            each(ways + i, of, numbers, |[entry, way, push, guess, last, earlier]| {
+                let back = guess.abs().max(last.abs()).max(earlier.abs());
+                let along = path * way / entry;
+                (reach * back).min(along) + along + pushed * push / entry
+            });
+        }
+        let mut crowded = [0.0; W];
+        for share in shares(steps) {
+            for i in 0..m {
+                each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
+            }
+            plan.place.carry_out(numbers);
+            plan.gradients(set, trial, numbers);
+            plan.slopes(numbers);
+            for i in 0..m {
+                let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
+                for l in 0..W {
+                    let rises = RISES * square.0[l].0 <= slope.0[l].0;
+                    crowded[l] = if rises { crowded[l] } else { 1.0 };
+                }
+            }
+        }
+        let crowded = crowded.iter().position(|&crowded| crowded != 0.0);
+        crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+
+    /// Writes velocities, times the unit of the part to come and along the constraints, to `free`, and what rounding
+    /// took from them to `change`: with the kick of that part taken back, and by the normals where the bodies are. What
+    /// is kept is no longer valid then.
+    #[inline(always)]
+    pub(super) fn velocities(
+        &self,
+        part: &Part,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+    ) {
+        let Self { plan, sums, set, .. } = *self;
+        let Places { q, way, way_low, free, change, .. } = plan.places;
+        plan.gradients(set, q, numbers);
+        plan.lift(numbers);
+        for &c in &plan.moving {
+            numbers[free + c] = if sums { numbers[way_low + c] } else { zeros() };
+        }
+        if part.lead != 0.0 {
+            self.kick(-part.unit * part.lead, free, numbers, pulling);
+        }
+        for &c in &plan.moving {
+            each(change + c, [way + c, free + c], numbers, |[way, low]| way + low);
+        }
+        plan.factor.carry_out(numbers);
+        plan.rates.carry_out(numbers);
+        plan.solve(numbers);
+        for &c in &plan.moving {
+            numbers[change + c] = numbers[free + c];
+        }
+        plan.push.carry_out(numbers);
+        for &c in &plan.moving {
+            numbers[free + c] = numbers[way + c];
+            two_sum(free + c, change + c, change + c, numbers);
+        }
+    }
+}
