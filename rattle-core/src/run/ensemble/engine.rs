@@ -70,8 +70,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Clone + Send + Sync {
     /// Goes on from there.
     fn keep(&mut self, lanes: Self::Lanes);
 
-    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their momenta
-    /// would be no numbers there.
+    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their
+    /// momenta would be no numbers there.
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool;
     /// Has lane `to` be where lane `from` is.
     fn copy(&mut self, from: usize, to: usize);

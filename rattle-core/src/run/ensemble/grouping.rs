@@ -151,9 +151,10 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let first = starts.first()?;
     let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
-    if starts.len() <= FEW {
+    if starts.len() <= 3 * FEW {
+        // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, first, method, sums, *set)?;
-        return Some(vec![side_by_side(row, starts)]);
+        return Some(starts.chunks(FEW).map(|starts| side_by_side(row.clone(), starts)).collect());
     }
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, first, method, sums, *set)?;
     Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
