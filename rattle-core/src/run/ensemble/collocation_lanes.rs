@@ -22,6 +22,7 @@ use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
 use crate::solve::crowd::{EVERY, FARTHER, reach, rises, shares, shift};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
+use std::any::Any;
 use std::borrow::Borrow;
 use std::hint::black_box;
 
@@ -48,28 +49,29 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     }
 }
 
-impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, const N: usize> Engine<D>
+impl<S, X, const L: usize, const D: usize, const SUMS: usize, const N: usize> Engine<D>
     for CollocationLanes<S, X, L, D, SUMS, N>
+where
+    S: Lane + 'static,
+    X: Laws<S, D> + 'static,
 {
-    const WIDTH: usize = L;
-    type Lanes = Row<S, L, D, SUMS, N>;
-    type Laws = X;
+    fn width(&self) -> usize {
+        L
+    }
 
     fn bodies_of_each(&self) -> usize {
         1
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
         let going = Going { lanes: self, tour };
-        self.set.run_lanes::<L, _>(going)
-    }
-
-    fn lanes(&self) -> Self::Lanes {
-        self.row.clone()
-    }
-
-    fn keep(&mut self, lanes: Self::Lanes) {
-        self.row = lanes;
+        let row = self.set.run_lanes::<L, _>(going)?;
+        let (laws, tableau) = (self.laws.clone(), self.tableau.clone());
+        Ok(Box::new(Self { row, laws, tableau, table: self.table, h: self.h, set: self.set }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -85,12 +87,10 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         self.laws.copy(from, to);
     }
 
-    fn laws(&self) -> X {
-        self.laws.clone()
-    }
-
-    fn obey_all(&mut self, laws: X) {
-        self.laws = laws;
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(engine) = (engine as &dyn Any).downcast_ref::<Self>() {
+            self.laws = engine.laws.clone();
+        }
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
@@ -128,8 +128,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         self.row.record(to);
     }
 
-    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
-        Ok(Self { row: Row::recalled(from)?, ..self.clone() })
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
+        Ok(Box::new(Self { row: Row::recalled(from)?, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {

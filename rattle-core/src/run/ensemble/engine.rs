@@ -8,6 +8,7 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::clock::later;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
+use std::any::Any;
 
 /// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked
 /// at.
@@ -53,34 +54,27 @@ pub(crate) trait Tour<const D: usize> {
 }
 
 /// Trajectories in lanes, which know nothing of each other. It is also what tells of a lane what a sight asks.
-pub(crate) trait Engine<const D: usize>: Source<D> + Clone + Send + Sync {
+///
+/// An object, so that keeping account of lanes is compiled once, whatever moves them.
+pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     /// How many lanes there are.
-    const WIDTH: usize;
-    /// What moves.
-    type Lanes;
-    /// What each lane obeys.
-    type Laws: Clone;
-
+    fn width(&self) -> usize;
     /// How many bodies a lane has.
     fn bodies_of_each(&self) -> usize;
-    /// Where the lanes are after a tour, on which the engine itself stays where it is.
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck>;
-    /// Where they are now.
-    fn lanes(&self) -> Self::Lanes;
-    /// Goes on from there.
-    fn keep(&mut self, lanes: Self::Lanes);
+    /// A copy.
+    fn boxed(&self) -> Box<dyn Engine<D>>;
+    /// The engine where its lanes are after a tour.
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck>;
 
-    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their
-    /// momenta would be no numbers there.
+    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their momenta
+    /// would be no numbers there.
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool;
     /// Has lane `to` be where lane `from` is.
     fn copy(&mut self, from: usize, to: usize);
     /// Has it obey what that does.
     fn obey(&mut self, from: usize, to: usize);
-    /// What the lanes obey.
-    fn laws(&self) -> Self::Laws;
-    /// Has them obey that.
-    fn obey_all(&mut self, laws: Self::Laws);
+    /// Has each lane obey what it does in another engine of this kind.
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>);
 
     /// The bodies of a lane.
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>>;
@@ -106,9 +100,7 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Clone + Send + Sync {
     ///
     /// # Errors
     /// [`Error::Record`] where other lanes were written.
-    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error>
-    where
-        Self: Sized;
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error>;
     /// What tells what a lane obeys from other laws, asked beside these bodies.
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark>;
     /// What tells the method from others.

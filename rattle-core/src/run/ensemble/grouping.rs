@@ -172,8 +172,8 @@ impl InNumbers for Sums {
 }
 
 /// Trajectories in the lanes of an engine.
-fn side_by_side<E: Engine<D> + 'static, const D: usize>(engine: E, starts: &[State<D>]) -> Box<dyn Group<D>> {
-    Box::new(SideBySide::new(engine, starts))
+fn side_by_side<const D: usize>(engine: impl Engine<D>, starts: &[State<D>]) -> Box<dyn Group<D>> {
+    Box::new(SideBySide::new(Box::new(engine), starts))
 }
 
 /// Trajectories by splittings; `EQUAL` says that a step is one stage.

@@ -227,15 +227,19 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedLane
 where
     Width: Wide<W>,
 {
-    const WIDTH: usize = W;
-    type Lanes = (Vec<Numbers<W>>, usize);
-    type Laws = ();
+    fn width(&self) -> usize {
+        W
+    }
+
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
 
     fn bodies_of_each(&self) -> usize {
         self.common.plan.coordinates / D
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
         let common = &*self.common;
         let mut numbers = self.with_room();
         let mut part = self.part;
@@ -265,15 +269,7 @@ where
             }
         }
         numbers.truncate(common.plan.places.kept);
-        Ok((numbers, part))
-    }
-
-    fn lanes(&self) -> Self::Lanes {
-        (self.numbers.clone(), self.part)
-    }
-
-    fn keep(&mut self, lanes: Self::Lanes) {
-        (self.numbers, self.part) = lanes;
+        Ok(Box::new(Self { common: self.common.clone(), numbers, part }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -335,9 +331,7 @@ where
 
     fn obey(&mut self, _: usize, _: usize) {}
 
-    fn laws(&self) {}
-
-    fn obey_all(&mut self, (): ()) {}
+    fn obey_as_in(&mut self, _: &dyn Engine<D>) {}
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let mut now = self.with_room();
@@ -380,7 +374,7 @@ where
         to.counts("part", [self.part as u64]);
     }
 
-    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let mut again = self.clone();
         let numbers = from.numbers("numbers", &[self.numbers.len(), W])?;
         for (to, from) in again.numbers.iter_mut().zip(numbers.as_chunks().0) {
@@ -388,7 +382,7 @@ where
         }
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.parts.len();
-        Ok(again)
+        Ok(Box::new(again))
     }
 
     fn hallmarks(&self, _: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {

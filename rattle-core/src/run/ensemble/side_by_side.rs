@@ -32,9 +32,8 @@ const CROWDED: u64 = 16 * STRETCH;
 const BILLED: u32 = 256;
 
 /// Trajectories in the lanes of an engine.
-#[derive(Clone)]
-pub(crate) struct SideBySide<E, const D: usize> {
-    engine: E,
+pub(crate) struct SideBySide<const D: usize> {
+    engine: Box<dyn Engine<D>>,
     h: f64,
     steps: u64,
     /// Times of the starts, and what rounding took from them.
@@ -61,10 +60,22 @@ struct Ended<const D: usize> {
     failure: Error,
 }
 
-impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
+impl<const D: usize> Clone for SideBySide<D> {
+    fn clone(&self) -> Self {
+        Self {
+            engine: self.engine.boxed(),
+            start_time: self.start_time.clone(),
+            ended: self.ended.clone(),
+            own: self.own.clone(),
+            ..*self
+        }
+    }
+}
+
+impl<const D: usize> SideBySide<D> {
     /// The trajectories that start so, one per lane, at most as many as there are lanes.
-    pub(crate) fn new(engine: E, starts: &[State<D>]) -> Self {
-        let number = starts.len().min(E::WIDTH);
+    pub(crate) fn new(engine: Box<dyn Engine<D>>, starts: &[State<D>]) -> Self {
+        let number = starts.len().min(engine.width());
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
         let mut group = Self {
             h: engine.step_size(),
@@ -82,7 +93,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
         for (lane, start) in starts.iter().enumerate().take(number) {
             group.set(lane, &start.bodies);
         }
-        for lane in number..E::WIDTH {
+        for lane in number..group.engine.width() {
             group.put_copy(0, lane);
         }
         group
@@ -116,8 +127,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown.
     fn attempt(&mut self, steps: u64, onlooker: Option<&mut Onlooker<'_, D>>) -> Result<(), Stuck> {
         let (now, end) = (self.steps, self.steps + steps);
-        let lanes = self.engine.go(&mut Stretch { group: self, onlooker, now, end, written: false })?;
-        self.engine.keep(lanes);
+        self.engine = self.engine.go(&mut Stretch { group: self, onlooker, now, end, written: false })?;
         self.steps = end;
         Ok(())
     }
@@ -165,10 +175,11 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
     fn leg(&mut self, steps: u64) -> bool {
-        let before = (self.engine.lanes(), self.engine.laws(), self.copy_of);
+        let before = (self.engine.boxed(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
-        let alone: Vec<_> = (0..E::WIDTH).filter(|&lane| together[lane] && self.crowded[lane]).collect();
+        let alone: Vec<_> =
+            (0..self.engine.width()).filter(|&lane| together[lane] && self.crowded[lane]).collect();
         let mut stuck: Vec<_> = alone.into_iter().map(|lane| Stuck { lane, failure: None }).collect();
         loop {
             for Stuck { lane, failure } in stuck.drain(..) {
@@ -190,13 +201,11 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
             }
         }
         if fails {
-            self.engine.keep(before.0);
-            self.engine.obey_all(before.1);
-            (self.copy_of, self.steps) = (before.2, now);
+            (self.engine, self.copy_of, self.steps) = (before.0, before.1, now);
             return false;
         }
         if !apart.is_empty() {
-            self.engine.obey_all(before.1);
+            self.engine.obey_as_in(&*before.0);
             for (lane, bodies) in apart {
                 self.set(lane, &bodies);
             }
@@ -210,7 +219,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     fn stand_in(&mut self, among: &[bool; LANES]) {
         let Some(other) = among.iter().position(|&is| is) else { return };
         self.copy_of = from_fn(|lane| if among[lane] { lane } else { other });
-        for lane in (0..E::WIDTH).filter(|&lane| !among[lane]) {
+        for lane in (0..self.engine.width()).filter(|&lane| !among[lane]) {
             self.put_copy(other, lane);
         }
     }
@@ -261,7 +270,7 @@ impl<E: Engine<D>, const D: usize> SideBySide<E, D> {
     /// What tells this group from another, of the lanes that no other stands in for.
     fn hallmarks(&self) -> Vec<Hallmark> {
         let mut marks: Vec<Hallmark> = Vec::new();
-        for lane in (0..E::WIDTH).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
+        for lane in (0..self.engine.width()).filter(|&lane| self.moving[lane] && self.copy_of[lane] == lane) {
             let mut own = self.engine.hallmarks(lane, &self.bodies_in(lane));
             own.push(self.engine.method());
             if marks.is_empty() {
@@ -294,8 +303,8 @@ fn bodies<const D: usize>(numbers: &[[f64; D]], number: usize) -> Vec<Vec<Body<f
 }
 
 /// Some steps, with stops where an onlooker wants to see.
-struct Stretch<'a, 'b, E, const D: usize> {
-    group: &'a SideBySide<E, D>,
+struct Stretch<'a, 'b, const D: usize> {
+    group: &'a SideBySide<D>,
     onlooker: Option<&'a mut Onlooker<'b, D>>,
     now: u64,
     end: u64,
@@ -303,7 +312,7 @@ struct Stretch<'a, 'b, E, const D: usize> {
     written: bool,
 }
 
-impl<E: Engine<D>, const D: usize> Tour<D> for Stretch<'_, '_, E, D> {
+impl<const D: usize> Tour<D> for Stretch<'_, '_, D> {
     fn next(&mut self) -> Option<Leg<'_, D>> {
         let Self { group, onlooker, now, end, written } = self;
         if let Some(onlooker) = onlooker
@@ -334,7 +343,7 @@ impl<const D: usize> Tour<D> for Look<'_, D> {
     }
 }
 
-impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
+impl<const D: usize> Group<D> for SideBySide<D> {
     fn run(&mut self, steps: u64, _: InstructionSet, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps.saturating_add(steps);
         while self.steps < end && self.moving.contains(&true) {
@@ -364,7 +373,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
 
     fn record(&self, to: &mut Record) {
         let (times, lanes): (Vec<_>, _) =
-            (self.start_time.iter().map(|&(t, low)| [t, low]).collect(), E::WIDTH);
+            (self.start_time.iter().map(|&(t, low)| [t, low]).collect(), self.engine.width());
         to.text("what", IN_LANES);
         to.vectors("times of the starts", &times);
         to.counts("steps", [self.steps]);
@@ -391,7 +400,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
         let times = from.vectors::<2>("times of the starts", self.start_time.len())?;
         let [steps] = from.counted("steps")?;
         let moving = from.counted("moving")?.map(|moves| moves != 0);
-        let lane = |lane: u64| (lane as usize).min(E::WIDTH - 1);
+        let lane = |lane: u64| (lane as usize).min(self.engine.width() - 1);
         let copy_of = from.counted("copy of")?.map(lane);
         let crowded = from.counted("crowded")?.map(|crowded| crowded != 0);
         let [crowded_until] = from.counted("crowded until")?;
@@ -407,9 +416,11 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
             let failure = Error::Before(from.text("failure")?.into());
             ended.push(Ended { lane: lane(own), steps, bodies, failure });
         }
-        let lanes = format!("{} lanes", E::WIDTH);
+        let lanes = format!("{} lanes", self.engine.width());
         let mut engine = from.within(&lanes, |from| self.engine.recalled(from))?;
-        for (to, &from) in copy_of.iter().enumerate().take(E::WIDTH).filter(|&(to, &from)| to != from) {
+        for (to, &from) in
+            copy_of.iter().enumerate().take(self.engine.width()).filter(|&(to, &from)| to != from)
+        {
             engine.obey(from, to);
         }
         let again = Self {
@@ -450,7 +461,7 @@ impl<E: Engine<D> + 'static, const D: usize> Group<D> for SideBySide<E, D> {
     }
 }
 
-impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
+impl<const D: usize> Watched<D> for SideBySide<D> {
     fn len(&self) -> usize {
         self.start_time.len()
     }
@@ -472,7 +483,7 @@ impl<E: Engine<D>, const D: usize> Watched<D> for SideBySide<E, D> {
     }
 }
 
-impl<E: Engine<D>, const D: usize> Source<D> for SideBySide<E, D> {
+impl<const D: usize> Source<D> for SideBySide<D> {
     fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
         self.engine.energies(lane, sight)
     }

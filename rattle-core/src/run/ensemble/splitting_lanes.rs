@@ -19,6 +19,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
+use std::any::Any;
 use std::borrow::Borrow;
 use std::hint::black_box;
 
@@ -56,28 +57,26 @@ struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: b
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
     for SplittingLanes<S, X, L, D, SUMS, EQUAL>
 where
-    S: Lane,
-    X: Laws<S, D>,
+    S: Lane + 'static,
+    X: Laws<S, D> + 'static,
 {
-    const WIDTH: usize = L;
-    type Lanes = Block<S, L, D, SUMS, EQUAL>;
-    type Laws = X;
+    fn width(&self) -> usize {
+        L
+    }
 
     fn bodies_of_each(&self) -> usize {
         1
     }
 
-    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Self::Lanes, Stuck> {
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
         let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
-        self.set.run_lanes::<L, _>(going)
-    }
-
-    fn lanes(&self) -> Self::Lanes {
-        self.block.clone()
-    }
-
-    fn keep(&mut self, lanes: Self::Lanes) {
-        self.block = lanes;
+        let block = self.set.run_lanes::<L, _>(going)?;
+        let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());
+        Ok(Box::new(Self { block, laws, stages, parts, h: self.h, set: self.set }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -94,12 +93,10 @@ where
         self.laws.copy(from, to);
     }
 
-    fn laws(&self) -> X {
-        self.laws.clone()
-    }
-
-    fn obey_all(&mut self, laws: X) {
-        self.laws = laws;
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(engine) = (engine as &dyn Any).downcast_ref::<Self>() {
+            self.laws = engine.laws.clone();
+        }
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
@@ -134,8 +131,8 @@ where
         self.block.record(to);
     }
 
-    fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
-        Ok(Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() })
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
+        Ok(Box::new(Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
