@@ -19,7 +19,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_row::{Course, Landed, Pulling, Pulls, at_rest};
-use crate::run::ensemble::plan::{Places, Plan};
+use crate::run::ensemble::plan::{Links, Places, Plan};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
 use crate::run::readings::as_shown;
@@ -37,7 +37,8 @@ use std::sync::Arc;
 /// What all rows of an ensemble have in common.
 struct Common<F, const D: usize, const W: usize> {
     system: Linked<F, Many, D>,
-    plan: Plan<W>,
+    plan: Plan,
+    links: Links<W>,
     pulls: Option<Box<dyn Pulls<W>>>,
     stages: Vec<Stage>,
     parts: Vec<Part>,
@@ -82,7 +83,7 @@ where
         if shape.components.iter().any(|component| matches!(component.solver, Solver::Orthogonal(_))) {
             return None;
         }
-        let plan = Plan::of(&shape, sums, |group| Width::links(group))?;
+        let (plan, links) = (Plan::of(&shape, sums)?, Links::of(&shape, |group| Width::links(group))?);
         let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
         let freedom = system.freedom(&system.bodies(&start.bodies, start.time));
         if freedom + plan.equations != plan.moving.len() {
@@ -97,7 +98,8 @@ where
         };
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
         let numbers = vec![zeros(); plan.places.kept];
-        let common = Common { system, plan, pulls, stages: stages.to_vec(), parts, h, equal, sums, set };
+        let common =
+            Common { system, plan, links, pulls, stages: stages.to_vec(), parts, h, equal, sums, set };
         Some(Self { common: Arc::new(common), numbers, part: 0 })
     }
 
@@ -127,14 +129,14 @@ where
 
 impl<F, const D: usize, const W: usize> Common<F, D, W> {
     fn course(&self) -> Course<'_, W> {
-        let Self { plan, parts, equal, sums, set, .. } = self;
-        Course { plan, parts, equal: *equal, sums: *sums, set: *set }
+        let Self { plan, links, parts, equal, sums, set, .. } = self;
+        Course { plan, links, parts, equal: *equal, sums: *sums, set: *set }
     }
 }
 
 /// Bodies of a lane; low digits of momenta only where sums are compensated.
 fn bodies_of<const D: usize, const W: usize>(
-    plan: &Plan<W>,
+    plan: &Plan,
     numbers: &[Numbers<W>],
     lane: usize,
     [way, low]: [usize; 2],

@@ -20,7 +20,7 @@ impl<const W: usize> Course<'_, W> {
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) -> Result<(), Stuck> {
-        let Self { plan, set, .. } = *self;
+        let Self { plan, links, set, .. } = *self;
         let (n, m) = (plan.coordinates, plan.equations);
         let Places { q, way, lifted, guess, last, earlier, square, diagonal, .. } = plan.places;
         let Places { free, trial, change, lambda, found, x, .. } = plan.places;
@@ -58,7 +58,7 @@ impl<const W: usize> Course<'_, W> {
                 each(lambda + i, [ways + i], numbers, |[furthest]| Fused(share) * furthest);
             }
             plan.place.carry_out(numbers);
-            plan.gradients(set, trial, numbers);
+            links.gradients(plan, set, trial, numbers);
             plan.slopes(numbers);
             for i in 0..m {
                 let (slope, square) = (&numbers[diagonal + i], &numbers[square + i]);
@@ -82,9 +82,9 @@ impl<const W: usize> Course<'_, W> {
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) {
-        let Self { plan, sums, set, .. } = *self;
+        let Self { plan, links, sums, set, .. } = *self;
         let Places { q, way, way_low, free, change, .. } = plan.places;
-        plan.gradients(set, q, numbers);
+        links.gradients(plan, set, q, numbers);
         plan.lift(numbers);
         for &c in &plan.moving {
             numbers[free + c] = if sums { numbers[way_low + c] } else { zeros() };

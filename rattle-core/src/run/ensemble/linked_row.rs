@@ -23,7 +23,7 @@ use crate::number::real::Real;
 use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::plan::{Places, Plan, Takes};
+use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
 use crate::systems::network::in_lanes::{Number, Numbers, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
@@ -68,7 +68,8 @@ pub(super) type Apart<'a, const W: usize> =
 
 /// What a row obeys, and the parts of its steps.
 pub(super) struct Course<'a, const W: usize> {
-    pub(super) plan: &'a Plan<W>,
+    pub(super) plan: &'a Plan,
+    pub(super) links: &'a Links<W>,
     pub(super) parts: &'a [Part],
     /// Whether all steps are equal.
     pub(super) equal: bool,
@@ -121,7 +122,7 @@ impl<const W: usize> Course<'_, W> {
         pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
         apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
-        let Self { plan, sums, set, .. } = *self;
+        let Self { plan, links, sums, set, .. } = *self;
         let m = plan.equations;
         let Places { q, q_low, way, way_low, guess, free, trial, lambda, found, .. } = plan.places;
         let share = Fused(part.h / part.unit);
@@ -139,13 +140,13 @@ impl<const W: usize> Course<'_, W> {
             numbers[lambda + i] = numbers[guess + i];
         }
         plan.place.carry_out(numbers);
-        plan.gradients(set, trial, numbers);
+        links.gradients(plan, set, trial, numbers);
         plan.factor.carry_out(numbers);
         let mut going = self.astray(numbers);
         let astray = going;
         plan.correct(lambda, lambda, numbers);
         plan.place.carry_out(numbers);
-        plan.gradients(set, trial, numbers);
+        links.gradients(plan, set, trial, numbers);
         going = self.unrest(&going, numbers);
         plan.correct(lambda, found, numbers);
         if any(&going) {
@@ -162,7 +163,7 @@ impl<const W: usize> Course<'_, W> {
     /// Nothing changes in others.
     #[inline(always)]
     fn go_on(&self, going: &mut Which<W>, astray: &Which<W>, numbers: &mut [Numbers<W>]) {
-        let Self { plan, set, .. } = *self;
+        let Self { plan, links, set, .. } = *self;
         let Places { trial, lambda, found, .. } = plan.places;
         for _ in 0..CORRECTIONS {
             if going == astray {
@@ -172,7 +173,7 @@ impl<const W: usize> Course<'_, W> {
             plan.solve(numbers);
             self.correct(lambda, going, numbers);
             plan.place.carry_out(numbers);
-            plan.gradients(set, trial, numbers);
+            links.gradients(plan, set, trial, numbers);
             let unrest = self.unrest(astray, numbers);
             plan.solve(numbers);
             self.correct(found, going, numbers);

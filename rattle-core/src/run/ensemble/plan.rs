@@ -188,24 +188,13 @@ pub(super) struct Places {
     pub(super) end: usize,
 }
 
-/// Links of one kind, and where what they give is written.
-struct Links<const W: usize> {
-    links: Box<dyn InLanes<W>>,
-    /// Members, their first row and first entry.
-    runs: Vec<(Range<usize>, usize, usize)>,
-    equations: usize,
-    /// Entries of an equation.
-    width: usize,
-}
-
 /// A network made ready for trajectories side by side.
-pub(super) struct Plan<const W: usize> {
+pub(super) struct Plan {
     pub(super) places: Places,
     /// Coordinates of all bodies, equations that can be solved for, and entries of their gradients.
     pub(super) coordinates: usize,
     pub(super) equations: usize,
     entries: usize,
-    links: Vec<Links<W>>,
     /// For each coordinate its mass and 1 over it; both 0 where pinned.
     pub(super) masses: Vec<[f64; 2]>,
     /// The coordinates that are not pinned.
@@ -228,32 +217,16 @@ pub(super) struct Plan<const W: usize> {
     pub(super) push: Sheet,
 }
 
-impl<const W: usize> Plan<W> {
+impl Plan {
     /// For so many bodies of D coordinates; none where they cannot go side by side. `SUMS` says whether sums are
     /// compensated.
-    pub(super) fn of<const D: usize>(
-        shape: &Shape<D>,
-        sums: bool,
-        in_lanes: impl Fn(&dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
-    ) -> Option<Self> {
+    pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool) -> Option<Self> {
         let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
         let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
         let masses: Vec<_> = over.as_flattened().iter().map(|&over| [mass(over), over]).collect();
         // Not those of links between pinned bodies, which hold or do not.
         let equations = shape.components.iter().map(|component| component.rows.equations()).sum();
         let (n, m, entries) = (masses.len(), equations, shape.blocks * D);
-        let mut links = Vec::new();
-        for (number, group) in shape.groups.iter().enumerate() {
-            let (equations, width) = (group.equations(), group.bodies().1 * D);
-            let mut runs = Vec::new();
-            for component in &shape.components {
-                let (row, block) = component.first;
-                let own = component.rows.runs.iter().filter(|run| run.group == number);
-                runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
-            }
-            links.push(Links { links: in_lanes(&**group)?, runs, equations, width });
-        }
-
         let mut pieces: Vec<Piece> = Vec::new();
         let (mut lower, mut upper) = (0, 0);
         for component in &shape.components {
@@ -299,7 +272,6 @@ impl<const W: usize> Plan<W> {
             coordinates: n,
             equations: m,
             entries,
-            links,
             moving: (0..n).filter(|&c| masses[c][1] != 0.0).collect(),
             masses,
             of_entry: vec![[usize::MAX; 2]; entries],
@@ -409,24 +381,9 @@ impl<const W: usize> Plan<W> {
         }
     }
 
-    /// g and its gradients at these coordinates.
-    #[inline(always)]
-    pub(super) fn gradients(&self, set: Fusing, at: usize, numbers: &mut [Numbers<W>]) {
-        let Places { g, gradient, .. } = self.places;
-        let ranges = [at..at + self.coordinates, g..g + self.equations, gradient..gradient + self.entries];
-        let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
-        for Links { links, runs, equations, width } in &self.links {
-            for (members, row, entry) in runs {
-                let rows = members.len() * equations;
-                let (g, gradients) = (&mut g[*row..row + rows], &mut gradients[*entry..entry + rows * width]);
-                links.gradients(set, members.clone(), q, g, gradients);
-            }
-        }
-    }
-
     /// Solves for x, and writes `from` less x.
     #[inline(always)]
-    pub(super) fn correct(&self, from: usize, to: usize, numbers: &mut [Numbers<W>]) {
+    pub(super) fn correct<const W: usize>(&self, from: usize, to: usize, numbers: &mut [Numbers<W>]) {
         let Places { x, .. } = self.places;
         self.forwards.carry_out(numbers);
         self.back.hand_over(numbers, &Less { from, to, x });
@@ -434,14 +391,14 @@ impl<const W: usize> Plan<W> {
 
     /// Solves for x.
     #[inline(always)]
-    pub(super) fn solve(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn solve<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
         self.forwards.carry_out(numbers);
         self.back.carry_out(numbers);
     }
 
     /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ.
     #[inline(always)]
-    pub(super) fn lift(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn lift<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, square, .. } = self.places;
         let mut first = 0;
         while first < self.entries {
@@ -463,7 +420,7 @@ impl<const W: usize> Plan<W> {
 
     /// Writes ∇gᵢ·M⁻¹∇gᵢ with the gradients of another place: the diagonal of the matrix.
     #[inline(always)]
-    pub(super) fn slopes(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn slopes<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, diagonal, .. } = self.places;
         for i in 0..self.equations {
             numbers[diagonal + i] = zeros();
@@ -483,4 +440,53 @@ struct Piece<'a> {
     block: usize,
     pattern: Pattern,
     firsts: (usize, usize),
+}
+
+/// All links of a network, for W trajectories side by side.
+pub(super) struct Links<const W: usize>(Vec<OfOneKind<W>>);
+
+/// Links of one kind, and where what they give is written.
+struct OfOneKind<const W: usize> {
+    links: Box<dyn InLanes<W>>,
+    /// Members, their first row and first entry.
+    runs: Vec<(Range<usize>, usize, usize)>,
+    equations: usize,
+    /// Entries of an equation.
+    width: usize,
+}
+
+impl<const W: usize> Links<W> {
+    /// Those of a network; none where some cannot go side by side.
+    pub(super) fn of<const D: usize>(
+        shape: &Shape<D>,
+        in_lanes: impl Fn(&dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
+    ) -> Option<Self> {
+        let mut links = Vec::new();
+        for (number, group) in shape.groups.iter().enumerate() {
+            let (equations, width) = (group.equations(), group.bodies().1 * D);
+            let mut runs = Vec::new();
+            for component in &shape.components {
+                let (row, block) = component.first;
+                let own = component.rows.runs.iter().filter(|run| run.group == number);
+                runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
+            }
+            links.push(OfOneKind { links: in_lanes(&**group)?, runs, equations, width });
+        }
+        Some(Self(links))
+    }
+
+    /// g and its gradients at these coordinates.
+    #[inline(always)]
+    pub(super) fn gradients(&self, plan: &Plan, set: Fusing, at: usize, numbers: &mut [Numbers<W>]) {
+        let Places { g, gradient, .. } = plan.places;
+        let ranges = [at..at + plan.coordinates, g..g + plan.equations, gradient..gradient + plan.entries];
+        let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
+        for OfOneKind { links, runs, equations, width } in &self.0 {
+            for (members, row, entry) in runs {
+                let rows = members.len() * equations;
+                let (g, gradients) = (&mut g[*row..row + rows], &mut gradients[*entry..entry + rows * width]);
+                links.gradients(set, members.clone(), q, g, gradients);
+            }
+        }
+    }
 }
