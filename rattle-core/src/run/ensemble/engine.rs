@@ -66,8 +66,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     /// The engine where its lanes are after a tour.
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck>;
 
-    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their momenta
-    /// would be no numbers there.
+    /// Puts bodies, which are along the constraint, into a lane. False where the lane cannot hold them, or their
+    /// momenta would be no numbers there.
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool;
     /// Has lane `to` be where lane `from` is.
     fn copy(&mut self, from: usize, to: usize);
