@@ -389,3 +389,31 @@ fn sights_tell_the_same() {
     );
     assert_eq!(ensemble.bodies(), 3);
 }
+
+/// Nearly taut between two pins the links of a chain depend on each other but for a little. A simulation then uses an
+/// orthonormal basis from its start, and so does a trajectory that goes by itself.
+#[test]
+fn chains_that_are_nearly_taut() {
+    let (links, sag) = (8_u32, 1e-9);
+    let place = |i: u32| [f64::from(i), sag * f64::from(i * (links - i))];
+    let rods = (0..links).map(|i| {
+        let ([x, y], [a, b]) = (place(i), place(i + 1));
+        (PlanarRod { length: (a - x).hypot(b - y) }, [i as usize, i as usize + 1])
+    });
+    let scene =
+        Scene::points(9).link_each(rods).pin(0, place(0)).pin(8, place(8)).with(PlanarGravity { g: 1e-9 });
+    let start = State::of((0..=links).map(place));
+    let simulation = scene.simulate(start.clone(), Rattle::new(1e-3)).map(|mut simulation| {
+        let end = simulation.run(20).map_err(|error| error.to_string());
+        (simulation.positions().collect::<Vec<_>>(), end)
+    });
+    let ensemble = scene.ensemble(vec![start; 3], Rattle::new(1e-3)).map(|mut ensemble| {
+        ensemble.run(20);
+        let end = ensemble.failure(1).map_or(Ok(()), |error| Err(error.to_string()));
+        (ensemble.state(1).positions().collect::<Vec<_>>(), end)
+    });
+    println!("{simulation:?}\n{ensemble:?}");
+    let (alone, together) = (simulation.unwrap(), ensemble.unwrap());
+    let apart = alone.0.iter().zip(&together.0).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    assert!(alone.1.is_ok() == together.1.is_ok() && apart < 1e-12, "{apart:e}");
+}

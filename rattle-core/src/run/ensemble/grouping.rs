@@ -149,14 +149,14 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
 ) -> Groups<D> {
     let InLanes { stages, h, set } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    let first = starts.first()?;
+    let bodies = starts.first()?.len();
     let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
-        let row = LinkedLanes::<_, D, FEW>::new(network, effects, first, method, sums, *set)?;
+        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method, sums, *set)?;
         return Some(starts.chunks(FEW).map(|starts| side_by_side(row.clone(), starts)).collect());
     }
-    let row = LinkedLanes::<_, D, ROW>::new(network, effects, first, method, sums, *set)?;
+    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
     Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
 }
 

@@ -26,9 +26,8 @@ use crate::run::readings::as_shown;
 use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
-use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
-use crate::systems::network::solver::Solver;
+use crate::systems::network::{Network, constraints};
 use nalgebra::SVector;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -36,6 +35,7 @@ use std::sync::Arc;
 
 /// What all rows of an ensemble have in common.
 struct Common<F, const D: usize, const W: usize> {
+    network: Network<D>,
     system: Linked<F, Many, D>,
     plan: Plan,
     links: Links<W>,
@@ -67,27 +67,21 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
 where
     Width: Wide<W>,
 {
-    /// Lanes, none of them set, for the bodies of this start in a network under these effects, by a method of these
-    /// stages, all of which are `equal`, or not; with compensated sums or without. None where they cannot go side by
-    /// side.
+    /// Lanes, none of them set, for so many bodies of a network under these effects, by a method of these stages, all
+    /// of which are `equal`, or not; with compensated sums or without. None where they cannot go side by side.
     pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
         network: &Network<D>,
         effects: &E,
-        start: &State<D>,
+        bodies: usize,
         (stages, equal, h): (&[Stage], bool, f64),
         sums: bool,
         set: Fusing,
     ) -> Option<Self> {
-        let bodies = start.len();
         let shape = network.shape(bodies).ok()?;
-        if shape.components.iter().any(|component| matches!(component.solver, Solver::Orthogonal(_))) {
-            return None;
-        }
         let (plan, links) = (Plan::of(&shape, sums)?, Links::of(&shape, |group| Width::links(group))?);
         let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
-        let freedom = system.freedom(&system.bodies(&start.bodies, start.time));
-        if freedom + plan.equations != plan.moving.len() {
-            return None; // equations depend on each other
+        if system.is_narrow() {
+            return None;
         }
         let pulls: Option<Box<dyn Pulls<W>>> = if const { F::EFFECTS == 0 } {
             None
@@ -98,8 +92,8 @@ where
         };
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
         let numbers = vec![zeros(); plan.places.kept];
-        let common =
-            Common { system, plan, links, pulls, stages: stages.to_vec(), parts, h, equal, sums, set };
+        let (network, stages) = (network.clone(), stages.to_vec());
+        let common = Common { network, system, plan, links, pulls, stages, parts, h, equal, sums, set };
         Some(Self { common: Arc::new(common), numbers, part: 0 })
     }
 
@@ -127,7 +121,15 @@ where
     }
 }
 
-impl<F, const D: usize, const W: usize> Common<F, D, W> {
+impl<F: Clone, const D: usize, const W: usize> Common<F, D, W> {
+    /// What moves these bodies as a simulation does.
+    fn ready(&self, bodies: &[Body<f64, D>]) -> Option<Linked<F, Many, D>> {
+        let none: [[f64; D]; 0] = [];
+        let start = State { bodies: bodies.to_vec(), ..State::of(none) };
+        let (effects, count) = (self.system.effects.clone(), Many(bodies.len()));
+        Linked::ready(&self.network, effects, count, &start, self.h, false).ok()
+    }
+
     fn course(&self) -> Course<'_, W> {
         let Self { plan, links, parts, equal, sums, set, .. } = self;
         Course { plan, links, parts, equal: *equal, sums: *sums, set: *set }
@@ -279,6 +281,9 @@ where
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
+        let independent = system.freedom(&ahead) + plan.equations == plan.moving.len();
+        let narrow = plan.equations > constraints::FEW
+            && self.common.ready(bodies).is_none_or(|system| system.is_narrow());
         let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
@@ -324,7 +329,7 @@ where
             put(square + i, squares[i]);
             put(rest + i, at_rest(Fused(lengths[i]), Fused(reaches[i])).0);
         }
-        drifted.is_ok() && path.is_finite() && off <= 2.0 * path
+        drifted.is_ok() && independent && !narrow && path.is_finite() && off <= 2.0 * path
     }
 
     fn copy(&mut self, from: usize, to: usize) {
@@ -348,7 +353,9 @@ where
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
-        by_itself::<f64, _, D>(&self.common.system, &self.common.stages, steps, parts, bodies)
+        let ready = self.common.ready(bodies);
+        let system = ready.as_ref().unwrap_or(&self.common.system);
+        by_itself::<f64, _, D>(system, &self.common.stages, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {

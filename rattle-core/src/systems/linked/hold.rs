@@ -9,6 +9,7 @@ use crate::systems::linked::kept::Linked;
 use crate::systems::linked::start;
 use crate::systems::network::constraints::Network;
 use crate::systems::network::group::Group;
+use crate::systems::network::solver::Solver;
 use std::sync::Arc;
 
 impl<const D: usize> Hold<D> for Network<D> {
@@ -24,9 +25,7 @@ impl<const D: usize> Hold<D> for Network<D> {
         h: f64,
         tangent: bool,
     ) -> Result<Self::System<E, N>, Error> {
-        let mut shape = self.shape(count.number())?;
-        start::check(&mut shape, self.algebra, start, h, tangent)?;
-        Ok(Linked::new(shape, effects.forces(), count))
+        Linked::ready(self, effects.forces(), count, start, h, tangent)
     }
 
     fn pinned(&self, body: usize) -> bool {
@@ -40,5 +39,27 @@ impl<const D: usize> Hold<D> for Network<D> {
 
     fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         start::project(&mut self.shape(state.len())?, self.algebra, state)
+    }
+}
+
+impl<F, N: Count, const D: usize> Linked<F, N, D> {
+    /// A network in a field of force, ready to move from this start, see [`Hold::system`].
+    pub(crate) fn ready(
+        network: &Network<D>,
+        effects: F,
+        count: N,
+        start: &State<D>,
+        h: f64,
+        tangent: bool,
+    ) -> Result<Self, Error> {
+        let mut shape = network.shape(count.number())?;
+        start::check(&mut shape, network.algebra, start, h, tangent)?;
+        Ok(Self::new(shape, effects, count))
+    }
+
+    /// Whether an orthonormal basis is used in place of elimination: where that was asked for, or normals nearly depend
+    /// on each other at the start.
+    pub(crate) fn is_narrow(&self) -> bool {
+        self.shape.components.iter().any(|component| matches!(component.solver, Solver::Orthogonal(_)))
     }
 }

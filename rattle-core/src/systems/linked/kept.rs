@@ -20,7 +20,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Linked<F, N, const D: usize> {
     pub(crate) shape: Arc<Shape<D>>,
-    pub(super) effects: F,
+    pub(crate) effects: F,
     pub(super) count: N,
 }
 

@@ -53,7 +53,7 @@ impl<const D: usize> Default for Network<D> {
 }
 
 /// Up to so many equations both are kept: elimination, and an orthonormal basis for where they are nearly dependent.
-const FEW: usize = 6;
+pub(crate) const FEW: usize = 6;
 
 impl<const D: usize> Network<D> {
     pub(crate) fn with(mut self, links: impl Group<D> + 'static) -> Self {
