@@ -2,6 +2,7 @@
 
 use crate::common::linked::*;
 use crate::common::*;
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::links::planar::TurningLine;
 use rattle::network::LinearAlgebra::{self, Elimination, Orthogonal};
 use rattle::prelude::*;
@@ -374,4 +375,80 @@ fn a_multiplier_on_chosen_coordinates_among_others() {
     // ∇g of the rod on body 0 is −2 r.
     let multipliers = simulation.multipliers();
     assert!(apart(&multipliers, &[-tension / 2.0, lift]) <= 1e-15, "{multipliers:?}");
+}
+
+pair_potential! {
+    struct Repulsion { strength }
+    |r| strength * exp(-r^2)
+}
+
+/// Random networks, in lanes and as simulations: links that close loops, masses over two decades, pins, forces between
+/// all bodies, steps from 1e-3 to 0.2. Both end at the same places, or both fail; only in steps far too long may one go
+/// on where the other does not.
+#[test]
+fn random_networks_in_lanes_are_simulations() {
+    let mut random = StdRng::seed_from_u64(1);
+    let (mut agree, mut fail, mut differ) = (0, 0, 0);
+    for network in 0..200 {
+        let n = random.random_range(2..11);
+        let place = |random: &mut StdRng| [random.random_range(0.0..3.0), random.random_range(0.0..3.0)];
+        let places: Vec<[f64; 2]> = (0..n).map(|_| place(&mut random)).collect();
+        let mut ties: Vec<[usize; 2]> = Vec::new();
+        for i in 1..n {
+            if random.random_bool(0.85) {
+                ties.push([random.random_range(0..i), i]);
+            }
+        }
+        for _ in 0..random.random_range(0..3) {
+            let (a, b) = (random.random_range(0..n), random.random_range(0..n));
+            let tie = [a.min(b), a.max(b)];
+            if a != b && !ties.contains(&tie) {
+                ties.push(tie);
+            }
+        }
+        let length = |&[a, b]: &[usize; 2]| {
+            let (p, q): ([f64; 2], [f64; 2]) = (places[a], places[b]);
+            (p[0] - q[0]).hypot(p[1] - q[1])
+        };
+        let links: Vec<_> = ties.iter().map(|tie| (Rod { length: length(tie) }, *tie)).collect();
+        let masses: Vec<f64> = (0..n).map(|_| 10_f64.powf(random.random_range(-1.0..1.0))).collect();
+        let mut scene = Scene::points(n)
+            .link_each(links)
+            .masses(masses)
+            .with(PlanarGravity { g: 1.0 })
+            .with(Repulsion { strength: random.random_range(0.0..1.0) });
+        for body in 0..n {
+            if random.random_bool(0.2) {
+                scene = scene.pin(body, places[body]);
+            }
+        }
+        let method = Rattle::new(10_f64.powf(random.random_range(-3.0..-0.7)));
+        let starts: Vec<_> = (0..10)
+            .map(|_| {
+                let way = |_| [random.random_range(-0.5..0.5), random.random_range(-0.5..0.5)];
+                let momenta: Vec<[f64; 2]> = (0..n).map(way).collect();
+                scene.project(&State::of(places.clone()).with_momenta(momenta))
+            })
+            .filter_map(Result::ok)
+            .collect();
+        let Ok(mut ensemble) = scene.ensemble(starts.clone(), method) else { continue };
+        ensemble.run(40);
+        for (i, start) in starts.into_iter().enumerate() {
+            let mut simulation = scene.simulate(start, method).unwrap();
+            let end = simulation.run(40);
+            let state = ensemble.state(i);
+            match (ensemble.failure(i), end) {
+                (None, Ok(())) => {
+                    let apart = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
+                    let apart = apart.fold(0.0, f64::max);
+                    assert!(apart < 1e-8, "network {network}, trajectory {i}: {apart:e}");
+                    agree += 1;
+                }
+                (Some(_), Err(_)) => fail += 1,
+                _ => differ += 1,
+            }
+        }
+    }
+    println!("{agree} agree, {fail} fail in both, {differ} in one of them");
+    assert!(agree > 1500 && fail > 20 && differ <= 8, "{agree} {fail} {differ}");
 }
