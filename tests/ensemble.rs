@@ -85,32 +85,32 @@ fn the_same_bits_everywhere() {
         };
         let widest = InstructionSet::widest();
         let mut first = of(scene(), widest);
-        first.run(300);
+        first.run(200);
         let expected = bits_of(&first);
         assert_eq!(expected.len(), 150);
         for set in fusing() {
             let mut other = of(scene(), set);
             assert_eq!(other.instruction_set(), set);
-            other.run(300);
+            other.run(200);
             assert_eq!(bits_of(&other), expected, "{set}");
         }
         for threads in [1, 2, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let mut other = of(scene(), widest);
-            pool.install(|| other.run(300));
+            pool.install(|| other.run(200));
             assert_eq!(bits_of(&other), expected, "{threads} threads");
         }
         let mut divided = of(scene(), widest);
-        for steps in [1, 2, 61, 65, 0, 171] {
+        for steps in [1, 2, 61, 65, 0, 71] {
             divided.run(steps);
         }
         assert_eq!(bits_of(&divided), expected, "in parts");
         let mut reversed = of(scene().into_iter().rev().collect(), widest);
-        reversed.run(300);
+        reversed.run(200);
         assert!(bits_of(&reversed).iter().rev().eq(&expected), "other neighbours");
-        for (i, start) in scene().into_iter().enumerate().step_by(7) {
+        for (i, start) in scene().into_iter().enumerate().step_by(37) {
             let mut alone = of(vec![start], widest);
-            alone.run(300);
+            alone.run(200);
             assert_eq!(bits_of(&alone), expected[i..=i], "trajectory {i} alone");
         }
         expected
@@ -125,7 +125,7 @@ fn the_same_bits_everywhere() {
     let portable = |starts: Vec<State<3>>| {
         let mut ensemble =
             Ensemble::of(Double, &scene, starts, Rattle::new(0.01), InstructionSet::Portable).unwrap();
-        ensemble.run(300);
+        ensemble.run(200);
         bits_of(&ensemble)
     };
     let (all, one) = (portable(starts()), portable(vec![starts().swap_remove(31)]));
@@ -542,7 +542,7 @@ fn compensated_sums_lose_less() {
                 .collect::<Vec<_>>()
         };
         let before = energies(&ensemble);
-        ensemble.run(30_000);
+        ensemble.run(10_000);
         let after = energies(&ensemble);
         let squares = before.iter().zip(&after).map(|(a, b)| ((a - b) / a).powi(2));
         (squares.sum::<f64>() / 64.0).sqrt()
@@ -550,7 +550,7 @@ fn compensated_sums_lose_less() {
     // On great circles RATTLE keeps the energy exactly, so that all of it is rounding.
     let plain = drift(scene.ensemble_in(Double, start(), Rattle::new(0.01)).unwrap());
     let compensated = drift(scene.ensemble_in(Compensated, start(), Rattle::new(0.01)).unwrap());
-    println!("relative energy after 3e4 steps: double {plain:e}, compensated {compensated:e}");
+    println!("relative energy after 1e4 steps: double {plain:e}, compensated {compensated:e}");
     assert!(compensated < 0.2 * plain && plain < 2e-13, "{compensated:e} {plain:e}");
 }
 
@@ -591,7 +591,7 @@ fn debug_says_what_it_is() {
 fn long_steps_end_where_those_of_a_simulation_end() {
     let ball = Scene::on(Sphere { r: 1.0 });
     let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);
-    for h in [0.58, 0.7, 0.8, 0.87, 0.9, 0.92, 0.97, 0.99] {
+    for h in [0.58, 0.8, 0.9, 0.92, 0.99] {
         let mut ensemble = ball.ensemble([start.clone(), start.clone()], Rattle::new(h)).unwrap();
         ensemble.run(100);
         let end = ball.simulate(start.clone(), Rattle::new(h)).unwrap().run(100).err();
@@ -606,10 +606,10 @@ fn long_steps_end_where_those_of_a_simulation_end() {
         let pendulum = Scene::on(Sphere { r: 1.0 }).with(Gravity { g });
         let start = State::at([0.05_f64.sin(), 0.0, -0.05_f64.cos()]);
         let mut ensemble = pendulum.ensemble([start.clone()], Rattle::new(0.01)).unwrap();
-        ensemble.run(1000);
+        ensemble.run(300);
         assert!(ensemble.failure(0).is_none(), "{}", ensemble.failure(0).unwrap());
         let mut simulation = pendulum.simulate(start, Rattle::new(0.01)).unwrap();
-        simulation.run(1000).unwrap();
+        simulation.run(300).unwrap();
         assert!(distance(ensemble.state(0).positions().next().unwrap(), simulation.position()) < 1e-10);
     }
 }

@@ -85,8 +85,8 @@ fn places_are_uniform_in_area() {
     const BINS: usize = 20;
     let heat = Langevin { friction: 0.5, temperature: 1.0, seed: 5 };
     let (major, minor) = (1.0, 0.5);
-    let ring = Scene::on(Torus { major, minor }).bodies(200).with(heat);
-    let mut simulation = ring.simulate(State::of([[1.5, 0.0, 0.0]; 200]), Baoab::new(0.1)).unwrap();
+    let ring = Scene::on(Torus { major, minor }).bodies(100).with(heat);
+    let mut simulation = ring.simulate(State::of([[1.5, 0.0, 0.0]; 100]), Baoab::new(0.1)).unwrap();
     simulation.run(200).unwrap();
     let mut counts = [0.0; BINS];
     for _ in 0..25 {
@@ -102,8 +102,8 @@ fn places_are_uniform_in_area() {
     fits(&counts, &std::array::from_fn::<_, BINS, _>(|i| area(edge(i + 1)) - area(edge(i))));
 
     let (a, c) = (1.0, 2.0);
-    let egg = Scene::on(Ellipsoid { a, b: a, c }).bodies(200).with(heat);
-    let mut simulation = egg.simulate(State::of([[0.0, 0.0, c]; 200]), Baoab::new(0.1)).unwrap();
+    let egg = Scene::on(Ellipsoid { a, b: a, c }).bodies(100).with(heat);
+    let mut simulation = egg.simulate(State::of([[0.0, 0.0, c]; 100]), Baoab::new(0.1)).unwrap();
     simulation.run(200).unwrap();
     let mut counts = [0.0; BINS];
     for _ in 0..25 {
@@ -298,10 +298,10 @@ fn a_bath_without_chance() {
     };
     let swings = [0.01, 0.005, 0.0025].map(|h| swing(h, 10.0).0[0]);
     assert!((1.7..2.3).contains(&crate::common::order(&swings)), "{swings:?}");
-    let ([first, second], mean, simulation) = swing(0.01, 400.0);
+    let ([first, second], mean, simulation) = swing(0.01, 150.0);
     assert!(second < 1.5 * first, "no drift: {first:.1e}, {second:.1e}");
-    // Kinetic energies forget within the swing of the bath, some 1: 400 samples of 16 momenta.
-    assert!((mean - KT).abs() < DEVIATIONS * KT * (2.0 / 16.0 / 400.0_f64).sqrt(), "{mean}");
+    // Kinetic energies forget within the swing of the bath, some 1: 150 samples of 16 momenta.
+    assert!((mean - KT).abs() < DEVIATIONS * KT * (2.0 / 16.0 / 150.0_f64).sqrt(), "{mean}");
     let mut again = gas.simulate(simulation.state(), *simulation.method()).unwrap();
     let mut simulation = simulation;
     again.run(10).unwrap();
@@ -330,7 +330,7 @@ fn a_bath_that_steps_do_not_resolve() {
 /// (1 + 2e^{−6Dt/R²})/3 − e^{−4Dt/R²}.
 #[test]
 fn mean_square_displacement_on_a_sphere() {
-    const BODIES: usize = 1000;
+    const BODIES: usize = 400;
     let (r, friction, temperature, h) = (2.0, 2.0, 1.0, 0.004);
     let d = temperature / friction;
     let start = State::of(vec![[0.0, 0.0, r]; BODIES]);

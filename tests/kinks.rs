@@ -229,8 +229,8 @@ fn goes_on<C: Constraint<3, 1>, S: Method>(
 #[test]
 fn where_only_the_curvature_jumps_steps_go_on() {
     let start = [[-0.5, 0.1, 0.2], [0.3, 0.1, 0.0]];
-    for h in [1e-3, 0.01, 0.04] {
-        let steps = (200.0 / h) as u32;
+    for h in [2.5e-3, 0.01, 0.04] {
+        let steps = (100.0 / h) as u32;
         let rows = [
             ("cubic", goes_on(Cubic {}, start, Rattle::new(h), steps)),
             ("gutter", goes_on(Gutter {}, start, Rattle::new(h), steps)),
@@ -483,15 +483,15 @@ fn over_the_edges_of_an_octahedron_the_way_is_straight() {
 }
 
 #[test]
-fn over_ten_thousand_edges_energy_is_kept() {
+fn over_thousands_of_edges_energy_is_kept() {
     let mut particle = on_faces(OCTAHEDRON, 0.0, [[0.2, 0.3, 0.5], [0.83, 0.31, 0.2]], 0.4);
-    particle.run_while(1_000_000, |now| now.events() < 10_000).unwrap();
+    particle.run_while(200_000, |now| now.events() < 2_000).unwrap();
     println!("{} steps, energy {:e}", particle.steps(), particle.energy_error());
     assert!(particle.energy_error().abs() < 1e-13 && particle.constraint_residual() < 1e-14);
     // Under gravity: parabolas on the faces, which the method follows exactly.
     for (surface, g) in [(OCTAHEDRON, 0.2), (ROOF, -0.5)] {
         let mut particle = on_faces(surface, g, [[-0.4, 0.1, 0.4], [0.3, 0.2, 0.1]], 0.03);
-        particle.run_while(100_000, |now| now.events() < 500).unwrap();
+        particle.run_while(40_000, |now| now.events() < 200).unwrap();
         assert!(particle.energy_error().abs() < 1e-13, "{:e}", particle.energy_error());
     }
 }

@@ -287,7 +287,7 @@ fn rounding_in_the_energy_does_not_add_up() {
     let mut simulation = scene.simulate(start, Rattle::new(0.01)).unwrap();
     let mut largest = 0.0_f64;
     for _ in 0..100 {
-        simulation.run(20_000).unwrap();
+        simulation.run(10_000).unwrap();
         largest = largest.max(simulation.energy_error().abs());
     }
     assert!(largest <= 3e-15, "{largest:e}");

@@ -141,8 +141,9 @@ fn even_points() {
     let worst = |means: &mut dyn Iterator<Item = f64>| (means.map(|x| x * x).sum::<f64>() / 8.0).sqrt();
     let spread = worst(&mut (0..8).map(|seed| mean(uniform(&sphere, [-1.0; 3], [1.0; 3], N, seed).unwrap())));
     assert!((0.4..1.7).contains(&(spread / deviation)), "{}", spread / deviation);
-    let even = worst(&mut (0..8).map(|seed| mean(even(&sphere, [-1.0; 3], [1.0; 3], 500, seed).unwrap())));
-    assert!(even < 0.5 * (2.0 * deviation), "{}", even / deviation);
+    let few = N / 8;
+    let even = worst(&mut (0..8).map(|seed| mean(even(&sphere, [-1.0; 3], [1.0; 3], few, seed).unwrap())));
+    assert!(even < 0.5 * (8.0_f64.sqrt() * deviation), "{}", even / deviation);
 }
 
 #[test]

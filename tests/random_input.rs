@@ -451,10 +451,10 @@ fn survive(first: u64, count: u64) -> [Outcome; 5] {
 
 #[test]
 fn nothing_panics() {
-    for (outcome, (what, _)) in survive(0, 500).into_iter().zip(KINDS) {
+    for (outcome, (what, _)) in survive(0, 200).into_iter().zip(KINDS) {
         println!("{what}: {outcome:?}");
         let Outcome { refused, ended, ran } = outcome;
-        assert!(refused > 20 && ended > 20 && ran > 20, "{what}: {outcome:?}"); // all three are met
+        assert!(refused > 8 && ended > 8 && ran > 8, "{what}: {outcome:?}"); // all three are met
     }
 }
 

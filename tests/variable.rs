@@ -151,7 +151,7 @@ fn long<S: Method>(method: S, until: f64) -> Long {
 /// of a chaotic run.
 #[test]
 fn energy_stays_where_naive_steps_lose_it() {
-    let (epsilon, tau, until) = (0.02, 1.0 / 3.0, 2000.0);
+    let (epsilon, tau, until) = (0.02, 1.0 / 3.0, 600.0);
     let naive = long(Naive { longest: epsilon, tau }, until);
     let rattle = long(Variable::of(Rattle::new(epsilon), tau), until);
     let fixed = long(Rattle::new(until / rattle.steps as f64), until);

@@ -273,7 +273,7 @@ fn huge_steps_never_land_on_another_sheet() {
 }
 
 fn huge_steps<S: Method>(method: impl Fn(f64) -> S) {
-    lands_on_its_own_sheet(&method, SURFACE, [1.1, 0.4, 0.2], 10_000);
+    lands_on_its_own_sheet(&method, SURFACE, [1.1, 0.4, 0.2], 4_000);
     lands_on_its_own_sheet(&method, Lemniscate { a: 1.0, r: 0.01 }, [1.1, 0.4, 0.02], 1_000);
     lands_on_its_own_sheet(&method, TorusByDistance { major: 1.0, minor: 0.3 }, [1.3, 1.3, 0.3], 1_000);
     lands_on_its_own_sheet(

@@ -118,13 +118,13 @@ fn hubs_move_as_by_a_basis() {
             let most = if scenery.name == "heavy leaves" { 2.0 } else { 1.1 };
             assert!(more <= most, "{}, {what}: {} corrections, {}", scenery.name, hubs.1, basis.1);
         };
-        let by = |by| scenery.run(by, Rattle::new(0.01), 40);
+        let by = |by| scenery.run(by, Rattle::new(0.01), 16);
         check("Newton", by(Automatic), by(Orthogonal));
-        let by = |by| scenery.run(by, Rattle::new(0.01).solved_by(Symmetric), 40);
+        let by = |by| scenery.run(by, Rattle::new(0.01).solved_by(Symmetric), 16);
         check("symmetric", by(Automatic), by(Orthogonal));
-        let by = |by| scenery.run(by, Rattle::new(0.01).solved_by(Broyden), 40);
+        let by = |by| scenery.run(by, Rattle::new(0.01).solved_by(Broyden), 16);
         check("Broyden", by(Automatic), by(Orthogonal));
-        let by = |by| scenery.run(by, Lobatto::<3>::new(0.01), 10);
+        let by = |by| scenery.run(by, Lobatto::<3>::new(0.01), 4);
         check("Lobatto", by(Automatic), by(Orthogonal));
     }
 }

@@ -71,16 +71,16 @@ fn ensembles<S: Method>(seed: u64, number: usize, method: impl Fn(f64) -> S) -> 
 
 #[test]
 fn ensembles_stay_on_their_sheets() {
-    ensembles(1, 24, Rattle::new).check(350);
-    ensembles(2, 8, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(80);
-    ensembles(3, 8, |h| Composition::new(YOSHIDA_1990_ORDER_4, h)).check(80);
+    ensembles(1, 12, Rattle::new).check(170);
+    ensembles(2, 4, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(40);
+    ensembles(3, 4, |h| Composition::new(YOSHIDA_1990_ORDER_4, h)).check(40);
 }
 
 #[test]
 fn stages_in_lanes_stay_on_their_sheets() {
-    ensembles(7, 24, Lobatto::<2>::new).check(350);
-    ensembles(8, 24, Lobatto::<3>::new).check(240);
-    ensembles(9, 24, Lobatto::<5>::new).check(180);
+    ensembles(7, 10, Lobatto::<2>::new).check(140);
+    ensembles(8, 10, Lobatto::<3>::new).check(100);
+    ensembles(9, 10, Lobatto::<5>::new).check(75);
 }
 
 #[test]
