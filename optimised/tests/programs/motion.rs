@@ -14,5 +14,7 @@ mod long_runs;
 mod methods;
 #[path = "../near_pairs.rs"]
 mod near_pairs;
+#[path = "../phase_sheets.rs"]
+mod phase_sheets;
 #[path = "../phase_space.rs"]
 mod phase_space;

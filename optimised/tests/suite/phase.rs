@@ -164,7 +164,8 @@ fn impasse(h: f64) -> Measured {
 
 fn no_multiplier(error: &Error) -> bool {
     let Error::Step { cause, .. } = error else { return false };
-    matches!(cause, StepFailure::Undetermined { .. } | StepFailure::NoSlide { .. })
+    use StepFailure::{NoSlide, SheetLost, Undetermined};
+    matches!(cause, Undetermined { .. } | NoSlide { .. } | SheetLost { .. })
 }
 
 fn mistaken<T>(result: Result<T, Error>, meant: impl Fn(&PhaseMistake) -> bool) -> f64 {

@@ -204,6 +204,18 @@ pub enum StepFailure {
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
+    /// In phase space, a point of g = 0 was found, but it cannot be told that the motion leads there: followed from
+    /// h = 0, the root ends or turns too sharply.
+    #[error(
+        "the motion can be followed through {share:.3} of this step only: what satisfies g = 0 at its end may be \
+         another sheet (h = {h:.3e}); try a smaller step; if none helps, the motion ends here"
+    )]
+    SheetLost {
+        /// The share of the step through which the motion was followed.
+        share: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
     /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not
     /// determined.
     #[error(

@@ -31,6 +31,7 @@
 //! Comput. Math. 14 (2014) 339.
 
 use crate::motion::bodies::{Bodies, Body, Count};
+use crate::solve::aim::{Aim, Pace};
 use crate::systems::phase::point::Point;
 
 /// What messages call such a system.
@@ -53,8 +54,24 @@ pub struct InPhaseSpace<K, H, N, const M: usize> {
     pub(super) count: N,
 }
 
-pub(super) type BodiesOf<N, const D: usize, const M: usize> =
-    Bodies<N, f64, <N as Count>::Of<[[f64; M]; M]>, D>;
+/// What is kept of a body from step to step.
+#[derive(Debug, Clone, Copy)]
+pub struct Kept<const M: usize> {
+    /// N at its point.
+    pub(super) slopes: [[f64; M]; M],
+    /// By what parts of its terms each equation was off where guesses led.
+    pub(super) aims: [Aim<f64>; M],
+    pub(super) pace: Pace,
+}
+
+pub(super) type BodiesOf<N, const D: usize, const M: usize> = Bodies<N, f64, <N as Count>::Of<Kept<M>>, D>;
+
+impl<const M: usize> Kept<M> {
+    /// Nothing is known.
+    pub(super) fn unknown() -> Self {
+        Self { slopes: [[f64::NAN; M]; M], aims: [Aim::unknown(); M], pace: Pace::unknown() }
+    }
+}
 
 impl<const D: usize> Point<D> {
     pub(super) fn high(body: &Body<f64, D>) -> Self {

@@ -3,6 +3,7 @@
 mod fibre;
 mod hold;
 mod kept;
+mod landing;
 mod point;
 mod step;
 mod system;

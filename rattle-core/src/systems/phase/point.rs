@@ -67,6 +67,17 @@ impl<const D: usize, const M: usize> Level<D, M> {
         Self { value, gradients, size }
     }
 
+    /// g as a part of its terms.
+    pub(super) fn shares(&self) -> [f64; M] {
+        from_fn(|i| self.value[i] / self.size[i])
+    }
+
+    /// A way as a part of the same terms.
+    pub(super) fn shares_of(&self, way: &Point<D>) -> [f64; M] {
+        let along = |g: &Point<D>| products(&g.q, &way.q) + products(&g.p, &way.p);
+        from_fn(|i| along(&self.gradients[i]) / self.size[i])
+    }
+
     /// The direction in which σᵢ slides.
     pub(super) fn fibre(&self, i: usize) -> Point<D> {
         Point { q: scaled(-1.0, &self.gradients[i].p), p: self.gradients[i].q }

@@ -10,53 +10,51 @@ use crate::number::vector::{dot, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::phase::fibre::slide;
 use crate::systems::phase::kept::InPhaseSpace;
-use crate::systems::phase::point::{Hidden, Level, Point, Verlet};
+use crate::systems::phase::point::{Hidden, Level, Point};
 use std::array::from_fn;
 
 /// Corrections of a slide after which it is given up; four suffice where there is one.
 const MAX_CORRECTIONS: usize = 20;
 /// A residual below this many roundings may be the rounding of g itself, once it no longer shrinks.
-const NOISE: f64 = 1e3;
+pub(super) const NOISE: f64 = 1e3;
 /// N may change by this part of itself within a step.
 pub(crate) const TURN: f64 = 0.5;
 
 /// Somewhere along a fibre: how the point changes until there, and the numbers that shall vanish.
 pub(super) struct Look<X, const D: usize, const M: usize> {
-    change: Point<D>,
-    value: [f64; M],
+    pub(super) change: Point<D>,
+    pub(super) value: [f64; M],
     /// The sizes of their terms.
-    size: [f64; M],
+    pub(super) size: [f64; M],
     /// What their slopes are made of.
-    rest: X,
+    pub(super) rest: X,
 }
 
-impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
-    /// The σ for which what is looked at vanishes, to its rounding, and what is seen there.
-    pub(super) fn solve<X, const D: usize>(
-        h: f64,
-        mut sigma: [f64; M],
-        look: impl Fn(&[f64; M]) -> Result<Look<X, D, M>, StepFailure>,
-        slopes: impl Fn(&Look<X, D, M>) -> Option<[[f64; M]; M]>,
-    ) -> Result<([f64; M], Look<X, D, M>), StepFailure> {
-        let mut residuals = [0.0; MAX_CORRECTIONS];
-        let mut last = f64::INFINITY;
-        for k in 0..MAX_CORRECTIONS {
-            let seen = look(&sigma)?;
-            let (equation, roundings) = worst(&seen.value, &seen.size);
-            residuals[k] = roundings;
-            if roundings <= 1.0 || (roundings >= last && roundings <= NOISE) {
-                return Ok((sigma, seen));
-            }
-            let correction = slopes(&seen).and_then(|slopes| solve(slopes, seen.value));
-            let Some(correction) = correction.filter(|_| k + 1 < MAX_CORRECTIONS) else {
-                let residuals = residuals[..=k].iter().copied().collect();
-                return Err(StepFailure::NoSlide { equation, residuals, h });
-            };
-            sigma = from_fn(|i| sigma[i] - correction[i]);
-            last = roundings;
+/// The σ for which what is looked at vanishes, to its rounding, and what is seen there.
+pub(super) fn solve_along<X, const D: usize, const M: usize>(
+    h: f64,
+    mut sigma: [f64; M],
+    mut look: impl FnMut(&[f64; M]) -> Result<Look<X, D, M>, StepFailure>,
+    mut slopes: impl FnMut(&Look<X, D, M>) -> Option<[[f64; M]; M]>,
+) -> Result<([f64; M], Look<X, D, M>), StepFailure> {
+    let mut residuals = [0.0; MAX_CORRECTIONS];
+    let mut last = f64::INFINITY;
+    for k in 0..MAX_CORRECTIONS {
+        let seen = look(&sigma)?;
+        let (equation, roundings) = worst(&seen.value, &seen.size);
+        residuals[k] = roundings;
+        if roundings <= 1.0 || (roundings >= last && roundings <= NOISE) {
+            return Ok((sigma, seen));
         }
-        unreachable!("the last correction is never made")
+        let correction = slopes(&seen).and_then(|slopes| solve(slopes, seen.value));
+        let Some(correction) = correction.filter(|_| k + 1 < MAX_CORRECTIONS) else {
+            let residuals = residuals[..=k].iter().copied().collect();
+            return Err(StepFailure::NoSlide { equation, residuals, h });
+        };
+        sigma = from_fn(|i| sigma[i] - correction[i]);
+        last = roundings;
     }
+    unreachable!("the last correction is never made")
 }
 
 /// The largest |xᵢ|/(ε sizeᵢ), and which; NaN counts as largest.
@@ -80,51 +78,6 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         Hidden::of(&self.constraint, &self.energy, at, at)
     }
 
-    /// From the body's point by h/2 λ along its fibre and by Φₕ to g = 0; with the slide.
-    pub(super) fn land<const D: usize>(
-        &self,
-        h: f64,
-        body: &Body<f64, D>,
-        guess: [f64; M],
-    ) -> Result<([f64; M], Point<D>), StepFailure>
-    where
-        K: PhaseConstraintKernel<f64, D, M>,
-        H: HamiltonianKernel<f64, D>,
-    {
-        let (start, low) = (Point::high(body), Point::low(body));
-        let (sigma, seen) = Self::solve(
-            h,
-            guess,
-            |sigma| {
-                let slid = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
-                let kicked = start.plus(&low.plus(&slid));
-                let step = Verlet::of(&self.energy, h, &kicked);
-                let unsolved = || StepFailure::ImplicitStep { h, position: start.q.to_vec() };
-                let step = step.ok_or_else(unsolved)?;
-                let change = slid.plus(&step.change);
-                let level =
-                    Level::of(&self.constraint, &start.plus(&low.plus(&change)), &start.reach(&change));
-                if !level.value.iter().all(|g| g.is_finite()) {
-                    return Err(not_finite(&start, &step.change));
-                }
-                Ok(Look { change, value: level.value, size: level.size, rest: (kicked, step, level) })
-            },
-            |Look { rest: (kicked, step, level), .. }| {
-                let mut slopes = [[0.0; M]; M];
-                let there = Level::of(&self.constraint, kicked, kicked);
-                for j in 0..M {
-                    let v = step.tangent(&self.energy, h, &there.fibre(j))?;
-                    for i in 0..M {
-                        let gradient = &level.gradients[i];
-                        slopes[i][j] = dot(&gradient.q, &v.q) + dot(&gradient.p, &v.p);
-                    }
-                }
-                Some(slopes)
-            },
-        )?;
-        Ok((sigma, seen.change))
-    }
-
     /// From the body's point along its fibre to where the hidden constraint holds; with the slide and N there.
     #[allow(clippy::type_complexity, reason = "three numbers of one slide")]
     pub(super) fn slide_to_hidden<const D: usize>(
@@ -143,7 +96,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
             Ok(Look { change, value: hidden.value, size: hidden.size, rest: hidden.slopes })
         };
-        let (sigma, seen) = Self::solve(h, [0.0; M], look, |seen| Some(seen.rest))?;
+        let (sigma, seen) = solve_along(h, [0.0; M], look, |seen| Some(seen.rest))?;
         Ok((sigma, seen.change, seen.rest))
     }
 

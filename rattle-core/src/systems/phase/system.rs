@@ -1,17 +1,21 @@
 //! The verbs of a [`System`] in phase space.
 
-use crate::error::StepFailure;
+use crate::error::{Error, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::Never;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
+use crate::motion::record::{Reading, Record};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::vector::dot;
+use crate::solve::aim::{Aim, Pace};
 use crate::systems::phase::kept::BodiesOf;
 use crate::systems::phase::kept::IN_PHASE_SPACE;
 use crate::systems::phase::kept::InPhaseSpace;
+use crate::systems::phase::kept::Kept;
+use crate::systems::phase::landing::Departure;
 use crate::systems::phase::point::Point;
 use crate::systems::phase::step::TURN;
 use crate::systems::phase::step::move_by;
@@ -24,8 +28,7 @@ where
     N: Count,
 {
     type Count = N;
-    /// N at the points.
-    type Kept = N::Of<[[f64; M]; M]>;
+    type Kept = N::Of<Kept<M>>;
     /// Forces and momenta are not apart.
     type Rates = Never;
     type Collocation = Never;
@@ -40,7 +43,7 @@ where
     }
 
     fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<N, D, M> {
-        let mut bodies = Bodies::new(self.count, self.count.each([[0.0; M]; M]), places, time);
+        let mut bodies = Bodies::new(self.count, self.count.each(Kept::unknown()), places, time);
         self.refresh(&mut bodies);
         bodies
     }
@@ -48,8 +51,26 @@ where
     fn refresh(&self, bodies: &mut BodiesOf<N, D, M>) {
         for number in 0..self.count.number() {
             let at = Point::high(&bodies.body(number));
-            bodies.kept.as_mut()[number] = self.hidden(&at).slopes;
+            bodies.kept.as_mut()[number] = Kept { slopes: self.hidden(&at).slopes, ..Kept::unknown() };
         }
+    }
+
+    fn record(&self, bodies: &BodiesOf<N, D, M>, to: &mut Record) {
+        let (kept, n) = (bodies.kept.as_ref(), self.count.number());
+        to.numbers("lengths of the last steps", &[n, 2], kept.iter().flat_map(|kept| kept.pace.numbers()));
+        let offs = kept.iter().flat_map(|kept| &kept.aims).flat_map(Aim::offs);
+        to.numbers("guesses were off by", &[n * M, 2], offs);
+    }
+
+    fn recall(&self, bodies: &mut BodiesOf<N, D, M>, from: &mut Reading<'_>) -> Result<(), Error> {
+        let n = self.count.number();
+        let steps: &[[f64; 2]] = from.vectors("lengths of the last steps", n)?;
+        let offs: &[[f64; 2]] = from.vectors("guesses were off by", n * M)?;
+        for ((kept, steps), offs) in bodies.kept.as_mut().iter_mut().zip(steps).zip(offs.chunks(M)) {
+            kept.pace = Pace::after(*steps);
+            kept.aims.iter_mut().zip(offs).for_each(|(aim, off)| *aim = Aim::after(*off));
+        }
+        Ok(())
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -65,12 +86,19 @@ where
             let fail = |cause| Failure { body: number, cause };
             let guess = self.hidden(&Point::high(&body)).multipliers();
             let guess = guess.ok_or_else(|| fail(StepFailure::Undetermined { change: f64::INFINITY, h }))?;
-            let landed = self.land(h, &body, guess.map(|lambda| 0.5 * h * lambda));
-            let (sigma, change) = landed.map_err(fail)?;
-            for (i, sigma) in sigma.into_iter().enumerate() {
+            let departure = Departure {
+                constraint: &self.constraint,
+                energy: &self.energy,
+                h,
+                start: Point::high(&body),
+                low: Point::low(&body),
+                guess: guess.map(|lambda| 0.5 * h * lambda),
+            };
+            let landing = departure.land(&mut bodies.kept.as_mut()[number]).map_err(fail)?;
+            for (i, sigma) in landing.sigma.into_iter().enumerate() {
                 witness.position_multiplier(number * M + i, sigma / (0.5 * h));
             }
-            move_by(bodies, number, &change);
+            move_by(bodies, number, &landing.change);
         }
         bodies.time += h;
         Ok(())
@@ -88,7 +116,7 @@ where
         for number in 0..self.count.number() {
             let fail = |cause| Failure { body: number, cause };
             let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
-            let turned = turn(&bodies.kept.as_ref()[number], &slopes);
+            let turned = turn(&bodies.kept.as_ref()[number].slopes, &slopes);
             if turned > TURN {
                 return Err(fail(StepFailure::Undetermined { change: turned, h }));
             }
@@ -96,7 +124,7 @@ where
                 witness.momentum_multiplier(number * M + i, sigma / (0.5 * h));
             }
             move_by(bodies, number, &change);
-            bodies.kept.as_mut()[number] = slopes;
+            bodies.kept.as_mut()[number].slopes = slopes;
         }
         Ok(())
     }

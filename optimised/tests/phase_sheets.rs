@@ -1,0 +1,214 @@
+//! Sheets that lie side by side in phase space: each step stays on its own, or is refused.
+
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::bodies::One;
+use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::phase::PhaseSpace;
+use rattle::prelude::*;
+use rayon::prelude::*;
+
+phase_constraint! {
+    /// Three-spheres at distances of π/k in the sum of squares.
+    struct Shells { k }
+    |q: [f64; 2], p: [f64; 2]| sin(k * (dot(q, q) + dot(p, p) - 1))
+}
+phase_constraint! {
+    /// The same of a sheet whose fibres have no formula.
+    struct WavyShells { k }
+    |q: [f64; 2], p: [f64; 2]| sin(k * (q[0]^2 + q[1]^4 + exp(p[0]) + p[1]^2 * (2 + sin(q[0])) - 3))
+}
+phase_constraint! {
+    /// Three of them, this far apart.
+    struct Three { apart }
+    |q: [f64; 2], p: [f64; 2]| {
+        let g = dot(q, q) + dot(p, p) - 1;
+        g * (g - apart) * (g + apart)
+    }
+}
+phase_constraint! {
+    /// Circles at distances of π/k: of positions alone.
+    struct Rings { k }
+    |q: [f64; 2], _p: [f64; 2]| sin(k * (norm(q) - 1))
+}
+phase_constraint! {
+    /// Spheres as above, each with an angular momentum, of which there are many too.
+    struct TurningShells { k, l }
+    |q: [f64; 3], p: [f64; 3]| [
+        sin(k * (dot(q, q) + dot(p, p) - 1)),
+        sin(2 * k * (q[0] * p[1] - q[1] * p[0] - l)),
+    ]
+}
+hamiltonian! {
+    /// Free fall.
+    struct Falling { g }
+    |q: [f64; 2], p: [f64; 2]| dot(p, p) / 2 + g * q[1]
+}
+hamiltonian! {
+    /// A charge in a magnetic field: not separable.
+    struct Charge { b, g }
+    |q: [f64; 2], p: [f64; 2]| ((p[0] + b * q[1])^2 + (p[1] - b * q[0])^2) / 2 + g * q[1] + cos(q[0]) * p[1] / 5
+}
+hamiltonian! {
+    /// Without symmetry.
+    struct Uneven { g }
+    |q: [f64; 3], p: [f64; 3]| (p[0]^2 + 2 * p[1]^2 + p[2]^2 / 2) / 2 + g * q[2] + q[0]^2 * q[1] + q[2] * p[0] / 4
+}
+
+fn sum_of_squares<const D: usize>([q, p]: [[f64; D]; 2]) -> f64 {
+    q.iter().chain(&p).map(|x| x * x).sum()
+}
+fn wavy([q, p]: [[f64; 2]; 2]) -> f64 {
+    q[0].powi(2) + q[1].powi(4) + p[0].exp() + p[1].powi(2) * (2.0 + q[0].sin())
+}
+fn radius([q, _]: [[f64; 2]; 2]) -> f64 {
+    q[0].hypot(q[1])
+}
+fn momentum([q, p]: [[f64; 3]; 2]) -> f64 {
+    q[0] * p[1] - q[1] * p[0]
+}
+
+#[derive(Debug, Default, Clone, Copy)]
+struct Outcome {
+    right: u32,
+    refused: u32,
+    wrong: u32,
+}
+
+/// Random starts and steps; `levels` are functions that no motion changes by as much as sheets are apart.
+fn stays<G, H, S, const D: usize, const M: usize>(
+    seed: u64,
+    number: u32,
+    scene: impl Fn(f64) -> Scene<PhaseSpace<G, H, M>, (), One, D>,
+    levels: &[(fn([[f64; D]; 2]) -> f64, f64)],
+    method: impl Fn(f64) -> S,
+) -> Outcome
+where
+    PhaseSpace<G, H, M>: rattle::scene::Hold<D>,
+    S: Method,
+{
+    let mut random = StdRng::seed_from_u64(seed);
+    let mut outcome = Outcome::default();
+    while outcome.right + outcome.refused + outcome.wrong < number {
+        let k = 10_f64.powf(random.random_range(0.5..4.5));
+        let h = 10_f64.powf(random.random_range(-2.5..-0.3));
+        let scene = scene(k);
+        let [q, p] = [0, 1].map(|_| std::array::from_fn::<f64, D, _>(|_| random.random_range(-0.9..0.9)));
+        let Ok(start) = scene.project(&State::at(q).moving(p)) else { continue };
+        let Ok(mut simulation) = scene.simulate(start.clone(), method(h)) else { continue };
+        let of = |state: &State<D>| {
+            let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+            levels.iter().map(|(level, _)| level([q.into(), p.into()])).collect::<Vec<_>>()
+        };
+        let first = of(&start);
+        let (mut refused, mut wrong) = (false, false);
+        for _ in 0..40 {
+            if simulation.step().is_err() {
+                refused = true;
+                break;
+            }
+            let now = of(&simulation.state());
+            wrong |= (0..levels.len()).any(|i| (now[i] - first[i]).abs() > levels[i].1 / k);
+            if wrong {
+                println!("seed {seed}, k = {k:e}, h = {h}: {first:?}, then {now:?}");
+                break;
+            }
+        }
+        match (wrong, refused) {
+            (true, _) => outcome.wrong += 1,
+            (_, true) => outcome.refused += 1,
+            _ => outcome.right += 1,
+        }
+    }
+    println!("seed {seed}: {outcome:?}");
+    outcome
+}
+
+fn families(seed: u64, number: u32) -> [Outcome; 7] {
+    let suzuki = |h| Composition::new(SUZUKI_1990_ORDER_4, h);
+    let falling = Falling { g: 0.3 };
+    let charge = Charge { b: 0.4, g: 0.3 };
+    [
+        stays(
+            seed,
+            number,
+            |k| Scene::in_phase_space(Shells { k }, falling),
+            &[(sum_of_squares, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 1,
+            number,
+            |k| Scene::in_phase_space(Shells { k }, charge),
+            &[(sum_of_squares, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 2,
+            number,
+            |k| Scene::in_phase_space(WavyShells { k }, falling),
+            &[(wavy, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 3,
+            number,
+            |k| Scene::in_phase_space(Three { apart: 1.0 / k }, falling),
+            &[(sum_of_squares, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 4,
+            number,
+            |k| Scene::in_phase_space(Rings { k }, falling),
+            &[(radius, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 5,
+            number,
+            |k| Scene::in_phase_space(TurningShells { k, l: 0.2 }, Uneven { g: 0.3 }),
+            &[(sum_of_squares, 0.3), (momentum, 0.3)],
+            Rattle::new,
+        ),
+        stays(
+            seed + 6,
+            number,
+            |k| Scene::in_phase_space(Shells { k }, falling),
+            &[(sum_of_squares, 0.3)],
+            suzuki,
+        ),
+    ]
+}
+
+#[test]
+fn steps_stay_on_their_sheets() {
+    for (family, outcome) in families(1, 100).into_iter().enumerate() {
+        assert!(outcome.wrong == 0 && outcome.right >= 45, "family {family}: {outcome:?}");
+    }
+}
+
+/// What is remembered of guesses goes along with a checkpoint.
+#[test]
+fn a_checkpoint_goes_on_to_the_bit() {
+    let scene = Scene::in_phase_space(Shells { k: 300.0 }, Falling { g: 0.3 });
+    let start = scene.project(&State::at([0.4, 0.1]).moving([0.5, 0.3])).unwrap();
+    let mut whole = scene.simulate(start.clone(), Rattle::new(0.03)).unwrap();
+    whole.run(20).unwrap();
+    let record = whole.checkpoint();
+    let mut again = scene.simulate(start, Rattle::new(0.03)).unwrap();
+    again.resume(&record).unwrap();
+    for _ in 0..20 {
+        whole.run(1).unwrap();
+        again.run(1).unwrap();
+        assert_eq!(whole.state(), again.state());
+        assert_eq!(format!("{:?}", whole.checkpoint()), format!("{:?}", again.checkpoint()));
+    }
+}
+
+/// `cargo test --test motion phase_sheets::many -- --ignored`
+#[test]
+#[ignore = "some minutes"]
+fn many_steps_stay_on_their_sheets() {
+    let wrong = |seed: u64| families(1000 + 7 * seed, 150).iter().map(|outcome| outcome.wrong).sum::<u32>();
+    assert_eq!((0..100).into_par_iter().map(wrong).sum::<u32>(), 0);
+}

@@ -1,0 +1,243 @@
+//! Where the first half of a step lands: on the sheet of g = 0 that the motion leads to.
+//!
+//! Newton's iteration finds a slide after which g = 0; where sheets of g lie side by side that may be another one. Which
+//! one is right is told as on surfaces ([`crate::solve::aim`], [`crate::solve::root`]), equation by equation: by what g
+//! is at the guess, as a part of the terms that its rounding is made of. If guesses were off as usual, a landing is
+//! taken at its word. If not, g is looked at inside the step, and where that looks wrong the root is followed from h = 0.
+//!
+//! The unknown that is followed is Λ = s σ after the share s of a step: like the displacement by a constraint on a
+//! surface it goes with s², and what its guess is off by with s³.
+
+use crate::error::StepFailure;
+use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::number::vector::dot;
+use crate::solve::aim::{INSIDE, ROUNDINGS, grows_to};
+use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
+use crate::systems::phase::fibre::slide;
+use crate::systems::phase::kept::Kept;
+use crate::systems::phase::point::{Level, Point, Verlet};
+use crate::systems::phase::step::{Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
+use std::array::from_fn;
+
+/// What is off by less than this part of what the guess for the whole step was off by is off by nothing.
+const LITTLE_OFF: f64 = 1.0 / 64.0;
+
+/// Slopes at a guess and where it leads differ by at most this part: that far from another sheet they differ by more in
+/// six of seven cases.
+const STEADY: f64 = 0.05;
+
+/// A step, as it departs.
+pub(super) struct Departure<'a, K, H, const D: usize, const M: usize> {
+    pub(super) constraint: &'a K,
+    pub(super) energy: &'a H,
+    pub(super) h: f64,
+    pub(super) start: Point<D>,
+    pub(super) low: Point<D>,
+    /// σ of the whole step, if the hidden constraint is to stay.
+    pub(super) guess: [f64; M],
+}
+
+/// After some share of a step and a slide.
+struct There<const D: usize, const M: usize> {
+    change: Point<D>,
+    kicked: Point<D>,
+    step: Verlet<D>,
+    level: Level<D, M>,
+}
+
+/// Where a slide was found that satisfies g = 0.
+#[derive(Clone, Copy)]
+pub(super) struct Landing<const D: usize, const M: usize> {
+    pub(super) sigma: [f64; M],
+    pub(super) change: Point<D>,
+    /// g at the guess, as a part of its terms.
+    off: [f64; M],
+    /// The way from the start, as a part of the same terms, and that of the last slide from the guess.
+    path: [f64; M],
+    slid: [f64; M],
+    /// ∂g/∂σ at the guess and at the last correction; none if none was made.
+    slopes: Option<[[[f64; M]; M]; 2]>,
+}
+
+impl<K, H, const D: usize, const M: usize> Departure<'_, K, H, D, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+{
+    /// The landing that the motion leads to; notes in what is kept by how much the guess was off.
+    pub(super) fn land(&self, kept: &mut Kept<M>) -> Result<Landing<D, M>, StepFailure> {
+        let attempt = self.land_after(1.0, self.guess);
+        let weights = kept.pace.weights(self.h);
+        let landing = match attempt {
+            Ok(landing) if self.is_certain(&landing, kept, weights) => landing,
+            attempt => self.look_again(attempt, kept, weights)?,
+        };
+        kept.pace.note(self.h);
+        kept.aims.iter_mut().zip(landing.off).for_each(|(aim, off)| aim.note(off));
+        Ok(landing)
+    }
+
+    /// After the share s of the step and a slide by σ.
+    fn after(&self, s: f64, sigma: &[f64; M]) -> Result<There<D, M>, StepFailure> {
+        let (h, start) = (s * self.h, &self.start);
+        let slid = slide(self.constraint, start, sigma).ok_or_else(|| too_far(h))?;
+        let kicked = start.plus(&self.low.plus(&slid));
+        let step = Verlet::of(self.energy, h, &kicked);
+        let step = step.ok_or_else(|| StepFailure::ImplicitStep { h, position: start.q.to_vec() })?;
+        let change = slid.plus(&step.change);
+        let at = start.plus(&self.low.plus(&change));
+        let level = Level::of(self.constraint, &at, &start.reach(&change));
+        if !level.value.iter().all(|g| g.is_finite()) {
+            return Err(not_finite(start, &step.change));
+        }
+        Ok(There { change, kicked, step, level })
+    }
+
+    /// Where g = 0 after the share s of the step, by Newton's iteration from this guess.
+    fn land_after(&self, s: f64, guess: [f64; M]) -> Result<Landing<D, M>, StepFailure> {
+        let h = s * self.h;
+        let (mut off, mut slopes) = (None, None);
+        let (sigma, seen) = solve_along(
+            h,
+            guess,
+            |sigma| {
+                let there = self.after(s, sigma)?;
+                off.get_or_insert_with(|| there.level.shares());
+                let Level { value, size, .. } = there.level;
+                Ok(Look { change: there.change, value, size, rest: there })
+            },
+            |Look { rest: There { kicked, step, level, .. }, .. }| {
+                let mut there = [[0.0; M]; M];
+                let before = Level::of(self.constraint, kicked, kicked);
+                for j in 0..M {
+                    let v = step.tangent(self.energy, h, &before.fibre(j))?;
+                    for i in 0..M {
+                        let gradient = &level.gradients[i];
+                        there[i][j] = dot(&gradient.q, &v.q) + dot(&gradient.p, &v.p);
+                    }
+                }
+                slopes = Some([slopes.map_or(there, |[first, _]: [_; 2]| first), there]);
+                Some(there)
+            },
+        )?;
+        let Look { change, rest: There { level, .. }, .. } = seen;
+        let slid = (0..M).fold(Point::ZERO, |sum, j| sum.plus(&level.fibre(j).times(sigma[j] - guess[j])));
+        let [path, slid] = [change, slid].map(|way| level.shares_of(&way));
+        Ok(Landing { sigma, change, off: off.unwrap_or([f64::NAN; M]), path, slid, slopes })
+    }
+
+    /// Whether nothing speaks against a landing after the share s of the step, at the end of a part of this length;
+    /// `before` are the slopes, by the share and h, where the part began.
+    fn is_trusted(
+        &self,
+        landing: &Landing<D, M>,
+        before: &[[f64; M]; M],
+        Part { end: s, length, .. }: &Part<f64>,
+        far: f64,
+    ) -> bool {
+        let Some([first, last]) = landing.slopes else { return true };
+        let part = length / s;
+        let largest =
+            |x: &[f64; M]| (0..M).map(|j| (x[j] / (part * landing.path[j])).abs()).fold(0.0, f64::max);
+        let change = turn(&first, &last);
+        let is_short = change <= STEADY.min(SHORT_PATH * largest(&landing.slid));
+        let near_and_short = largest(&landing.off) <= far && is_short;
+        turn(&before.map(|row| row.map(|x| x * (s * self.h))), &last) <= TURN
+            && (change <= straight::<f64>() || near_and_short)
+    }
+
+    fn is_certain(&self, landing: &Landing<D, M>, kept: &Kept<M>, weights: [f64; 2]) -> bool {
+        let usual = |j: usize| {
+            let off = landing.off[j];
+            off.abs() <= ROUNDINGS * f64::EPSILON || kept.aims[j].is_usual(off, weights)
+        };
+        self.is_trusted(landing, &kept.slopes, &WHOLE, FAR_GUESS) && (0..M).all(usual)
+    }
+
+    /// The landing that is right, where guesses were not off as usual.
+    #[cold]
+    #[inline(never)]
+    fn look_again(
+        &self,
+        attempt: Result<Landing<D, M>, StepFailure>,
+        kept: &Kept<M>,
+        weights: [f64; 2],
+    ) -> Result<Landing<D, M>, StepFailure> {
+        if let Ok(landing) = &attempt {
+            let suspect = from_fn(|j| !kept.aims[j].is_usual(landing.off[j], weights));
+            let guess = |s: f64| self.guess.map(|sigma| s * sigma);
+            let looks_right = |s: f64| self.grows(s, &guess(s), &suspect, &landing.off, s, [3, 4], &[0.0; M]);
+            if self.is_trusted(landing, &kept.slopes, &WHOLE, FAR_GUESS)
+                && INSIDE.into_iter().all(looks_right)
+            {
+                return Ok(*landing);
+            }
+        }
+        match (self.follow(attempt.as_ref().ok(), &kept.slopes), attempt) {
+            (Ok(followed), Ok(landing)) => {
+                let apart = followed.change.minus(&landing.change).size();
+                let size = self.start.size() + landing.change.size();
+                let is_same = apart <= NOISE * f64::EPSILON * size;
+                Ok(if is_same { landing } else { Landing { off: [f64::NAN; M], ..followed } })
+            }
+            (Ok(followed), Err(_)) => Ok(Landing { off: [f64::NAN; M], ..followed }),
+            (Err(share), Ok(_)) => Err(StepFailure::SheetLost { share, h: self.h }),
+            (Err(_), Err(cause)) => Err(cause),
+        }
+    }
+
+    /// Whether g of the suspects, after the share s of the step and this slide, lets expect what it was off by at the
+    /// end of a way of which that is the share `share`.
+    #[allow(clippy::too_many_arguments, reason = "where, and what is expected there")]
+    fn grows(
+        &self,
+        s: f64,
+        sigma: &[f64; M],
+        suspect: &[bool; M],
+        off: &[f64; M],
+        share: f64,
+        powers: [u32; 2],
+        noise: &[f64; M],
+    ) -> bool {
+        let Ok(there) = self.after(s, sigma) else { return false };
+        let inside = there.level.shares();
+        let rounding = |j: usize| NOISE * f64::EPSILON + noise[j];
+        (0..M).all(|j| !suspect[j] || grows_to(inside[j], off[j], share, powers, rounding(j)))
+    }
+
+    /// The landing that is reached from h = 0 without leaving the root; or the share of the step that is.
+    fn follow(&self, attempt: Option<&Landing<D, M>>, slopes: &[[f64; M]; M]) -> Result<Landing<D, M>, f64> {
+        let mut course = [Course::start(); M];
+        let (mut arrived, mut share, mut before) = (None, 0.0, *slopes);
+        let noise = attempt.map_or([0.0; M], |landing| landing.off.map(|off| LITTLE_OFF * off.abs()));
+        let reached = follow(|part: &Part<f64>| {
+            let sigma = |course: &[Course<f64>; M], part: &Part<f64>| {
+                from_fn(|j| course[j].ahead(self.guess[j], part) / part.end)
+            };
+            let Ok(landing) = self.land_after(part.end, sigma(&course, part)) else { return false };
+            let mut trusted = self.is_trusted(&landing, &before, part, FAR_EXTRAPOLATION);
+            // What is not smooth at one place grows late; that it grows at all is asked at one share.
+            for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
+                let length = share * part.length;
+                let inner = Part { end: part.end - part.length + length, length, ..*part };
+                let sigma = sigma(&course, &inner);
+                trusted =
+                    trusted && self.grows(inner.end, &sigma, &[true; M], &landing.off, share, powers, &noise);
+            }
+            if trusted {
+                for j in 0..M {
+                    course[j].note(true, self.guess[j], part, part.end * landing.sigma[j]);
+                }
+                if let Some([_, last]) = landing.slopes {
+                    before = last.map(|row| row.map(|x| x / (part.end * self.h)));
+                }
+                (arrived, share) = (Some(landing), part.end);
+            }
+            trusted
+        });
+        arrived.filter(|_| reached).ok_or(share)
+    }
+}
+
+/// All of a step.
+const WHOLE: Part<f64> = Part { end: 1.0, length: 1.0, going: true };
