@@ -74,18 +74,27 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     pub(super) free: Vectors<S, L, D>,
     /// ∇g(q), when that of the block is already ∇g(q′).
     pub(super) old: Vectors<S, L, D>,
+    /// ∇g at Λ₀, where steps may be unequal.
+    pub(super) first: Vectors<S, L, D>,
     /// Λ₁, Λ₂, and at last Λ.
     pub(super) multiplier: [S; L],
     /// 1/s.
     pub(super) over_slope: [S; L],
-    /// g₀, and then g₂, or not a number where the slope says that the surface may have been left.
+    /// g₀, 1/g₀, and then g₂, or not a number where the slope says that the surface may have been left.
     pub(super) g: [S; L],
 }
 
 impl<S: Lane, const L: usize, const D: usize> Scratch<S, L, D> {
     pub(crate) fn new() -> Self {
         let zero = [S::default(); L];
-        Self { free: [zero; D], old: [zero; D], multiplier: zero, over_slope: zero, g: zero }
+        Self {
+            free: [zero; D],
+            old: [zero; D],
+            first: [zero; D],
+            multiplier: zero,
+            over_slope: zero,
+            g: zero,
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! Where the first half of a step lands: on the sheet of g = 0 that the motion leads to.
 //!
-//! Newton's iteration finds a slide after which g = 0; where sheets of g lie side by side that may be another one. Which
-//! one is right is told as on surfaces ([`crate::solve::aim`], [`crate::solve::root`]), equation by equation: by what g
-//! is at the guess, as a part of the terms that its rounding is made of. If guesses were off as usual, a landing is
-//! taken at its word. If not, g is looked at inside the step, and where that looks wrong the root is followed from h = 0.
+//! Newton's iteration finds a slide after which g = 0; where sheets of g lie side by side that may be another one.
+//! Which one is right is told as on surfaces ([`crate::solve::aim`], [`crate::solve::root`]), equation by equation: by
+//! what g is at the guess, as a part of the terms that its rounding is made of. If guesses were off as usual, a landing
+//! is taken at its word. If not, g is looked at inside the step, and where that looks wrong the root is followed from
+//! h = 0.
 //!
 //! The unknown that is followed is Λ = s σ after the share s of a step: like the displacement by a constraint on a
 //! surface it goes with s², and what its guess is off by with s³.
