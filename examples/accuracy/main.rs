@@ -3,6 +3,7 @@
 //! ```text
 //! cargo run --release --example accuracy                # 10 s for each scene; `-- 2` for 2 s
 //! cargo run --release --example accuracy -- forecasts   # 50 runs, each against its forecast
+//! cargo run --release --example accuracy -- long        # what rounding does to the energy, alone
 //! ```
 //!
 //! Prints tables, and writes into `out/accuracy` for each scene a diagram and all numbers (`torus.svg`, `torus.csv`),
@@ -70,6 +71,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = std::env::args().nth(1);
     if asked.as_deref() == Some("forecasts") {
         return forecasts();
+    }
+    if asked.as_deref() == Some("long") {
+        return long_runs().map(|_| ());
     }
     let budget = asked.map_or(Ok(10.0), |text| text.parse())?;
     fs::create_dir_all(FOLDER)?;
@@ -153,6 +157,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = hopf.project(&State::at([-0.55, -0.83]).moving([0.03, 0.02]))?;
     price(measured("hopf", "The Hopf pendulum, in phase space", &hopf, &start, 5.0, budget)?)?;
 
+    let chart = long_runs()?;
+    fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor(), &chart.to_svg()?)?)?;
+    println!("\nWritten to {FOLDER}: open index.html");
+    Ok(())
+}
+
+/// Long runs, as a diagram; prints what they cost.
+fn long_runs() -> Result<Chart, Box<dyn Error>> {
+    fs::create_dir_all(FOLDER)?;
     let runs = long::runs()?;
     let chart = long::chart(&runs);
     chart.save(format!("{FOLDER}/long_runs.svg"))?;
@@ -165,9 +178,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             run.errors.last().map_or(f64::NAN, |end| end.1)
         );
     }
-    fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor(), &chart.to_svg()?)?)?;
-    println!("\nWritten to {FOLDER}: open index.html");
-    Ok(())
+    Ok(chart)
 }
 
 fn measured<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(

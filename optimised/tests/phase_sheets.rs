@@ -74,12 +74,16 @@ struct Outcome {
     wrong: u32,
 }
 
-/// Random starts and steps; `levels` are functions that no motion changes by as much as sheets are apart.
+/// A function of position and momentum.
+type Level<const D: usize> = fn([[f64; D]; 2]) -> f64;
+
+/// Random starts and steps; `levels` are functions that no motion changes by as much as sheets are apart, which is more
+/// than this number over k.
 fn stays<G, H, S, const D: usize, const M: usize>(
     seed: u64,
     number: u32,
     scene: impl Fn(f64) -> Scene<PhaseSpace<G, H, M>, (), One, D>,
-    levels: &[(fn([[f64; D]; 2]) -> f64, f64)],
+    levels: &[(Level<D>, f64)],
     method: impl Fn(f64) -> S,
 ) -> Outcome
 where

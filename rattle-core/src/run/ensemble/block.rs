@@ -74,7 +74,7 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     pub(super) free: Vectors<S, L, D>,
     /// ∇g(q), when that of the block is already ∇g(q′).
     pub(super) old: Vectors<S, L, D>,
-    /// ∇g at Λ₀, where steps may be unequal.
+    /// ∇g at Λ₀, where sums are compensated and steps may be unequal.
     pub(super) first: Vectors<S, L, D>,
     /// Λ₁, Λ₂, and at last Λ.
     pub(super) multiplier: [S; L],
