@@ -31,6 +31,14 @@ phase_constraint! {
     |q: [f64; 2], _p: [f64; 2]| sin(k * (norm(q) - 1))
 }
 phase_constraint! {
+    struct Line {}
+    |q: [f64; 2], _p: [f64; 2]| q[1]
+}
+phase_constraint! {
+    struct Ring {}
+    |q: [f64; 2], _p: [f64; 2]| dot(q, q) - 1
+}
+phase_constraint! {
     /// Spheres as above, each with an angular momentum, of which there are many too.
     struct TurningShells { k, l }
     |q: [f64; 3], p: [f64; 3]| [
@@ -188,6 +196,25 @@ fn families(seed: u64, number: u32) -> [Outcome; 7] {
 fn steps_stay_on_their_sheets() {
     for (family, outcome) in families(1, 100).into_iter().enumerate() {
         assert!(outcome.wrong == 0 && outcome.right >= 45, "family {family}: {outcome:?}");
+    }
+}
+
+/// Scenes with one sheet go on as if nobody looked: at rest, with coordinates that are zero, in long steps and in short
+/// ones.
+#[test]
+fn what_has_one_sheet_is_not_refused() {
+    fn go(constraint: impl PhaseConstraint<2, 1>, [q, p]: [[f64; 2]; 2], h: f64) {
+        let scene = Scene::in_phase_space(constraint, Falling { g: 1.0 });
+        let start = scene.project(&State::at(q).moving(p)).unwrap();
+        let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
+        simulation.run(500).unwrap_or_else(|error| panic!("{q:?}, {p:?}, h = {h}: {error}"));
+    }
+    for h in [1e-12, 1e-6, 0.01, 0.3] {
+        go(Line {}, [[0.6, 0.0], [0.5, 0.0]], h);
+        go(Ring {}, [[0.6, -0.8], [0.5, 0.3]], h);
+        for off in [0.0, 1e-15, 1e-9, 1e-3] {
+            go(Ring {}, [[off, -1.0], [off, 0.0]], h);
+        }
     }
 }
 

@@ -51,11 +51,11 @@ struct There<const D: usize, const M: usize> {
 pub(super) struct Landing<const D: usize, const M: usize> {
     pub(super) sigma: [f64; M],
     pub(super) change: Point<D>,
-    /// g at the guess, as a part of its terms.
+    /// g at the guess, as a part of what it is made of.
     off: [f64; M],
-    /// The way from the start, as a part of the same terms, and that of the last slide from the guess.
-    path: [f64; M],
-    slid: [f64; M],
+    /// The way from the start, and the slide from the guess, as parts of the largest coordinates.
+    path: f64,
+    slid: f64,
     /// ∂g/∂σ at the guess and at the last correction; none if none was made.
     slopes: Option<[[[f64; M]; M]; 2]>,
 }
@@ -104,8 +104,8 @@ where
             |sigma| {
                 let there = self.after(s, sigma)?;
                 off.get_or_insert_with(|| there.level.shares());
-                let Level { value, size, .. } = there.level;
-                Ok(Look { change: there.change, value, size, rest: there })
+                let Level { value, size, extent, .. } = there.level;
+                Ok(Look { change: there.change, value, size, extent, rest: there })
             },
             |Look { rest: There { kicked, step, level, .. }, .. }| {
                 let mut there = [[0.0; M]; M];
@@ -123,7 +123,8 @@ where
         )?;
         let Look { change, rest: There { level, .. }, .. } = seen;
         let slid = (0..M).fold(Point::ZERO, |sum, j| sum.plus(&level.fibre(j).times(sigma[j] - guess[j])));
-        let [path, slid] = [change, slid].map(|way| level.shares_of(&way));
+        let reach = self.start.reach(&change);
+        let [path, slid] = [change, slid].map(|way| way.share_of(&reach));
         Ok(Landing { sigma, change, off: off.unwrap_or([f64::NAN; M]), path, slid, slopes })
     }
 
@@ -137,14 +138,12 @@ where
         far: f64,
     ) -> bool {
         let Some([first, last]) = landing.slopes else { return true };
-        let part = length / s;
-        let largest =
-            |x: &[f64; M]| (0..M).map(|j| (x[j] / (part * landing.path[j])).abs()).fold(0.0, f64::max);
+        let path = length / s * landing.path;
+        let near_guess = landing.off.iter().all(|off| off.abs() <= far * path);
         let change = turn(&first, &last);
-        let is_short = change <= STEADY.min(SHORT_PATH * largest(&landing.slid));
-        let near_and_short = largest(&landing.off) <= far && is_short;
+        let is_short = change <= STEADY && change * path <= SHORT_PATH * landing.slid;
         turn(&before.map(|row| row.map(|x| x * (s * self.h))), &last) <= TURN
-            && (change <= straight::<f64>() || near_and_short)
+            && (change <= straight::<f64>() || (near_guess && is_short))
     }
 
     fn is_certain(&self, landing: &Landing<D, M>, kept: &Kept<M>, weights: [f64; 2]) -> bool {

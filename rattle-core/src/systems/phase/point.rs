@@ -40,6 +40,14 @@ impl<const D: usize> Point<D> {
         };
         part(&self.q, &reach.q).max(part(&self.p, &reach.p))
     }
+    /// What part this is of the largest coordinates of the reach, in positions or in momenta, whichever is more.
+    pub(super) fn share_of(&self, reach: &Self) -> f64 {
+        let part = |x: &[f64; D], reach: &[f64; D]| {
+            let length = largest(x);
+            if length > 0.0 { length / largest(reach) } else { 0.0 }
+        };
+        part(&self.q, &reach.q).max(part(&self.p, &reach.p))
+    }
     /// The largest component.
     pub(super) fn size(&self) -> f64 {
         largest(&self.q).max(largest(&self.p))
@@ -53,6 +61,8 @@ pub(super) struct Level<const D: usize, const M: usize> {
     pub(super) gradients: [Point<D>; M],
     /// Σ |∂gᵢ/∂zₖ| rₖ with r the reach: times ε the rounding of gᵢ that comes from that of the point.
     pub(super) size: [f64; M],
+    /// The same with the largest coordinates of the reach for all: no less where a point is at zero in some.
+    pub(super) extent: [f64; M],
 }
 
 impl<const D: usize, const M: usize> Level<D, M> {
@@ -64,18 +74,14 @@ impl<const D: usize, const M: usize> Level<D, M> {
         let (value, by_q, by_p) = constraint.value_and_jacobians(&at.q, &at.p);
         let gradients = from_fn(|i| Point { q: by_q[i], p: by_p[i] });
         let size = gradients.map(|g| products(&g.q, &reach.q) + products(&g.p, &reach.p));
-        Self { value, gradients, size }
+        let most = Point { q: [largest(&reach.q); D], p: [largest(&reach.p); D] };
+        let extent = gradients.map(|g| products(&g.q, &most.q) + products(&g.p, &most.p));
+        Self { value, gradients, size, extent }
     }
 
-    /// g as a part of its terms.
+    /// g as a part of what it is made of, its slopes times the largest coordinates.
     pub(super) fn shares(&self) -> [f64; M] {
-        from_fn(|i| self.value[i] / self.size[i])
-    }
-
-    /// A way as a part of the same terms.
-    pub(super) fn shares_of(&self, way: &Point<D>) -> [f64; M] {
-        let along = |g: &Point<D>| products(&g.q, &way.q) + products(&g.p, &way.p);
-        from_fn(|i| along(&self.gradients[i]) / self.size[i])
+        from_fn(|i| if self.value[i] == 0.0 { 0.0 } else { self.value[i] / self.extent[i] })
     }
 
     /// The direction in which σᵢ slides.

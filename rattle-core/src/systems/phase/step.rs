@@ -26,6 +26,9 @@ pub(super) struct Look<X, const D: usize, const M: usize> {
     pub(super) value: [f64; M],
     /// The sizes of their terms.
     pub(super) size: [f64; M],
+    /// The same if all coordinates were as large as the largest: what is below its rounding, and shrinks no more, is
+    /// nothing, also where a coordinate is zero.
+    pub(super) extent: [f64; M],
     /// What their slopes are made of.
     pub(super) rest: X,
 }
@@ -43,7 +46,8 @@ pub(super) fn solve_along<X, const D: usize, const M: usize>(
         let seen = look(&sigma)?;
         let (equation, roundings) = worst(&seen.value, &seen.size);
         residuals[k] = roundings;
-        if roundings <= 1.0 || (roundings >= last && roundings <= NOISE) {
+        let is_noise = || roundings <= NOISE || worst(&seen.value, &seen.extent).1 <= 1.0;
+        if roundings <= 1.0 || (roundings >= last && is_noise()) {
             return Ok((sigma, seen));
         }
         let correction = slopes(&seen).and_then(|slopes| solve(slopes, seen.value));
@@ -94,7 +98,8 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
             let change = slide(&self.constraint, &start, sigma).ok_or_else(|| too_far(h))?;
             let at = start.plus(&low.plus(&change));
             let hidden = Hidden::of(&self.constraint, &self.energy, &at, &start.reach(&change));
-            Ok(Look { change, value: hidden.value, size: hidden.size, rest: hidden.slopes })
+            let Hidden { value, size, slopes, .. } = hidden;
+            Ok(Look { change, value, size, extent: size, rest: slopes })
         };
         let (sigma, seen) = solve_along(h, [0.0; M], look, |seen| Some(seen.rest))?;
         Ok((sigma, seen.change, seen.rest))
@@ -161,7 +166,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
         self.check_energy(&at)?;
         let (mut distances, mut nearing) = (Vec::new(), Nearing::leaving(f64::INFINITY));
         for _ in 0..MAX_PROJECTION_STEPS {
-            let Level { value, gradients, size } = Level::of(&self.constraint, &at, &at);
+            let Level { value, gradients, size, .. } = Level::of(&self.constraint, &at, &at);
             let (_, roundings) = worst(&value, &size);
             if nearing.look(roundings, roundings <= 1.0, roundings <= NOISE).0 {
                 let body = Body { q: at.q, q_low: [0.0; D], p: at.p, p_low: [0.0; D] };
