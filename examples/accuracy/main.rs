@@ -72,11 +72,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     if asked.as_deref() == Some("forecasts") {
         return forecasts();
     }
+    fs::create_dir_all(FOLDER)?;
     if asked.as_deref() == Some("long") {
-        return long_runs().map(|_| ());
+        return long_runs().map(drop);
     }
     let budget = asked.map_or(Ok(10.0), |text| text.parse())?;
-    fs::create_dir_all(FOLDER)?;
     println!("on {}, one core, {budget} s for each scene", processor());
     let mut all = Vec::new();
     let mut price = |report: Report| -> Result<(), Box<dyn Error>> {
@@ -165,7 +165,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Long runs, as a diagram; prints what they cost.
 fn long_runs() -> Result<Chart, Box<dyn Error>> {
-    fs::create_dir_all(FOLDER)?;
     let runs = long::runs()?;
     let chart = long::chart(&runs);
     chart.save(format!("{FOLDER}/long_runs.svg"))?;

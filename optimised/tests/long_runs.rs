@@ -193,6 +193,19 @@ fn energy_does_not_drift_by_collocation() {
     check_drift::<7>(250_000, 1.5e-19);
 }
 
+/// The mean of 64 energies, before so many steps and after them.
+fn mean_energies<const D: usize>(
+    mut ensemble: Ensemble<D>,
+    steps: u64,
+    energy: impl Fn(&State<D>) -> f64,
+) -> [f64; 2] {
+    let mean = |ensemble: &Ensemble<D>| ensemble.states().map(|state| energy(&state)).sum::<f64>() / 64.0;
+    let before = mean(&ensemble);
+    ensemble.run(steps);
+    assert_eq!(ensemble.failures().count(), 0);
+    [before, mean(&ensemble)]
+}
+
 /// The mean of 64 pendulums. Rounding of the energies at both ends leaves 1e-22 of a slope, random roundings of 1e-17
 /// in each step 5e-21; rounded coefficients would leave 7e-20.
 #[test]
@@ -203,17 +216,11 @@ fn energy_does_not_drift_by_collocation_in_lanes() {
         State::at([angle.sin(), -angle.cos()])
     };
     let method = Lobatto::<5>::new(0.03);
-    let mut ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
-    let energy = |ensemble: &Ensemble<2>| {
-        let of = |state: &State<2>| {
-            0.5 * state.momenta().next().unwrap().norm_squared() + state.positions().next().unwrap().y
-        };
-        ensemble.states().map(|state| of(&state)).sum::<f64>() / 64.0
-    };
-    let before = energy(&ensemble);
-    ensemble.run(200_000);
-    assert_eq!(ensemble.failures().count(), 0);
-    let slope = (energy(&ensemble) - before) / 2e5;
+    let ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
+    let [before, after] = mean_energies(ensemble, 200_000, |state| {
+        0.5 * state.momenta().next().unwrap().norm_squared() + state.positions().next().unwrap().y
+    });
+    let slope = (after - before) / 2e5;
     println!("in lanes: {slope:.1e} each step");
     assert!(slope.abs() <= 2e-20, "{slope:e}");
 }
@@ -233,15 +240,10 @@ fn energy_does_not_drift_by_compositions_in_lanes() {
         };
         let starts = (0..64).map(|i| scene.project(&start(i)).unwrap());
         let method = Composition::new(coefficients, h);
-        let mut ensemble = scene.ensemble_in(Compensated, starts, method).unwrap();
-        let energies = |ensemble: &Ensemble<3>| {
-            let of = |state: State<3>| 0.5 * state.momenta().next().unwrap().norm_squared();
-            ensemble.states().map(of).collect::<Vec<_>>()
-        };
-        let before = energies(&ensemble);
-        ensemble.run(20_000);
-        let relative = before.iter().zip(energies(&ensemble)).map(|(a, b)| (b - a) / a).sum::<f64>() / 64.0;
-        let slope = relative / (2e4 * coefficients.gammas.len() as f64);
+        let ensemble = scene.ensemble_in(Compensated, starts, method).unwrap();
+        let kinetic = |state: &State<3>| 0.5 * state.momenta().next().unwrap().norm_squared();
+        let [before, after] = mean_energies(ensemble, 20_000, kinetic);
+        let slope = (after - before) / before / (2e4 * coefficients.gammas.len() as f64);
         println!("{}, h = {h}: {slope:.1e} each stage", coefficients.name);
         assert!(slope.abs() <= 5e-20, "{}, h = {h}: {slope:e}", coefficients.name);
     }
@@ -260,18 +262,12 @@ fn energy_does_not_drift_of_links_in_lanes() {
         State::of([[0.0, 0.0], first, [first[0] + b.sin(), first[1] - b.cos()]])
     };
     let method = Composition::new(KAHAN_LI_1997_ORDER_8, 0.05);
-    let mut ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
-    let energy = |ensemble: &Ensemble<2>| {
-        let of = |state: &State<2>| {
-            let kinetic = state.momenta().map(|p| 0.5 * p.norm_squared()).sum::<f64>();
-            kinetic + state.positions().map(|q| q.y).sum::<f64>()
-        };
-        ensemble.states().map(|state| of(&state)).sum::<f64>() / 64.0
-    };
-    let before = energy(&ensemble);
-    ensemble.run(50_000);
-    assert_eq!(ensemble.failures().count(), 0);
-    let slope = (energy(&ensemble) - before) / (5e4 * 17.0);
+    let ensemble = scene.ensemble_in(Compensated, (0..64).map(start), method).unwrap();
+    let [before, after] = mean_energies(ensemble, 50_000, |state| {
+        let kinetic = state.momenta().map(|p| 0.5 * p.norm_squared()).sum::<f64>();
+        kinetic + state.positions().map(|q| q.y).sum::<f64>()
+    });
+    let slope = (after - before) / (5e4 * 17.0);
     println!("links in lanes: {slope:.1e} each stage");
     assert!(slope.abs() <= 1e-19, "{slope:e}");
 }

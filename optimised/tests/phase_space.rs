@@ -70,7 +70,7 @@ fn wavy() -> (Scene<rattle::phase::PhaseSpace<Wavy, Falling, 1>, (), One, 2>, St
 }
 
 /// q and p of one body.
-fn point<Y: System<f64, D, Count = One>, S: Method, const D: usize>(
+pub(crate) fn point<Y: System<f64, D, Count = One>, S: Method, const D: usize>(
     simulation: &Simulation<Y, S, D>,
 ) -> [[f64; D]; 2] {
     [simulation.position().into(), simulation.momentum().into()]

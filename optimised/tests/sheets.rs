@@ -4,12 +4,13 @@
 //! whether a particle is
 //! still on t = 0 is t, which no simulation sees.
 
+use crate::common::outcome::Outcome;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::composition::*;
+use rattle::nalgebra::Vector3;
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::surfaces::{Thylakoid, Torus};
-use rattle::{Error, nalgebra::Vector3};
 use rayon::prelude::*;
 
 constraint! {
@@ -17,14 +18,6 @@ constraint! {
     #[derive(Clone, Copy)]
     struct Shells { k }
     |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
-}
-
-/// How runs of so many steps ended.
-#[derive(Debug, Default, PartialEq)]
-struct Outcome {
-    right: u32,
-    refused: u32,
-    wrong: u32,
 }
 
 /// Random motion on the sphere among shells, by a method.
@@ -38,39 +31,17 @@ fn among_shells<S: Method>(seed: u64, runs: u32, method: impl Fn(f64) -> S) -> O
         let q = vector().normalize();
         let p = vector().cross(&q);
         let scene = Scene::on(Shells { k }).with(Gravity { g: 1.0 });
-        let mut simulation = scene.simulate(State::at(q).moving(p), method(h)).unwrap();
-        let mut ended = None;
-        for _ in 0..60 {
-            if let Err(error) = simulation.step() {
-                ended = Some(error);
-                break;
-            }
-            if (simulation.position().norm() - 1.0).abs() > 1e-9 {
-                outcome.wrong += 1;
-                println!(
-                    "k = {k:e}, h = {h}: {:e} after {} steps",
-                    simulation.position().norm() - 1.0,
-                    simulation.steps()
-                );
-                break;
-            }
-        }
-        match ended {
-            Some(Error::Step { .. }) => outcome.refused += 1,
-            Some(other) => panic!("{other}"),
-            None => outcome.right += 1,
-        }
+        let simulation = scene.simulate(State::at(q).moving(p), method(h)).unwrap();
+        let off = |now: &Simulation<_, S, 3>| (now.position().norm() - 1.0).abs();
+        outcome.watch(format_args!("k = {k:e}, h = {h}"), simulation, 60, off, 1e-9);
     }
-    outcome.right -= outcome.wrong;
-    println!("{outcome:?}");
     outcome
 }
 
 /// None is wrong, and so many are not refused: where shells are closer than a path in which a root can be followed,
 /// it cannot.
 fn stays<S: Method>(seed: u64, runs: u32, right: u32, method: impl Fn(f64) -> S) {
-    let outcome = among_shells(seed, runs, method);
-    assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+    among_shells(seed, runs, method).check(right);
 }
 
 #[test]
@@ -164,17 +135,11 @@ fn among_three<S: Method>(
         let mut simulation = scene.simulate(State::at(q).moving(p), method(h)).unwrap();
         let failure = simulation.run(60).err();
         let off = (simulation.position().norm() - 1.0).abs();
-        match failure {
-            _ if off > 0.5 * gap => {
-                outcome.wrong += 1;
-                println!("gap {gap:e}, h = {h}: {off:e} after {} steps, {failure:?}", simulation.steps());
-            }
-            None => outcome.right += 1,
-            Some(Error::Step { .. }) => outcome.refused += 1,
-            Some(other) => panic!("{other}"),
+        if off > 0.5 * gap {
+            println!("gap {gap:e}, h = {h}: {off:e} after {} steps, {failure:?}", simulation.steps());
         }
+        outcome.note(off, failure.as_ref(), 0.5 * gap);
     }
-    println!("{outcome:?}");
     outcome
 }
 
@@ -190,13 +155,10 @@ constraint! {
 
 #[test]
 fn methods_that_follow_no_root_say_where_they_left_it() {
-    let check = |outcome: Outcome, right: u32| {
-        assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
-    };
-    check(among_three(11, 200, 0.05..0.8, Lobatto::<3>::new), 75);
-    check(among_three(12, 100, 0.05..1.0, Lobatto::<5>::new), 50);
-    check(among_three(13, 100, 0.05..1.0, Lobatto::<7>::new), 50);
-    check(among_three(14, 200, 0.02..0.5, |h| Taylor::new(3, h)), 100);
-    check(among_three(15, 200, 0.05..0.8, |h| Taylor::new(6, h)), 110);
-    check(among_three(16, 100, 0.05..0.8, Dop853::new), 65);
+    among_three(11, 200, 0.05..0.8, Lobatto::<3>::new).check(75);
+    among_three(12, 100, 0.05..1.0, Lobatto::<5>::new).check(50);
+    among_three(13, 100, 0.05..1.0, Lobatto::<7>::new).check(50);
+    among_three(14, 200, 0.02..0.5, |h| Taylor::new(3, h)).check(100);
+    among_three(15, 200, 0.05..0.8, |h| Taylor::new(6, h)).check(110);
+    among_three(16, 100, 0.05..0.8, Dop853::new).check(65);
 }

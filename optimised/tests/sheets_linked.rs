@@ -3,8 +3,8 @@
 //! `sin(k(|a − b| − 1))` holds two bodies at distance 1, or at any of 1 + πj/k. Only the distance, which no simulation
 //! sees, tells which.
 
+use crate::common::outcome::Outcome;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use rattle::Error;
 use rattle::bodies::Many;
 use rattle::effect::Effects;
 use rattle::links::planar::Rod;
@@ -18,14 +18,6 @@ constraint! {
     /// Two bodies at a distance of 1, or of others.
     struct Distances { k }
     |x1, y1, x2, y2| sin(k * (sqrt((x2 - x1)^2 + (y2 - y1)^2) - 1))
-}
-
-/// How runs of so many steps ended.
-#[derive(Debug, Default, PartialEq)]
-struct Outcome {
-    right: u32,
-    refused: u32,
-    wrong: u32,
 }
 
 /// A chain that hangs from a pivot: links of `Distances` and rods in turn.
@@ -78,16 +70,11 @@ fn chains_in_lanes<P: Precision, S: Method>(
         for (i, state) in ensemble.states().enumerate() {
             let worst = strain(state.positions());
             if worst > 1e-9 {
-                outcome.wrong += 1;
                 println!("seed {seed} k = {k:e}, h = {h}: {worst:e} in lane {i}");
-            } else if ensemble.failure(i).is_some() {
-                outcome.refused += 1;
-            } else {
-                outcome.right += 1;
             }
+            outcome.note(worst, ensemble.failure(i), 1e-9);
         }
     }
-    println!("{outcome:?}");
     outcome
 }
 
@@ -102,36 +89,17 @@ fn chains<S: Method>(seed: u64, runs: u32, links: usize, method: impl Fn(f64) ->
         let algebra =
             if random.random_bool(0.7) { LinearAlgebra::Automatic } else { LinearAlgebra::Orthogonal };
         let scene = chain(links, k, algebra);
-        let mut simulation = scene.simulate(start, method(h)).unwrap();
-        let mut ended = None;
-        for _ in 0..60 {
-            if let Err(error) = simulation.step() {
-                ended = Some(error);
-                break;
-            }
-            let worst = strain(simulation.positions());
-            if worst > 1e-9 {
-                outcome.wrong += 1;
-                println!("seed {seed} k = {k:e}, h = {h}: {worst:e} after {} steps", simulation.steps());
-                break;
-            }
-        }
-        match ended {
-            Some(Error::Step { .. }) => outcome.refused += 1,
-            Some(other) => panic!("{other}"),
-            None => outcome.right += 1,
-        }
+        let simulation = scene.simulate(start, method(h)).unwrap();
+        let name = format_args!("seed {seed} k = {k:e}, h = {h}");
+        outcome.watch(name, simulation, 60, |now| strain(now.positions()), 1e-9);
     }
-    outcome.right -= outcome.wrong;
-    println!("{outcome:?}");
     outcome
 }
 
 /// None is wrong, and so many are not refused: where roots are closer than a path in which one can be followed, it
 /// cannot.
 fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl Fn(f64) -> S) {
-    let outcome = chains(seed, runs, links, method);
-    assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+    chains(seed, runs, links, method).check(right);
 }
 
 #[test]
@@ -169,12 +137,10 @@ fn methods_without_a_guess_keep_them() {
 #[test]
 fn lanes_keep_them() {
     for (seed, links, right) in [(30, 1, 240), (31, 2, 200), (32, 3, 160), (33, 7, 80)] {
-        let outcome = chains_in_lanes(Double, seed, 12, links, Rattle::new);
-        assert!(outcome.wrong == 0 && outcome.right >= right, "{outcome:?}");
+        chains_in_lanes(Double, seed, 12, links, Rattle::new).check(right);
     }
     let suzuki = |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h);
-    let outcome = chains_in_lanes(Compensated, 34, 8, 2, suzuki);
-    assert!(outcome.wrong == 0 && outcome.right >= 80, "{outcome:?}");
+    chains_in_lanes(Compensated, 34, 8, 2, suzuki).check(80);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 pub mod lanes;
 pub mod linked;
+pub mod outcome;
 pub mod statistics;
 pub mod symplectic;
 

@@ -197,7 +197,7 @@ fn guess<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool
             laws.constraint(i).borrow().value_and_jacobian(&add_scaled(&start, guess[i], &n));
         let over = S::from_f64(1.0) / dot(&gradient, &n);
         put(free, i, start);
-        if !EQUAL && SUMS == 1 {
+        if const { carries(SUMS, EQUAL) } {
             put(first, i, gradient);
         }
         multiplier[i] = (-residual).multiply_add(over, guess[i]);
@@ -296,17 +296,22 @@ fn last_correction<S: Lane>(square: S, residual: S, multiplier: S, over_slope: S
     ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan))
 }
 
-/// ∇g after the last correction, as it changed from Λ₀ on, of which way that is the share g₂/g₀. In steps of equal
-/// length that correction is far shorter, and ∇g before it will do. In the stages of compositions it is up to some
-/// hundred roundings long, about the same in each step: with ∇g before it the energy drifts by 5e-18 of itself a stage.
-/// Sums that are not compensated make it drift by more than that.
+/// Whether ∇g is carried on through the last correction. In steps of equal length that is so short that ∇g before it
+/// will do. In the stages of compositions it is up to some hundred roundings long, about the same in each step: with ∇g
+/// before it the energy drifts by 5e-18 of itself a stage. Sums that are not compensated make it drift by more than
+/// that.
+const fn carries(sums: usize, equal: bool) -> bool {
+    sums == 1 && !equal
+}
+
+/// ∇g after the last correction, as it changed from Λ₀ on, of which way that is the share g₂/g₀.
 #[inline(always)]
 fn carried<S: Lane, const D: usize, const SUMS: usize, const EQUAL: bool>(
     gradient: [S; D],
     first: &[S; D],
     share: S,
 ) -> [S; D] {
-    if EQUAL || SUMS == 0 {
+    if const { !carries(SUMS, EQUAL) } {
         return gradient;
     }
     let is_little = share.abs().lt(S::from_f64(LITTLE)); // not where g₀ is 0, and the share not a number

@@ -56,20 +56,28 @@ pub struct InPhaseSpace<K, H, N, const M: usize> {
 
 /// What is kept of a body from step to step.
 #[derive(Debug, Clone, Copy)]
-pub struct Kept<const M: usize> {
+pub struct OfBody<const M: usize> {
     /// N at its point.
     pub(super) slopes: [[f64; M]; M],
     /// By what parts of its terms each equation was off where guesses led.
     pub(super) aims: [Aim<f64>; M],
+}
+
+/// What is kept from step to step.
+#[derive(Debug, Clone)]
+pub struct Kept<N: Count, const M: usize> {
+    pub(super) bodies: N::Of<OfBody<M>>,
+    /// In steps of what length guesses were off.
     pub(super) pace: Pace,
 }
 
-pub(super) type BodiesOf<N, const D: usize, const M: usize> = Bodies<N, f64, <N as Count>::Of<Kept<M>>, D>;
+pub(super) type BodiesOf<N, const D: usize, const M: usize> = Bodies<N, f64, Kept<N, M>, D>;
 
-impl<const M: usize> Kept<M> {
+impl<N: Count, const M: usize> Kept<N, M> {
     /// Nothing is known.
-    pub(super) fn unknown() -> Self {
-        Self { slopes: [[f64::NAN; M]; M], aims: [Aim::unknown(); M], pace: Pace::unknown() }
+    pub(super) fn unknown(count: N) -> Self {
+        let body = OfBody { slopes: [[f64::NAN; M]; M], aims: [Aim::unknown(); M] };
+        Self { bodies: count.each(body), pace: Pace::unknown() }
     }
 }
 

@@ -15,7 +15,7 @@ use crate::number::vector::dot;
 use crate::solve::aim::{INSIDE, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
 use crate::systems::phase::fibre::slide;
-use crate::systems::phase::kept::Kept;
+use crate::systems::phase::kept::OfBody;
 use crate::systems::phase::point::{Level, Point, Verlet};
 use crate::systems::phase::step::{Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
 use std::array::from_fn;
@@ -65,15 +65,14 @@ where
     K: PhaseConstraintKernel<f64, D, M>,
     H: HamiltonianKernel<f64, D>,
 {
-    /// The landing that the motion leads to; notes in what is kept by how much the guess was off.
-    pub(super) fn land(&self, kept: &mut Kept<M>) -> Result<Landing<D, M>, StepFailure> {
+    /// The landing that the motion leads to; notes in what is kept by how much the guess was off. The weights are those
+    /// of what it was off by in the last two steps.
+    pub(super) fn land(&self, kept: &mut OfBody<M>, weights: [f64; 2]) -> Result<Landing<D, M>, StepFailure> {
         let attempt = self.land_after(1.0, self.guess);
-        let weights = kept.pace.weights(self.h);
         let landing = match attempt {
             Ok(landing) if self.is_certain(&landing, kept, weights) => landing,
             attempt => self.look_again(attempt, kept, weights)?,
         };
-        kept.pace.note(self.h);
         kept.aims.iter_mut().zip(landing.off).for_each(|(aim, off)| aim.note(off));
         Ok(landing)
     }
@@ -124,7 +123,7 @@ where
         let Look { change, rest: There { level, .. }, .. } = seen;
         let slid = (0..M).fold(Point::ZERO, |sum, j| sum.plus(&level.fibre(j).times(sigma[j] - guess[j])));
         let reach = self.start.reach(&change);
-        let [path, slid] = [change, slid].map(|way| way.share_of(&reach));
+        let [path, slid] = [change, slid].map(|way| way.over(&reach));
         Ok(Landing { sigma, change, off: off.unwrap_or([f64::NAN; M]), path, slid, slopes })
     }
 
@@ -146,7 +145,7 @@ where
             && (change <= straight::<f64>() || (near_guess && is_short))
     }
 
-    fn is_certain(&self, landing: &Landing<D, M>, kept: &Kept<M>, weights: [f64; 2]) -> bool {
+    fn is_certain(&self, landing: &Landing<D, M>, kept: &OfBody<M>, weights: [f64; 2]) -> bool {
         let usual = |j: usize| {
             let off = landing.off[j];
             off.abs() <= ROUNDINGS * f64::EPSILON || kept.aims[j].is_usual(off, weights)
@@ -160,7 +159,7 @@ where
     fn look_again(
         &self,
         attempt: Result<Landing<D, M>, StepFailure>,
-        kept: &Kept<M>,
+        kept: &OfBody<M>,
         weights: [f64; 2],
     ) -> Result<Landing<D, M>, StepFailure> {
         if let Ok(landing) = &attempt {
@@ -174,16 +173,17 @@ where
             }
         }
         match (self.follow(attempt.as_ref().ok(), &kept.slopes), attempt) {
-            (Ok(followed), Ok(landing)) => {
-                let apart = followed.change.minus(&landing.change).size();
-                let size = self.start.size() + landing.change.size();
-                let is_same = apart <= NOISE * f64::EPSILON * size;
-                Ok(if is_same { landing } else { Landing { off: [f64::NAN; M], ..followed } })
-            }
-            (Ok(followed), Err(_)) => Ok(Landing { off: [f64::NAN; M], ..followed }),
+            (Ok(followed), Ok(landing)) if self.are_the_same(&followed, &landing) => Ok(landing),
+            (Ok(followed), _) => Ok(Landing { off: [f64::NAN; M], ..followed }),
             (Err(share), Ok(_)) => Err(StepFailure::SheetLost { share, h: self.h }),
             (Err(_), Err(cause)) => Err(cause),
         }
+    }
+
+    /// Whether two landings are one, but for rounding.
+    fn are_the_same(&self, one: &Landing<D, M>, other: &Landing<D, M>) -> bool {
+        let size = self.start.size() + other.change.size();
+        one.change.minus(&other.change).size() <= NOISE * f64::EPSILON * size
     }
 
     /// Whether g of the suspects, after the share s of the step and this slide, lets expect what it was off by at the

@@ -32,21 +32,14 @@ impl<const D: usize> Point<D> {
         let larger = |a: &[f64; D], b: &[f64; D]| from_fn(|i| a[i].abs().max(b[i].abs()));
         Self { q: larger(&self.q, &other.q), p: larger(&self.p, &other.p) }
     }
-    /// The factor that makes this as long as the reach, in positions or in momenta, whichever is larger.
-    fn reaches(&self, reach: &Self) -> f64 {
-        let part = |x: &[f64; D], reach: &[f64; D]| {
-            let length = largest(x);
-            if length > 0.0 { largest(reach) / length } else { 0.0 }
+    /// How many times this is as large as the other, in positions or in momenta, whichever is more; 0 where the other
+    /// is.
+    pub(super) fn over(&self, other: &Self) -> f64 {
+        let part = |x: &[f64; D], other: &[f64; D]| {
+            let length = largest(other);
+            if length > 0.0 { largest(x) / length } else { 0.0 }
         };
-        part(&self.q, &reach.q).max(part(&self.p, &reach.p))
-    }
-    /// What part this is of the largest coordinates of the reach, in positions or in momenta, whichever is more.
-    pub(super) fn share_of(&self, reach: &Self) -> f64 {
-        let part = |x: &[f64; D], reach: &[f64; D]| {
-            let length = largest(x);
-            if length > 0.0 { length / largest(reach) } else { 0.0 }
-        };
-        part(&self.q, &reach.q).max(part(&self.p, &reach.p))
+        part(&self.q, &other.q).max(part(&self.p, &other.p))
     }
     /// The largest component.
     pub(super) fn size(&self) -> f64 {
@@ -131,7 +124,7 @@ impl<const D: usize, const M: usize> Hidden<D, M> {
         };
         let columns: [_; M] = from_fn(|j| along(&level.fibre(j)));
         let slopes: [[f64; M]; M] = from_fn(|i| from_fn(|j| columns[j][i].0));
-        let reaches: [f64; M] = from_fn(|j| level.fibre(j).reaches(reach));
+        let reaches: [f64; M] = from_fn(|j| reach.over(&level.fibre(j)));
         Self {
             value: level.gradients.map(|g| bracket(&g, &energy_gradient).0),
             size: slopes.map(|row| products(&row, &reaches)),

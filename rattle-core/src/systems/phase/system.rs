@@ -15,6 +15,7 @@ use crate::systems::phase::kept::BodiesOf;
 use crate::systems::phase::kept::IN_PHASE_SPACE;
 use crate::systems::phase::kept::InPhaseSpace;
 use crate::systems::phase::kept::Kept;
+use crate::systems::phase::kept::OfBody;
 use crate::systems::phase::landing::Departure;
 use crate::systems::phase::point::Point;
 use crate::systems::phase::step::TURN;
@@ -28,7 +29,7 @@ where
     N: Count,
 {
     type Count = N;
-    type Kept = N::Of<Kept<M>>;
+    type Kept = Kept<N, M>;
     /// Forces and momenta are not apart.
     type Rates = Never;
     type Collocation = Never;
@@ -43,33 +44,31 @@ where
     }
 
     fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<N, D, M> {
-        let mut bodies = Bodies::new(self.count, self.count.each(Kept::unknown()), places, time);
+        let mut bodies = Bodies::new(self.count, Kept::unknown(self.count), places, time);
         self.refresh(&mut bodies);
         bodies
     }
 
     fn refresh(&self, bodies: &mut BodiesOf<N, D, M>) {
+        bodies.kept.pace = Pace::unknown();
         for number in 0..self.count.number() {
-            let at = Point::high(&bodies.body(number));
-            bodies.kept.as_mut()[number] = Kept { slopes: self.hidden(&at).slopes, ..Kept::unknown() };
+            let slopes = self.hidden(&Point::high(&bodies.body(number))).slopes;
+            bodies.kept.bodies.as_mut()[number] = OfBody { slopes, aims: [Aim::unknown(); M] };
         }
     }
 
     fn record(&self, bodies: &BodiesOf<N, D, M>, to: &mut Record) {
-        let (kept, n) = (bodies.kept.as_ref(), self.count.number());
-        to.numbers("lengths of the last steps", &[n, 2], kept.iter().flat_map(|kept| kept.pace.numbers()));
-        let offs = kept.iter().flat_map(|kept| &kept.aims).flat_map(Aim::offs);
-        to.numbers("guesses were off by", &[n * M, 2], offs);
+        let Kept { bodies, pace } = &bodies.kept;
+        to.numbers("lengths of the last steps", &[2], pace.numbers());
+        let offs = bodies.as_ref().iter().flat_map(|kept| &kept.aims).flat_map(Aim::offs);
+        to.numbers("guesses were off by", &[self.count.number() * M, 2], offs);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<N, D, M>, from: &mut Reading<'_>) -> Result<(), Error> {
-        let n = self.count.number();
-        let steps: &[[f64; 2]] = from.vectors("lengths of the last steps", n)?;
-        let offs: &[[f64; 2]] = from.vectors("guesses were off by", n * M)?;
-        for ((kept, steps), offs) in bodies.kept.as_mut().iter_mut().zip(steps).zip(offs.chunks(M)) {
-            kept.pace = Pace::after(*steps);
-            kept.aims.iter_mut().zip(offs).for_each(|(aim, off)| *aim = Aim::after(*off));
-        }
+        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
+        let offs = from.vectors("guesses were off by", self.count.number() * M)?;
+        let aims = bodies.kept.bodies.as_mut().iter_mut().flat_map(|kept| &mut kept.aims);
+        aims.zip(offs).for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(*off));
         Ok(())
     }
 
@@ -81,6 +80,7 @@ where
         bodies: &mut BodiesOf<N, D, M>,
         witness: &mut W,
     ) -> Result<(), Failure> {
+        let weights = bodies.kept.pace.weights(h);
         for number in 0..self.count.number() {
             let body = bodies.body(number);
             let fail = |cause| Failure { body: number, cause };
@@ -94,12 +94,13 @@ where
                 low: Point::low(&body),
                 guess: guess.map(|lambda| 0.5 * h * lambda),
             };
-            let landing = departure.land(&mut bodies.kept.as_mut()[number]).map_err(fail)?;
+            let landing = departure.land(&mut bodies.kept.bodies.as_mut()[number], weights).map_err(fail)?;
             for (i, sigma) in landing.sigma.into_iter().enumerate() {
                 witness.position_multiplier(number * M + i, sigma / (0.5 * h));
             }
             move_by(bodies, number, &landing.change);
         }
+        bodies.kept.pace.note(h);
         bodies.time += h;
         Ok(())
     }
@@ -116,7 +117,7 @@ where
         for number in 0..self.count.number() {
             let fail = |cause| Failure { body: number, cause };
             let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
-            let turned = turn(&bodies.kept.as_ref()[number].slopes, &slopes);
+            let turned = turn(&bodies.kept.bodies.as_ref()[number].slopes, &slopes);
             if turned > TURN {
                 return Err(fail(StepFailure::Undetermined { change: turned, h }));
             }
@@ -124,7 +125,7 @@ where
                 witness.momentum_multiplier(number * M + i, sigma / (0.5 * h));
             }
             move_by(bodies, number, &change);
-            bodies.kept.as_mut()[number].slopes = slopes;
+            bodies.kept.bodies.as_mut()[number].slopes = slopes;
         }
         Ok(())
     }
