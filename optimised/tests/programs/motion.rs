@@ -2,8 +2,6 @@
 
 #[path = "../../../tests/common/mod.rs"]
 mod common;
-#[path = "../curvature.rs"]
-mod curvature;
 #[path = "../events.rs"]
 mod events;
 #[path = "../fekete.rs"]
@@ -14,7 +12,3 @@ mod long_runs;
 mod methods;
 #[path = "../near_pairs.rs"]
 mod near_pairs;
-#[path = "../phase_sheets.rs"]
-mod phase_sheets;
-#[path = "../phase_space.rs"]
-mod phase_space;

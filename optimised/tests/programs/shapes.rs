@@ -1,0 +1,14 @@
+//! Shapes: their curvature, random ones, and motion among sheets that are close.
+
+#[path = "../../../tests/common/mod.rs"]
+mod common;
+#[path = "../curvature.rs"]
+mod curvature;
+#[path = "../random_surfaces.rs"]
+mod random_surfaces;
+#[path = "../sheets.rs"]
+mod sheets;
+#[path = "../sheets_lanes.rs"]
+mod sheets_lanes;
+#[path = "../stopping.rs"]
+mod stopping;
