@@ -17,7 +17,7 @@ use rattle::effect::{Langevin, SelfPropulsion};
 use rattle::potentials::Wca;
 use rattle::prelude::*;
 use rattle::surfaces::Gyroid;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{self, Mesh, Page, Scene3};
 use std::error::Error;
 use std::f64::consts::TAU;
 
@@ -68,11 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("\n{}", simulation.bill()?);
 
-    let value = |q: [f64; 3]| {
-        let (g, gradient) = surface.value_and_jacobian(&q.into());
-        (g[0], gradient.row(0).transpose().into())
-    };
-    let mesh = Mesh::within(value, [0.0; 3], [TAU; 3], 60)?;
+    let mesh = Mesh::within(view::surface(&surface), [0.0; 3], [TAU; 3], 60)?;
     let caption = "240 particles that push themselves along, on one period of a gyroid: who leaves it at one side comes in at the other.";
     let motion = Scene3::new("Active particles").surface(&mesh).bodies(&times, &films).caption(caption);
     let motion = motion.periods([TAU; 3]).trail(8);

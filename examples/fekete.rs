@@ -13,7 +13,7 @@ use rattle::curvature::points;
 use rattle::effect::LinearDrag;
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{Mesh, Page, Scene3, surface};
 use std::error::Error;
 
 pair_potential! {
@@ -49,11 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("\n{}", simulation.bill()?);
 
-    let surface = |q: [f64; 3]| {
-        let (g, gradient) = sphere.value_and_jacobian(&q.into());
-        (g[0], gradient.row(0).transpose().into())
-    };
-    let mesh = Mesh::of(surface, [-1.1; 3], [1.1; 3], 80)?;
+    let mesh = Mesh::around(surface(&sphere), [0.0, 0.0, 1.0], 80)?;
     let caption = "They start at random places and repel each other; drag takes the energy, until they rest.";
     let scene =
         Scene3::new("Twenty Fekete points").surface(&mesh).trajectory(&film).trail(100).caption(caption);

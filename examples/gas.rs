@@ -7,7 +7,7 @@
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{Mesh, Page, Scene3, surface};
 
 const ATOMS: usize = 10_000;
 
@@ -32,8 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:6.0} {:17.1e} {kinetic:27.3}", simulation.time(), off / simulation.energy().abs());
     }
     println!("\n{}", simulation.bill()?);
-    let g = |q: [f64; 3]| (sphere.value(&q.into())[0], sphere.jacobian(&q.into()).into());
-    let mesh = Mesh::of(g, [-1.1 * r; 3], [1.1 * r; 3], 60)?;
+    let mesh = Mesh::around(surface(&sphere), [0.0, 0.0, r], 60)?;
     let motion = Scene3::new("atoms on a sphere").surface(&mesh).trajectory(&trajectory);
     std::fs::create_dir_all("out")?;
     Page::new("A gas").scene(motion).write("out/gas.html")?;

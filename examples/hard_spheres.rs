@@ -12,7 +12,7 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::HardSpheres;
 use rattle::prelude::*;
 use rattle::surfaces::Lemniscate;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{Mesh, Page, Scene3, surface};
 
 const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 const DIAMETER: f64 = 0.12;
@@ -47,11 +47,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{:6.1} {:12} {off:14.1e} {near:20.1e}", gas.time(), gas.events());
     }
     println!("\n{}", gas.bill()?);
-    let surface = |q: [f64; 3]| {
-        let (g, gradient) = SURFACE.value_and_jacobian(&q.into());
-        (g[0], gradient.row(0).transpose().into())
-    };
-    let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 120)?;
+    let mesh = Mesh::around(surface(&SURFACE), [0.0, 0.0, 0.1], 120)?;
     let beads = Scene3::new("Thirty beads").surface(&mesh).trajectory(&trajectory).sizes(&[[DIAMETER / 2.0]]);
     Page::new("Beads that collide").scene(beads).write("out/hard_spheres/index.html")?;
     println!("\nWritten to out/hard_spheres/index.html; open it in a browser.");

@@ -15,7 +15,7 @@ use rattle::effect::Langevin;
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use rattle::surfaces::Lemniscate;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{self, Mesh, Page, Scene3};
 use std::error::Error;
 
 const KT: f64 = 0.5;
@@ -50,11 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("\n{}", simulation.bill()?);
 
-    let value = |q: [f64; 3]| {
-        let (g, gradient) = surface.value_and_jacobian(&q.into());
-        (g[0], gradient.row(0).transpose().into())
-    };
-    let mesh = Mesh::of(value, low, high, 160)?;
+    let mesh = Mesh::of(view::surface(&surface), low, high, 160)?;
     let caption = "100 particles that attract each other a little, in a bath of kT = ½.";
     let motion = Scene3::new("A gas in heat").surface(&mesh).trajectory(&watching.0).caption(caption);
     // Where they are, in the mean over the second half of the time.

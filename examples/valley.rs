@@ -62,7 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut page = Page::new("Rain in a valley", simulation.flow())
         .caption("40 mm in half an hour; the outlet is in the south. Heights are drawn three times as high.")
         .lift(3.0);
-    let mut series = vtu::Series::new("out/valley", "valley")?;
+    let mut series = vtu::Series::create("out/valley/valley.pvd")?;
     let (mut leaving, mut before) = (vec![(0.0, 0.0)], 0.0);
     println!(
         "minute   rain m³   seeped m³   left m³   outlet m³/s   on the land m³   unexplained m³   steps"

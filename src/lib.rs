@@ -62,6 +62,7 @@ pub mod record;
 pub mod surfaces;
 #[cfg(feature = "view")]
 pub mod view;
+pub mod vtu;
 
 /// What a method is: a map that takes all bodies one step on.
 pub mod method {

@@ -25,14 +25,19 @@
 //! |---|---|---|
 //! | [`NpzParts`] | `.npz`, each column in parts `q.000000`, `q.000001`, … | NumPy: `np.concatenate([f[k] for k in sorted(f) if k.startswith("q.")])` |
 //! | [`Xyz`] | extended XYZ, a frame for each row | OVITO, ASE |
-//! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times | ParaView |
+//! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times; the surface beside them | ParaView |
+//! | `Parquet` (feature `parquet`) | `.parquet`, a column for each number | pandas, Polars, DuckDB |
 //!
 //! Where a writer fails, for a full disk or a closed pipe, the run ends at the next block of rows with
-//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step (an ensemble runs on; its recorder says so
-//! at the end), and [`Stream::finish`] says how many rows were written.
+//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step, and [`Stream::finish`] says how many rows
+//! were written. An ensemble ends too, all trajectories after the same step.
 
+#[cfg(feature = "parquet")]
+mod parquet;
 mod stream;
 mod vtu;
 
+#[cfg(feature = "parquet")]
+pub use parquet::Parquet;
 pub use stream::{Handed, NpzParts, Stream, StreamError, Writer, Xyz};
 pub use vtu::Vtu;

@@ -1,6 +1,6 @@
 //! Meshes: closed, of the right topology, on the surface, wound and lit the right way; and typed errors.
 
-use rattle::view::{Mesh, MeshError};
+use rattle::view::{Mesh, MeshError, surface};
 
 type Point = [f64; 3];
 type Region = (Point, Point);
@@ -143,4 +143,49 @@ fn dot(a: Point, b: Point) -> f64 {
 
 fn cross(a: Point, b: Point) -> Point {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Whatever its size, place and shape, and wherever on it the search begins.
+#[test]
+fn a_box_is_found() {
+    type Shifted = fn(Point) -> (f64, Point);
+    let far: Shifted = |[x, y, z]| sphere([x - 100.0, y + 50.0, z]);
+    let small: Shifted = |q| {
+        let (g, gradient) = torus(q.map(|x| 1e6 * x));
+        (g, gradient.map(|slope| 1e6 * slope))
+    };
+    let flat: Shifted = |[x, y, z]| (x * x + y * y + 1e3 * z * z - 1.0, [2.0 * x, 2.0 * y, 2e3 * z]);
+    #[rustfmt::skip]
+    let cases: [(&str, Surface, Point, Region, isize); 7] = [
+        // name          g            near              the box that is right, V−E+F
+        ("sphere",       sphere,      [1.0, 0.0, 0.0],  ([-1.0; 3], [1.0; 3]), 2),
+        ("from afar",    sphere,      [9.0, -4.0, 2.0], ([-1.0; 3], [1.0; 3]), 2),
+        ("off-centre",   far,         [100.0, -50.0, 1.0], ([99.0, -51.0, -1.0], [101.0, -49.0, 1.0]), 2),
+        ("torus",        torus,       [1.4, 0.0, 0.0],  ([-1.4, -1.4, -0.4], [1.4, 1.4, 0.4]), 0),
+        ("small torus",  small,       [1.4e-6, 0.0, 0.0], ([-1.4e-6, -1.4e-6, -4e-7], [1.4e-6, 1.4e-6, 4e-7]), 0),
+        ("lemniscate",   lemniscate,  [0.0, 0.0, 0.1],  ([-1.1, -0.5, -1.0 / 6.0], [1.1, 0.5, 1.0 / 6.0]), -2),
+        ("flat",         flat,        [0.0, 0.0, 0.03], ([-1.0, -1.0, -0.032], [1.0, 1.0, 0.032]), 2),
+    ];
+    for (name, g, near, (low, high), euler) in cases {
+        let mesh = Mesh::around(g, near, 90).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(mesh.is_closed() && mesh.euler_characteristic() == euler, "{name}");
+        let side = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+        for i in 0..3 {
+            let of = |pick: fn(f64, f64) -> f64, from| mesh.vertices.iter().map(|v| v[i]).fold(from, pick);
+            let (least, most) = (of(f64::min, f64::INFINITY), of(f64::max, f64::NEG_INFINITY));
+            // The lemniscate's corners are rounder than its box.
+            assert!(
+                (least - low[i]).abs().max((most - high[i]).abs()) < 0.05 * side,
+                "{name}: {least} {most}"
+            );
+        }
+    }
+    let plane = rattle::surfaces::Plane { a: 0.0, b: 0.0, c: 1.0, d: 0.5 };
+    let error = Mesh::around(surface(&plane), [0.0, 0.0, 0.5], 40).unwrap_err();
+    assert!(matches!(error, MeshError::Endless { .. }), "{error}");
+    let pole: Surface =
+        |[x, y, z]| (x * x + y * y + z * z - 1.0 + 1e-9 / (x - 0.5), [2.0 * x, 2.0 * y, 2.0 * z]);
+    let _ = Mesh::around(pole, [0.0, 0.0, 1.0], 40); // a mesh or an error
+    let nan: Surface = |_| (f64::NAN, [1.0; 3]);
+    assert!(matches!(Mesh::around(nan, [0.0; 3], 40), Err(MeshError::NotFinite { .. })));
 }

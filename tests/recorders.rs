@@ -4,8 +4,10 @@
 use crate::common::*;
 use rattle::Error;
 use rattle::effect::LinearDrag;
+use rattle::links::planar::Rod;
 use rattle::prelude::*;
-use rattle::record::{NpzParts, Stream, Vtu, Writer, Xyz};
+use rattle::record::{NpzParts, Parquet, Stream, Vtu, Writer, Xyz};
+use rattle::view::{Mesh, surface};
 use rattle::watch::{Columns, Recorder, Rows};
 use std::fs::{self, File};
 use std::io;
@@ -66,6 +68,24 @@ fn rows_are_what_a_look_tells() {
         assert_eq!(of("constraint_forces"), flat(seen.constraint_forces()));
         assert_eq!(of("height"), [seen.positions().next().unwrap().z]);
     }
+}
+
+#[test]
+fn iterations_where_they_are_counted() {
+    let columns = Columns::<2>::new().iterations();
+    let scene = Scene::points(2).pin(0, [0.0, 0.0]).link(Rod { length: 1.0 }, [[0, 1]]);
+    let start = State::of([[0.0, 0.0], [1.0, 0.0]]);
+    let mut pendulum = scene.with(PlanarGravity { g: 1.0 }).simulate(start, Rattle::new(0.01)).unwrap();
+    let mut recorder = Recorder::of(&columns, Rows::default());
+    let mut counted = Vec::new();
+    for _ in 0..5 {
+        pendulum.observe(10, 10, &mut recorder).unwrap();
+        counted.push(pendulum.counts().corrections as f64);
+    }
+    assert!(recorder.finish().unwrap().numbers("iterations").flatten().eq(&counted) && counted[4] >= 50.0);
+    let mut recorder = Recorder::of(&Columns::new().iterations(), Rows::default());
+    ring(2).observe(10, 10, &mut recorder).unwrap();
+    assert!(recorder.finish().unwrap().numbers("iterations").flatten().all(|x| x.is_nan()));
 }
 
 #[test]
@@ -194,6 +214,10 @@ fn a_full_disk() {
     let error = stream.finish().unwrap_err();
     assert_eq!(error.source.kind(), io::ErrorKind::StorageFull);
     assert!(ended.unwrap_err().to_string().contains("No space left on device"));
+    let stream = Stream::to(Parquet::create("/dev/full").unwrap());
+    let mut recorder = Recorder::of(&Columns::new().positions(), stream.sink());
+    ring(2).observe(2000, 1, &mut recorder).and_then(|()| recorder.finish()).unwrap(); // they wait for a group
+    assert_eq!(stream.finish().unwrap_err().source.kind(), io::ErrorKind::StorageFull);
 }
 
 /// Python with these packages, of the path or of `target/foreign`; says so where there is none.
@@ -268,16 +292,41 @@ fn ase_reads_extended_xyz() {
 }
 
 #[test]
-fn meshio_reads_points_with_vectors() {
+fn arrow_reads_parquet() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("deep/run.parquet");
+    let steps = 40_000; // 34 numbers a row: a group, and another
+    let rows = both(Parquet::create(&path).unwrap(), steps);
+    let none = folder.path().join("none.parquet");
+    Stream::to(Parquet::create(&none).unwrap()).finish().unwrap();
+    let Some(python) = python("pyarrow.parquet") else { return };
+    let code = "import pyarrow.parquet as p, sys\nf = p.ParquetFile(sys.argv[1])\nt = f.read()\n\
+        assert f.num_row_groups > 1 and t.column('step').to_pylist() == list(range(1, 40001))\n\
+        assert set(t.column('trajectory').to_pylist()) == {0}\n\
+        for c in ['t', 'q_0_0', 'q_2_1', 'lambda_1', 'height', 'energies_1']:\n  \
+        print(*(repr(x) for x in t.column(c).to_pylist()))";
+    let read = read_by(&python, code, &path);
+    let of = |name, number: usize| rows.numbers(name).map(move |row| row[number]);
+    let expected = rows.times.iter().copied().chain(of("q", 0)).chain(of("q", 7)).chain(of("lambda", 1));
+    assert!(expected.chain(of("height", 0)).chain(of("energies", 1)).eq(read));
+    let code = "import pyarrow.parquet as p, sys\nt = p.read_table(sys.argv[1])\n\
+        print(t.num_rows, *(int(name in ['step', 'trajectory', 't']) for name in t.column_names))";
+    assert_eq!(read_by(&python, code, &none), [0.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn meshio_reads_points_with_vectors_and_their_surface() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.pvd");
-    let rows = both(Vtu::create(&path).unwrap(), 4);
+    let torus = Torus { major: 2.0, minor: 0.7 };
+    let mesh = Mesh::around(surface(&torus), [2.7, 0.0, 0.0], 20).unwrap();
+    let rows = both(Vtu::create(&path).unwrap().beside("torus", &mesh.to_vtu()).unwrap(), 4);
     let index = fs::read_to_string(&path).unwrap();
     for (row, time) in rows.times.iter().enumerate() {
-        assert!(
-            index.contains(&format!("<DataSet timestep=\"{time:?}\" file=\"run_{row:06}.vtu\"/>")),
-            "{index}"
-        );
+        for (part, file) in [format!("run_{row:06}.vtu"), "run_torus.vtu".into()].iter().enumerate() {
+            let entry = format!("<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
+            assert!(index.contains(&entry), "{index}");
+        }
     }
     let Some(python) = python("meshio") else { return };
     let code = "import meshio, sys\nm = meshio.read(sys.argv[1])\nassert len(m.cells_dict['vertex']) == 3\n\
@@ -288,6 +337,11 @@ fn meshio_reads_points_with_vectors() {
         let read = read_by(&python, code, &folder.path().join(format!("run_{row:06}.vtu")));
         assert_eq!(read, [of("q"), of("p"), of("constraint_forces")].concat());
     }
+    let code = "import meshio, sys\nm = meshio.read(sys.argv[1])\nprint(m.cells_dict['triangle'].sum())\n\
+        for a in [m.points, m.point_data['normal']]:\n  print(*(repr(float(x)) for x in a.ravel()))";
+    let read = read_by(&python, code, &folder.path().join("run_torus.vtu"));
+    assert_eq!(read[0], mesh.triangles.as_flattened().iter().map(|&i| f64::from(i)).sum::<f64>());
+    assert_eq!(read[1..], [mesh.vertices.as_flattened(), mesh.normals.as_flattened()].concat());
 }
 
 /// The bar is drawn by an observer that is one like all others; here is no terminal.
@@ -323,31 +377,67 @@ fn a_billion_steps_in_flat_memory() {
     assert!(after - before < 1024);
 }
 
-/// `cargo test --release --test files recorders:: -- --ignored throughput --nocapture`: no test, a measurement.
+/// What recording every 100th step costs: `cargo test --release --test files recorders:: -- --ignored throughput
+/// --nocapture --test-threads 1`. No test, a measurement: ratios to a run that records nothing, in the same round.
 #[test]
 #[ignore = "measures time"]
 fn throughput() {
-    let begin =
-        || Scene::on(SURFACE).with(Gravity { g: 1.0 }).simulate(billiard_45(), Rattle::new(0.01)).unwrap();
-    let (mut with, mut without) = (Vec::new(), Vec::new());
-    for _ in 0..9 {
-        let mut simulation = begin();
+    const STEPS: u64 = 5_000_000; // 0.4 s: making files and completing them is not seen
+    const OF_ALL: u64 = 10 * STEPS;
+    type Row<'a> = (&'a str, usize, &'a dyn Fn());
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    let columns = Columns::new().positions().momenta().energies();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let timed = |(_, without, run): Row<'_>| {
         let now = std::time::Instant::now();
-        simulation.run(3_000_000).unwrap();
-        without.push(now.elapsed().as_secs_f64());
-        let folder = tempfile::tempdir().unwrap();
-        let stream = Stream::to(NpzParts::create(folder.path().join("run.npz")).unwrap());
-        let mut recorder = Recorder::of(&Columns::new().positions().momenta().energies(), stream.sink());
-        let mut simulation = begin();
-        let now = std::time::Instant::now();
-        simulation.observe(3_000_000, 100, &mut recorder).unwrap();
-        with.push(now.elapsed().as_secs_f64());
+        run();
+        now.elapsed().as_secs_f64() * 1e9 / if without == 0 { STEPS as f64 } else { OF_ALL as f64 }
+    };
+    let simulation = || scene.simulate(billiard_45(), Rattle::new(0.01)).unwrap();
+    let into = |stream: Stream| {
+        let mut recorder = Recorder::of(&columns, stream.sink());
+        simulation().observe(STEPS, 100, &mut recorder).unwrap();
         recorder.finish().unwrap();
         stream.finish().unwrap();
-    }
-    let median = |times: &mut Vec<f64>| {
-        times.sort_by(f64::total_cmp);
-        times[4] / 3e6 * 1e9
     };
-    println!("{:.1} ns a step, {:.1} ns recorded every 100th", median(&mut without), median(&mut with));
+    let memory = || {
+        let mut recorder = Recorder::of(&columns, Rows::default());
+        simulation().observe(STEPS, 100, &mut recorder).unwrap();
+        assert_eq!(recorder.finish().unwrap().len() as u64, STEPS / 100);
+    };
+    let ensemble =
+        || scene.ensemble((0..40).flat_map(|_| directions()).map(billiard), Rattle::new(0.01)).unwrap();
+    let each = OF_ALL / ensemble().len() as u64;
+    let ensemble_into = |stream: Stream| {
+        ensemble().observe(each, 100, || Recorder::of(&columns, stream.sink())).finish().unwrap();
+        stream.finish().unwrap();
+    };
+    let ensemble_in_memory = || {
+        let rows =
+            ensemble().observe(each, 100, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+        assert_eq!(rows.len() as u64, OF_ALL / 100);
+    };
+    let rows: [Row<'_>; 9] = [
+        ("simulation", 0, &|| simulation().run(STEPS).unwrap()),
+        ("  into memory", 0, &memory),
+        ("  NpzParts", 0, &|| into(Stream::to(NpzParts::create(path("run.npz")).unwrap()))),
+        ("  Xyz", 0, &|| into(Stream::to(Xyz::create(path("run.xyz"), "X").unwrap()))),
+        ("  Parquet", 0, &|| into(Stream::to(Parquet::create(path("run.parquet")).unwrap()))),
+        ("ensemble", 5, &|| ensemble().run(each)),
+        ("  into memory", 5, &ensemble_in_memory),
+        ("  NpzParts", 5, &|| ensemble_into(Stream::to(NpzParts::create(path("all.npz")).unwrap()))),
+        ("  Parquet", 5, &|| ensemble_into(Stream::to(Parquet::create(path("all.parquet")).unwrap()))),
+    ];
+    let rounds: Vec<[f64; 9]> = (0..9).map(|_| rows.map(timed)).collect();
+    let median = |mut numbers: Vec<f64>| {
+        numbers.sort_by(f64::total_cmp);
+        numbers[numbers.len() / 2]
+    };
+    println!("every 100th step        ns a step   of one without");
+    for (i, (name, without, _)) in rows.iter().enumerate() {
+        let ns = median(rounds.iter().map(|round| round[i]).collect());
+        let ratio = median(rounds.iter().map(|round| round[i] / round[*without]).collect());
+        println!("{name:22} {ns:10.1} {ratio:16.3}");
+    }
 }

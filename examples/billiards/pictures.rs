@@ -1,10 +1,9 @@
 //! The notebook's curves, the data, and the page.
 
-use crate::{Lemniscate, Run, SURFACE, directions};
+use crate::{Run, SURFACE, directions};
 use rattle::data::Npz;
 use rattle::plot::Chart;
-use rattle::prelude::*;
-use rattle::view::{Mesh, Page, Scene3};
+use rattle::view::{Mesh, Page, Scene3, surface};
 use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -81,11 +80,7 @@ fn data(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>>
 
 /// One page with both halves, meshed from the constraint itself.
 fn page(falling: &[Run], gas: &Run, folder: &Path) -> Result<(), Box<dyn Error>> {
-    let surface = |q: [f64; 3]| {
-        let (g, gradient) = Lemniscate::value_and_jacobian(&SURFACE, &q.into());
-        (g[0], gradient.row(0).transpose().into())
-    };
-    let mesh = Mesh::of(surface, [-1.2, -0.6, -0.25], [1.2, 0.6, 0.25], 160)?;
+    let mesh = Mesh::around(surface(&SURFACE), [0.0, 0.0, 0.1], 160)?;
     let fan = falling
         .iter()
         .fold(Scene3::new("25 directions under gravity").surface(&mesh).trail(100), |scene, run| {

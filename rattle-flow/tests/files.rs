@@ -134,11 +134,11 @@ fn paraview_gets_what_was_there() {
     assert_eq!(numbers("offsets"), [3.0, 6.0]);
     assert_eq!(numbers("points").len(), 12);
     let folder = std::env::temp_dir().join(format!("rattle-flow-{}", std::process::id()));
-    let mut series = vtu::Series::new(&folder, "flow").unwrap();
+    let mut series = vtu::Series::create(folder.join("flow.pvd")).unwrap();
     series.add(0.0, &text).unwrap();
     series.add(0.5, &text).unwrap();
     let list = std::fs::read_to_string(folder.join("flow.pvd")).unwrap();
-    assert!(list.contains("timestep=\"0.5\"") && list.contains("flow_0001.vtu"));
-    assert_eq!(std::fs::read_to_string(folder.join("flow_0001.vtu")).unwrap(), text);
+    assert!(list.contains("timestep=\"0.5\"") && list.contains("flow_000001.vtu"));
+    assert_eq!(std::fs::read_to_string(folder.join("flow_000001.vtu")).unwrap(), text);
     std::fs::remove_dir_all(folder).unwrap();
 }

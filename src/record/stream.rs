@@ -86,6 +86,10 @@ impl Stream {
     }
 }
 
+pub(super) fn wrong(what: &'static str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, what)
+}
+
 fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
     let mut written = 0;
     while let Ok(Told::Rows(rows)) = receiver.recv() {
@@ -198,7 +202,6 @@ impl<W: Write> Xyz<W> {
 
 impl<W: Write + Send + 'static> Writer for Xyz<W> {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
-        let wrong = |what| io::Error::new(io::ErrorKind::InvalidInput, what);
         let positions = rows.column("q").ok_or_else(|| wrong("extended XYZ wants recorded positions"))?;
         let &[bodies, coordinates] = &positions.shape[..] else {
             return Err(wrong("extended XYZ wants positions of bodies"));

@@ -1,21 +1,17 @@
 //! Particles for ParaView: a `.vtu` for each row, and a `.pvd` that says when.
 
-use super::stream::Writer;
+use super::stream::{Writer, wrong};
+use crate::vtu::{Cells, Field, Series, text};
 use crate::watch::Rows;
-use std::fmt::Write as _;
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Unstructured grids of points, as text: positions, and momenta and constraint forces as vectors where they were
-/// recorded. `name.pvd` names the files `name_000000.vtu`, … beside it with their times; ParaView opens the former. Of
-/// one trajectory; few rows, since each is a file.
+/// Bodies as points, with momenta and constraint forces as vectors where they were recorded. `name.pvd` names the files
+/// `name_000000.vtu`, … beside it with their times; ParaView opens the former. Of one trajectory; few rows, since each
+/// is a file.
 #[derive(Debug)]
 pub struct Vtu {
-    folder: PathBuf,
-    name: String,
-    index: String,
-    number: usize,
+    series: Series,
 }
 
 impl Vtu {
@@ -24,27 +20,24 @@ impl Vtu {
     /// # Errors
     /// What the system says; a path without a file's name.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
-        let path = path.as_ref();
-        let name = path.file_stem().ok_or_else(|| wrong("the path names no file"))?;
-        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        fs::create_dir_all(&folder)?;
-        Ok(Self { folder, name: name.to_string_lossy().into_owned(), index: String::new(), number: 0 })
+        Ok(Self { series: Series::create(path)? })
     }
 
-    /// The index with what is written so far: whole after each block.
-    fn write_index(&self) -> io::Result<()> {
-        let index = &self.index;
-        let text = format!(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\">\n<Collection>\n{index}</Collection>\n</VTKFile>\n"
-        );
-        fs::write(self.folder.join(format!("{}.pvd", self.name)), text)
+    /// And a grid that stands still, such as the surface: the text of its file, which will be `name_what.vtu`. Of a
+    /// mesh that is `mesh.to_vtu()` (feature `view`).
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn beside(mut self, what: &str, text: &str) -> io::Result<Self> {
+        self.series.beside(what, text)?;
+        Ok(self)
     }
 }
 
 impl Writer for Vtu {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
         let positions = rows.column("q").ok_or_else(|| wrong("VTU wants recorded positions"))?;
-        let &[bodies, coordinates] = &positions.shape[..] else {
+        let &[_, coordinates] = &positions.shape[..] else {
             return Err(wrong("VTU wants positions of bodies"));
         };
         if coordinates > 3 {
@@ -53,63 +46,22 @@ impl Writer for Vtu {
         if rows.trajectories.iter().any(|&trajectory| trajectory != rows.trajectories[0]) {
             return Err(wrong("VTU takes one trajectory"));
         }
-        let named = |name| rows.numbers(name).collect::<Vec<_>>();
-        let (places, momenta, forces) = (named("q"), named("p"), named("constraint_forces"));
+        let in_space = |name| {
+            let vector = |v: &[f64]| std::array::from_fn(|i| v.get(i).copied().unwrap_or(0.0));
+            let of_row = move |row: &[f64]| row.chunks_exact(coordinates).map(vector).collect();
+            rows.numbers(name).map(of_row).collect::<Vec<Vec<[f64; 3]>>>()
+        };
+        let (places, momenta, forces) = (in_space("q"), in_space("p"), in_space("constraint_forces"));
         for row in 0..rows.len() {
-            let mut point_data = String::new();
-            for (name, all) in [("momentum", &momenta), ("constraint force", &forces)] {
-                if let Some(numbers) = all.get(row) {
-                    point_data += &array(name, &in_space(numbers, coordinates));
-                }
-            }
-            let counts = |from: usize| (from..from + bodies).map(|i| format!("{i} ")).collect::<String>();
-            let cells = [
-                ("Int64", "connectivity", counts(0)),
-                ("Int64", "offsets", counts(1)),
-                ("UInt8", "types", "1 ".repeat(bodies)),
-            ];
-            let cells = cells.map(|(kind, name, numbers)| {
-                format!("<DataArray type=\"{kind}\" Name=\"{name}\" format=\"ascii\">{numbers}</DataArray>\n")
-            });
-            let text = format!(
-                "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n\
-                 <UnstructuredGrid><Piece NumberOfPoints=\"{bodies}\" NumberOfCells=\"{bodies}\">\n\
-                 <Points>\n{}</Points>\n<Cells>\n{}</Cells>\n<PointData>\n{point_data}</PointData>\n\
-                 </Piece></UnstructuredGrid>\n</VTKFile>\n",
-                array("positions", &in_space(places[row], coordinates)),
-                cells.concat(),
-            );
-            let file = format!("{}_{:06}.vtu", self.name, self.number);
-            fs::write(self.folder.join(&file), text)?;
-            self.number += 1;
-            let time = rows.times[row];
-            let _ = writeln!(self.index, "<DataSet timestep=\"{time:?}\" file=\"{file}\"/>"); // into a string
+            let vectors = [("momentum", &momenta), ("constraint force", &forces)];
+            let vectors = vectors.iter().filter_map(|(name, all)| Some(Field::vector(name, all.get(row)?)));
+            let grid = text(&places[row], &Cells::Points, &vectors.collect::<Vec<_>>(), &[]);
+            self.series.add(rows.times[row], &grid)?;
         }
-        self.write_index()
+        Ok(())
     }
 
     fn finish(self) -> io::Result<()> {
-        self.write_index()
+        Ok(()) // the list is whole after each file
     }
-}
-
-fn wrong(what: &'static str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, what)
-}
-
-/// Vectors with zeros for the coordinates that are none.
-fn in_space(numbers: &[f64], coordinates: usize) -> String {
-    let mut text = String::new();
-    for vector in numbers.chunks_exact(coordinates) {
-        for i in 0..3 {
-            let _ = write!(text, "{:?} ", vector.get(i).unwrap_or(&0.0)); // into a string
-        }
-    }
-    text
-}
-
-fn array(name: &str, numbers: &str) -> String {
-    format!(
-        "<DataArray type=\"Float64\" Name=\"{name}\" NumberOfComponents=\"3\" format=\"ascii\">{numbers}</DataArray>\n"
-    )
 }

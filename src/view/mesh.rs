@@ -8,6 +8,8 @@
 //! Surface nets (Gibson 1998) and not marching cubes: the vertices are shared, so the mesh is closed without welding,
 //! and the triangles are even instead of slivers; `fast-surface-nets` does the net, Newton and ∇g the accuracy.
 
+use crate::kernel::Constraint;
+use crate::vtu::{self, Cells, Field};
 use fast_surface_nets::ndshape::{RuntimeShape, Shape};
 use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 
@@ -15,6 +17,27 @@ use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
 const NEWTON_STEPS: usize = 12;
 /// A vertex is on the surface when the next displacement is below this part of a cell.
 const ON_SURFACE: f64 = 1e-9;
+
+/// Cells along the longest side of boxes that are tried; more where they miss the surface.
+const COARSE: usize = 24;
+/// Boxes that are tried: from a thousandth of the point's coordinates to 10⁶ of them.
+const BOXES: usize = 30;
+
+/// g and ∇g of a constraint, as a [`Mesh`] takes them.
+///
+/// ```
+/// use rattle::view::{Mesh, surface};
+/// let torus = rattle::surfaces::Torus { major: 1.0, minor: 0.3 };
+/// let half = Mesh::within(surface(&torus), [-1.4, -1.4, 0.0], [1.4, 1.4, 0.4], 40)?;
+/// assert!(!half.is_closed());
+/// # Ok::<(), rattle::view::MeshError>(())
+/// ```
+pub fn surface(constraint: &impl Constraint<3, 1>) -> impl Fn([f64; 3]) -> (f64, [f64; 3]) {
+    |q| {
+        let (g, gradient) = constraint.value_and_jacobian(&q.into());
+        (g[0], gradient.row(0).transpose().into())
+    }
+}
 
 /// Triangles with a normal at each vertex. Seen from the side where g > 0, triangles run counter-clockwise.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +51,28 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Meshes the closed surface near this point, such as the start of a motion, and what else there is in the box that
+    /// holds it; `cells` as for [`Mesh::of`]. The box is found by growing it where the surface leaves it.
+    ///
+    /// # Errors
+    /// As [`Mesh::of`]; [`MeshError::Endless`] where no box holds the surface.
+    ///
+    /// ```
+    /// use rattle::view::{Mesh, surface};
+    /// let torus = rattle::surfaces::Torus { major: 1.0, minor: 0.3 };
+    /// let mesh = Mesh::around(surface(&torus), [1.3, 0.0, 0.0], 40)?;
+    /// assert!(mesh.is_closed() && mesh.euler_characteristic() == 0);
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    pub fn around(
+        g: impl Fn([f64; 3]) -> (f64, [f64; 3]),
+        near: [f64; 3],
+        cells: usize,
+    ) -> Result<Self, MeshError> {
+        let (low, high) = box_around(&g, near, cells)?;
+        Self::net(&g, low, high, cells, Border::Closed)
+    }
+
     /// Meshes {g = 0} inside the box from `low` to `high` with `cells` grid cells along its longest side.
     ///
     /// `g` returns the value and the gradient. It is evaluated on a grid of about `cells`³ points or fewer, and a few
@@ -152,6 +197,20 @@ impl Mesh {
         self.triangles.iter().map(|&[a, b, c]| dot(corner(a), cross(corner(b), corner(c))) / 6.0).sum()
     }
 
+    /// The mesh with its normals for ParaView, as the text of a `.vtu` file; see [`vtu`](crate::vtu).
+    ///
+    /// ```
+    /// use rattle::view::Mesh;
+    /// let sphere = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - 1.0, [2.0 * x, 2.0 * y, 2.0 * z]);
+    /// assert!(Mesh::of(sphere, [-1.5; 3], [1.5; 3], 20)?.to_vtu().contains("Name=\"normal\""));
+    /// # Ok::<(), rattle::view::MeshError>(())
+    /// ```
+    #[must_use]
+    pub fn to_vtu(&self) -> String {
+        let normals = Field::vector("normal", &self.normals);
+        vtu::text(&self.vertices, &Cells::Triangles(&self.triangles), &[normals], &[])
+    }
+
     /// Every edge of every triangle, lower vertex first, sorted.
     fn edges(&self) -> Vec<[u32; 2]> {
         let ordered = |a: u32, b: u32| [a.min(b), a.max(b)];
@@ -263,6 +322,46 @@ impl Grid {
     }
 }
 
+/// A box with room around the surface that passes near this point, as so many cells show it.
+fn box_around(
+    g: &dyn Fn([f64; 3]) -> (f64, [f64; 3]),
+    near: [f64; 3],
+    cells: usize,
+) -> Result<([f64; 3], [f64; 3]), MeshError> {
+    let (start, _) = project(g, near, f64::INFINITY)?;
+    let size = start.into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+    let half = 1e-3 * if size > 0.0 { size } else { 1.0 };
+    let (mut low, mut high) = (start.map(|x| x - half), start.map(|x| x + half));
+    let mut coarse = COARSE.min(cells);
+    for _ in 0..BOXES {
+        let mesh = loop {
+            match Mesh::net(g, low, high, coarse, Border::Open) {
+                // A sheet between two points of the grid.
+                Err(MeshError::Empty { .. }) if coarse < cells => coarse = (2 * coarse).min(cells),
+                Err(MeshError::Empty { .. }) => break None,
+                found => break Some(found?),
+            }
+        };
+        let cell = minus(high, low).into_iter().fold(0.0, f64::max) / coarse as f64;
+        let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for vertex in mesh.iter().flat_map(|mesh| &mesh.vertices) {
+            (0..3).for_each(|i| (least[i], most[i]) = (least[i].min(vertex[i]), most[i].max(vertex[i])));
+        }
+        let (mut held, sides) = (mesh.is_some(), minus(high, low));
+        for i in 0..3 {
+            let below = mesh.is_none() || least[i] < low[i] + 1.5 * cell;
+            let above = mesh.is_none() || most[i] > high[i] - 1.5 * cell;
+            low[i] -= if below { sides[i] } else { 0.0 };
+            high[i] += if above { sides[i] } else { 0.0 };
+            held &= !below && !above;
+        }
+        if held {
+            return Ok((least.map(|x| x - 2.0 * cell), most.map(|x| x + 2.0 * cell)));
+        }
+    }
+    Err(MeshError::Endless { low, high })
+}
+
 /// The point of the surface near `start`, by Newton's method along the gradient, and the unit normal there. A step is
 /// at most a cell, so that no vertex flies off; where the gradient vanishes, at a pinch, the vertex stays.
 fn project(
@@ -326,6 +425,16 @@ pub enum MeshError {
         above: [f64; 3],
         /// A point of the border where g < 0.
         below: [f64; 3],
+    },
+    /// No box holds the surface.
+    #[error(
+        "the surface leaves even the box from {low:?} to {high:?}; mesh a part of it with `Mesh::within`"
+    )]
+    Endless {
+        /// Lowest corner.
+        low: [f64; 3],
+        /// Highest corner.
+        high: [f64; 3],
     },
     /// g or its gradient is NaN or infinite.
     #[error(

@@ -24,7 +24,7 @@ mod scene;
 mod shapes;
 
 pub use error::PageError;
-pub use mesh::{Mesh, MeshError};
+pub use mesh::{Mesh, MeshError, surface};
 pub use page::Page;
 pub use parts::End;
 pub use scene::Scene3;

@@ -354,6 +354,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
         if self.is_at(sight) { self.temperature() } else { self.temperature_of(&self.bodies_at(sight)) }
     }
 
+    fn corrections(&self) -> Option<u64> {
+        self.corrections()
+    }
+
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
         self.system.rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
     }

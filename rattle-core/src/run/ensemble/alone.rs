@@ -113,6 +113,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Alone<Y, S, D> 
         Source::temperature(&self.simulation, 0, sight)
     }
 
+    fn corrections(&self) -> Option<u64> {
+        self.simulation.corrections()
+    }
+
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
         self.simulation.mass_product(0, body, a, b)
     }

@@ -96,6 +96,30 @@ impl<const D: usize> Columns<D> {
         })
     }
 
+    /// And `iterations`, the corrections of position equations since the start: of linked bodies that are moved one
+    /// simulation at a time, NaN elsewhere. On surfaces, and in lanes, [`Counted`](crate::kernel::counted::Counted)
+    /// counts evaluations, which a [`quantity`](Self::quantity) records.
+    ///
+    /// ```
+    /// # use rattle::{prelude::*, surfaces::Sphere, watch::{Columns, Recorder, Rows}};
+    /// # let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    /// let sphere = Counted::new(Sphere { r: 1.0 });
+    /// let counts = sphere.counts();
+    /// let columns = Columns::<3>::new().quantity("evaluations", move |_| counts.values() as f64);
+    /// # let mut simulation = Scene::on(sphere).simulate(start, Rattle::new(0.01))?;
+    /// # let mut recorder = Recorder::of(&columns, Rows::default());
+    /// # simulation.observe(100, 10, &mut recorder)?;
+    /// # let rows = recorder.finish()?;
+    /// # assert!(rows.numbers("evaluations").last().unwrap()[0] > 100.0);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[must_use]
+    pub fn iterations(self) -> Self {
+        self.with("iterations", 1, |now, to| {
+            to.push(now.corrections().map_or(f64::NAN, |count| count as f64))
+        })
+    }
+
     /// And a number of your own.
     #[must_use]
     pub fn quantity(self, name: &str, of: impl Fn(&Sight<'_, D>) -> f64 + Send + Sync + 'static) -> Self {

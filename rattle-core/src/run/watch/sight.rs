@@ -15,6 +15,10 @@ pub trait Source<const D: usize> {
     fn residuals(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
     /// kT: twice the kinetic energy that is not imposed, divided by the number of independent momenta.
     fn temperature(&self, trajectory: usize, sight: &Sight<'_, D>) -> f64;
+    /// Corrections of position equations since the start, where they are counted.
+    fn corrections(&self) -> Option<u64> {
+        None
+    }
     /// aᵀM b, for changes of position of a body.
     fn mass_product(&self, trajectory: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64;
     /// The step size of the method.
@@ -111,6 +115,13 @@ impl<const D: usize> Sight<'_, D> {
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         let (source, trajectory) = self.source;
         source.constraints(trajectory, self).1
+    }
+
+    /// Corrections of position equations since the start of a simulation, where they are counted, as
+    /// [`Simulation::corrections`](crate::run::simulation::Simulation::corrections).
+    #[must_use]
+    pub fn corrections(&self) -> Option<u64> {
+        self.source.0.corrections()
     }
 
     /// The step size of the method.

@@ -1,0 +1,152 @@
+//! Long tables for pandas, Polars and DuckDB: Apache Parquet.
+
+use super::stream::Writer;
+use crate::watch::{Column, Rows};
+use parquet::basic::{Repetition, Type as Physical};
+use parquet::data_type::{DataType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::Type;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+/// A group of rows is written when it has so many numbers: 8 MiB.
+const NUMBERS: usize = 1 << 20;
+
+/// A table with the columns `step`, `trajectory` and `t`, and one for each number that was recorded: `height`, or of a
+/// column with a shape `q_0_2`, the last index the coordinate. For long tables with few columns; of many bodies take
+/// [`NpzParts`](super::NpzParts). Readable after [`Stream::finish`](super::Stream::finish).
+#[derive(Debug)]
+pub struct Parquet {
+    begun: Begun,
+    waiting: Rows,
+}
+
+/// A file has its columns from the first row.
+#[derive(Debug)]
+enum Begun {
+    Not(File),
+    Yes(Box<SerializedFileWriter<File>>),
+    /// It could not be.
+    Never,
+}
+
+impl Parquet {
+    /// Into the file `path`; makes its folder where it is missing.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
+        if let Some(folder) = path.as_ref().parent() {
+            fs::create_dir_all(folder)?;
+        }
+        Ok(Self { begun: Begun::Not(File::create(path)?), waiting: Rows::default() })
+    }
+
+    /// The file, begun with the columns of the rows that wait.
+    fn begun(&mut self) -> Result<&mut SerializedFileWriter<File>, ParquetError> {
+        if let Begun::Not(_) = self.begun
+            && let Begun::Not(file) = std::mem::replace(&mut self.begun, Begun::Never)
+        {
+            let schema = Arc::new(schema(&self.waiting.columns)?);
+            // Numbers of a motion do not repeat.
+            let properties = WriterProperties::builder().set_dictionary_enabled(false).build();
+            let writer = SerializedFileWriter::new(file, schema, Arc::new(properties))?;
+            self.begun = Begun::Yes(Box::new(writer));
+        }
+        match &mut self.begun {
+            Begun::Yes(writer) => Ok(writer),
+            _ => Err(ParquetError::General("the file could not be begun".into())),
+        }
+    }
+
+    fn write_group(&mut self) -> Result<(), ParquetError> {
+        self.begun()?;
+        let rows = std::mem::take(&mut self.waiting);
+        let mut group = self.begun()?.next_row_group()?;
+        let whole = |counts: &[u64]| counts.iter().map(|&count| count.cast_signed()).collect::<Vec<_>>();
+        column::<Int64Type>(&mut group, &whole(&rows.steps))?;
+        column::<Int64Type>(&mut group, &whole(&rows.trajectories))?;
+        column::<DoubleType>(&mut group, &rows.times)?;
+        for number in 0..width(&rows.columns) {
+            let numbers = rows.numbers.iter().skip(number).step_by(width(&rows.columns));
+            column::<DoubleType>(&mut group, &numbers.copied().collect::<Vec<_>>())?;
+        }
+        group.close()?;
+        Ok(())
+    }
+}
+
+impl Writer for Parquet {
+    fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        self.waiting.columns = rows.columns.clone();
+        self.waiting.steps.extend(&rows.steps);
+        self.waiting.trajectories.extend(&rows.trajectories);
+        self.waiting.times.extend(&rows.times);
+        self.waiting.numbers.extend(&rows.numbers);
+        if (width(&rows.columns) + 3) * self.waiting.len() < NUMBERS {
+            return Ok(());
+        }
+        self.write_group().map_err(of_the_system)
+    }
+
+    fn finish(mut self) -> io::Result<()> {
+        if !self.waiting.is_empty() {
+            self.write_group().map_err(of_the_system)?;
+        }
+        self.begun().and_then(|file| file.finish().map(|_| ())).map_err(of_the_system)
+    }
+}
+
+/// Numbers in a row.
+fn width(columns: &[Column]) -> usize {
+    columns.last().map_or(0, |last| last.place.end)
+}
+
+fn column<T: DataType>(
+    group: &mut SerializedRowGroupWriter<'_, File>,
+    values: &[T::T],
+) -> Result<(), ParquetError> {
+    let Some(mut column) = group.next_column()? else {
+        return Err(ParquetError::General("rows have more columns than the first ones".into()));
+    };
+    column.typed::<T>().write_batch(values, None, None)?;
+    column.close()
+}
+
+fn schema(columns: &[Column]) -> Result<Type, ParquetError> {
+    let field = |name: &str, kind| {
+        let field = Type::primitive_type_builder(name, kind).with_repetition(Repetition::REQUIRED).build()?;
+        Ok::<_, ParquetError>(Arc::new(field))
+    };
+    let mut fields = vec![
+        field("step", Physical::INT64)?,
+        field("trajectory", Physical::INT64)?,
+        field("t", Physical::DOUBLE)?,
+    ];
+    for Column { name, shape, place } in columns {
+        for number in 0..place.len() {
+            let (mut index, mut left) = (String::new(), number);
+            for &size in shape.iter().rev() {
+                index = format!("_{}{index}", left % size);
+                left /= size;
+            }
+            fields.push(field(&format!("{name}{index}"), Physical::DOUBLE)?);
+        }
+    }
+    Type::group_type_builder("rows").with_fields(fields).build()
+}
+
+/// What the system says, if that was it.
+fn of_the_system(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(error) => match error.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(error) => io::Error::other(error),
+        },
+        error => io::Error::other(error),
+    }
+}

@@ -1,0 +1,192 @@
+//! Files for ParaView: a grid of points or triangles with fields (`.vtu`), and a series of them in time (`.pvd`), which
+//! is the file to open.
+//!
+//! A recorder writes them of a run: `record::Vtu`, with the feature `data`.
+//!
+//! ```
+//! use rattle::vtu::{Cells, Field, Series, text};
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("fall.pvd");
+//! let mut series = Series::create(&path)?;
+//! for step in 0..3 {
+//!     let time = 0.1 * f64::from(step);
+//!     let bodies = [[0.0, 0.0, -0.5 * time * time], [1.0, 0.0, -0.5 * time * time]];
+//!     series.add(time, &text(&bodies, &Cells::Points, &[Field::number("mass", &[1.0, 2.0])], &[]))?;
+//! }
+//! # let list = std::fs::read_to_string(path)?;
+//! # assert!(list.contains("timestep=\"0.1\"") && list.contains("fall_000002.vtu"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
+
+use std::fmt::{Debug, Write as _};
+use std::fs::{self, File};
+use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+/// What a grid draws.
+#[derive(Debug, Clone, Copy)]
+pub enum Cells<'a> {
+    /// Each point by itself.
+    Points,
+    /// Triangles, three points each.
+    Triangles(&'a [[u32; 3]]),
+}
+
+/// Numbers at all points, or in all cells.
+#[derive(Debug, Clone)]
+pub struct Field<'a> {
+    name: &'a str,
+    components: usize,
+    numbers: Vec<f64>,
+}
+
+impl<'a> Field<'a> {
+    /// One number for each.
+    #[must_use]
+    pub fn number(name: &'a str, numbers: &[f64]) -> Self {
+        Self { name, components: 1, numbers: numbers.to_vec() }
+    }
+
+    /// A vector for each, of up to three coordinates.
+    #[must_use]
+    pub fn vector<const D: usize>(name: &'a str, vectors: &[[f64; D]]) -> Self {
+        const { assert!(D <= 3, "ParaView's space has three coordinates") }
+        let numbers = vectors.iter().flat_map(|v| (0..3).map(|i| v.get(i).copied().unwrap_or(0.0)));
+        Self { name, components: 3, numbers: numbers.collect() }
+    }
+}
+
+/// A grid with fields at its points and in its cells, as the text of a `.vtu` file. Numbers read back bit for bit.
+///
+/// # Panics
+/// If a field has another length than there are points, or cells.
+#[track_caller]
+#[must_use]
+pub fn text(
+    points: &[[f64; 3]],
+    cells: &Cells<'_>,
+    at_points: &[Field<'_>],
+    in_cells: &[Field<'_>],
+) -> String {
+    let n = points.len();
+    let (m, corners, kind) = match cells {
+        Cells::Points => (n, 1, 1),
+        Cells::Triangles(triangles) => (triangles.len(), 3, 5),
+    };
+    let fits =
+        |fields: &[Field<'_>], n| fields.iter().all(|field| field.numbers.len() == field.components * n);
+    assert!(fits(at_points, n), "a field at points has an entry for each point");
+    assert!(fits(in_cells, m), "a field in cells has an entry for each cell");
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\">\n",
+    );
+    let _ = writeln!(out, "<UnstructuredGrid><Piece NumberOfPoints=\"{n}\" NumberOfCells=\"{m}\">");
+    for (place, fields) in [("PointData", at_points), ("CellData", in_cells)] {
+        let _ = writeln!(out, "<{place}>");
+        for Field { name, components, numbers } in fields {
+            array(&mut out, "Float64", name, *components, numbers);
+        }
+        let _ = writeln!(out, "</{place}>");
+    }
+    out.push_str("<Points>\n");
+    array(&mut out, "Float64", "points", 3, points.as_flattened());
+    out.push_str("</Points><Cells>\n");
+    match cells {
+        Cells::Points => array(&mut out, "Int64", "connectivity", 1, 0..n),
+        Cells::Triangles(triangles) => {
+            array(&mut out, "Int64", "connectivity", 1, triangles.as_flattened());
+        }
+    }
+    array(&mut out, "Int64", "offsets", 1, (1..=m).map(|i| corners * i));
+    array(&mut out, "UInt8", "types", 1, (0..m).map(|_| kind));
+    out.push_str("</Cells></Piece></UnstructuredGrid></VTKFile>\n");
+    out
+}
+
+fn array(
+    out: &mut String,
+    kind: &str,
+    name: &str,
+    components: usize,
+    numbers: impl IntoIterator<Item = impl Debug>,
+) {
+    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;");
+    let _ = writeln!(
+        out,
+        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"ascii\">"
+    );
+    for number in numbers {
+        let _ = write!(out, "{number:?} "); // into a string
+    }
+    out.push_str("\n</DataArray>\n");
+}
+
+/// Files `name_000000.vtu`, … and `name.pvd` with their times, whole after each file.
+#[derive(Debug)]
+pub struct Series {
+    folder: PathBuf,
+    name: String,
+    number: usize,
+    still: Vec<String>,
+    list: File,
+    /// Where the next entry goes.
+    end: u64,
+}
+
+/// The list's last lines.
+const END: &str = "</Collection></VTKFile>\n";
+
+impl Series {
+    /// Begins the list `path`, which ends in `.pvd`; makes its folder where it is missing.
+    ///
+    /// # Errors
+    /// Those of the file system; a path without a file's name.
+    pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
+        let path = path.as_ref();
+        let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path names no file");
+        let name = path.file_stem().ok_or_else(no_name)?.to_string_lossy().into_owned();
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        fs::create_dir_all(&folder)?;
+        let list = File::create(folder.join(format!("{name}.pvd")))?;
+        let mut series = Self { folder, name, number: 0, still: Vec::new(), list, end: 0 };
+        series
+            .append("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\"><Collection>\n")?;
+        Ok(series)
+    }
+
+    /// Shows a grid that stands still beside all that are added after it, such as the surface that bodies move on:
+    /// `name_what.vtu`.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn beside(&mut self, what: &str, text: &str) -> io::Result<()> {
+        let file = format!("{}_{what}.vtu", self.name);
+        fs::write(self.folder.join(&file), text)?;
+        self.still.push(file);
+        Ok(())
+    }
+
+    /// Adds the [text] of a grid at a time.
+    ///
+    /// # Errors
+    /// Those of the file system.
+    pub fn add(&mut self, time: f64, text: &str) -> io::Result<()> {
+        let file = format!("{}_{:06}.vtu", self.name, self.number);
+        fs::write(self.folder.join(&file), text)?;
+        self.number += 1;
+        let mut entries = String::new();
+        for (part, file) in [&file].into_iter().chain(&self.still).enumerate() {
+            // into a string
+            let _ = writeln!(entries, "<DataSet timestep=\"{time:?}\" part=\"{part}\" file=\"{file}\"/>");
+        }
+        self.append(&entries)
+    }
+
+    /// In place of the last lines, which follow.
+    fn append(&mut self, entries: &str) -> io::Result<()> {
+        self.list.seek(SeekFrom::Start(self.end))?;
+        self.list.write_all(format!("{entries}{END}").as_bytes())?;
+        self.end += entries.len() as u64;
+        Ok(())
+    }
+}
