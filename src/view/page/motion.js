@@ -139,17 +139,21 @@ class Motion {
       new THREE.Mesh(geometry, new THREE.MeshStandardMaterial({ roughness: 0.5, vertexColors: true, ...options }));
     const glass = { side: THREE.DoubleSide, transparent: true, opacity: 0.16, depthWrite: false };
     this.solids = [
-      ...this.discs.map(({ centre, axis, radius }) => ({ mesh: mesh(discGeometry(axis, radius), {}), centre, radius })),
-      ...this.walls.map((wall) => ({ mesh: mesh(wallGeometry(wall), glass), radius: 0 })),
+      ...this.discs.map(({ centre, axis, radius }) => {
+        const geometry = discGeometry(axis, radius);
+        geometry.computeBoundingBox(); // about its centre
+        return { mesh: mesh(geometry, {}), centre, reach: geometry.boundingBox.max.toArray() };
+      }),
+      ...this.walls.map((wall) => ({ mesh: mesh(wallGeometry(wall), glass) })),
       ...this.boxes.map(({ sides, centres, turns }) => ({
         mesh: mesh(boxGeometry(sides), {}),
         centres: decodePoints(centres),
         turns: decode(turns, Float32Array),
-        radius: 0.5 * Math.hypot(...sides) + 0.3 * Math.max(...sides),
+        reach: Array(3).fill(0.5 * Math.hypot(...sides) + 0.3 * Math.max(...sides)),
       })),
     ];
     this.solids.forEach((solid) => {
-      if (solid.radius === 0) solid.mesh.renderOrder = 4;
+      if (!solid.reach) solid.mesh.renderOrder = 4;
       solid.mesh.frustumCulled = false;
     });
   }
@@ -161,11 +165,12 @@ class Motion {
     add(this.positions);
     add(new Float32Array(this.places.flat()));
     this.surfaces.forEach((surface) => add(surface.geometry.attributes.position.array));
-    for (const { centres, centre, radius, mesh } of this.solids) {
+    for (const { centres, centre, reach, mesh } of this.solids) {
       const middles = centres ?? (centre === undefined ? [] : this.#all(centre));
-      if (radius === 0) add(mesh.geometry.attributes.position.array);
-      for (const sign of radius ? [-radius, radius] : []) {
-        for (let axis = 0; axis < 3; axis++) add(Float32Array.from(middles, (x, i) => x + (i % 3 === axis ? sign : 0)));
+      if (!reach) add(mesh.geometry.attributes.position.array);
+      for (const sign of reach ? [-1, 1] : []) {
+        const moved = (x, i, axis) => x + (i % 3 === axis ? sign * reach[axis] : 0);
+        for (let axis = 0; axis < 3; axis++) add(Float32Array.from(middles, (x, i) => moved(x, i, axis)));
       }
     }
     const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
