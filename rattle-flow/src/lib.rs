@@ -40,6 +40,8 @@ mod conservative;
 pub mod dam_break;
 mod error;
 mod flow;
+#[cfg(feature = "geotiff")]
+mod geotiff;
 mod gmsh;
 mod krylov;
 pub mod law;

@@ -1,28 +1,35 @@
-//! Terrain as a raster: the ASCII grid of ESRI, which geographic programs write.
+//! Terrain as a raster: the ASCII grid of ESRI, which geographic programs write, and GeoTIFF (feature `geotiff`).
 
 use crate::mesh::Mesh;
-use crate::read::{ReadError, Words, file};
+use crate::read::{ReadError, Words, bytes, text};
 use std::path::Path;
 
 /// Heights at the middles of square cells. A cell without data has the height NaN.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
-    columns: usize,
-    rows: usize,
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
     /// The middle of the cell in the south-west.
-    first: [f64; 2],
-    cell: f64,
+    pub(crate) first: [f64; 2],
+    pub(crate) cell: f64,
     /// Row by row from the north, as in the file.
-    heights: Vec<f64>,
+    pub(crate) heights: Vec<f64>,
 }
 
 impl Raster {
-    /// Reads a file.
+    /// Reads a file: an ASCII grid, or with the feature `geotiff` a GeoTIFF of one band, north up, on square cells in
+    /// metres.
     ///
     /// # Errors
-    /// [`ReadError`], with the line.
+    /// [`ReadError`], with the line of an ASCII grid.
     pub fn read(path: impl AsRef<Path>) -> Result<Raster, ReadError> {
-        Raster::parse(&file(path.as_ref())?)
+        let path = path.as_ref();
+        let bytes = bytes(path)?;
+        #[cfg(feature = "geotiff")]
+        if crate::geotiff::is_tiff(&bytes) {
+            return crate::geotiff::parse(&bytes);
+        }
+        Raster::parse(&text(path, bytes)?)
     }
 
     /// Reads the text of a file.

@@ -1,6 +1,7 @@
 //! Words of a text file, and what is wrong with them.
 
 use crate::error::MeshError;
+use std::path::Path;
 
 /// A file that cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +36,13 @@ pub enum ReadError {
     Version {
         /// What the file is.
         found: String,
+    },
+    /// A GeoTIFF that is no terrain.
+    #[cfg(feature = "geotiff")]
+    #[error("GeoTIFF: {what}")]
+    GeoTiff {
+        /// What is wrong, and what mends it.
+        what: String,
     },
     /// What was read is no mesh.
     #[error(transparent)]
@@ -75,6 +83,17 @@ impl<'a> Words<'a> {
     }
 }
 
-pub(crate) fn file(path: &std::path::Path) -> Result<String, ReadError> {
-    std::fs::read_to_string(path).map_err(|source| ReadError::Io { path: path.display().to_string(), source })
+pub(crate) fn file(path: &Path) -> Result<String, ReadError> {
+    text(path, bytes(path)?)
+}
+
+pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    std::fs::read(path).map_err(|source| ReadError::Io { path: path.display().to_string(), source })
+}
+
+pub(crate) fn text(path: &Path, bytes: Vec<u8>) -> Result<String, ReadError> {
+    String::from_utf8(bytes).map_err(|error| {
+        let source = std::io::Error::new(std::io::ErrorKind::InvalidData, error);
+        ReadError::Io { path: path.display().to_string(), source }
+    })
 }

@@ -142,3 +142,61 @@ fn paraview_gets_what_was_there() {
     assert_eq!(std::fs::read_to_string(folder.join("flow_000001.vtu")).unwrap(), text);
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// Rasters that GDAL 3.10.3 wrote (by rasterio 1.4.4): four rows of six heights, the one in the north-east missing.
+fn by_gdal(name: &str) -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)
+}
+
+/// Real numbers with deflate and a predictor, integers in tiles with LZW, doubles; heights of cells, and of points.
+#[test]
+fn geotiff_is_the_terrain_that_gdal_wrote() {
+    for name in ["float_deflate.tif", "int_lzw_tiled.tif", "double.tif", "point.tif"] {
+        let raster = Raster::read(by_gdal(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        for (row, column) in
+            (0..4).flat_map(|row| (0..6).map(move |column| (f64::from(row), f64::from(column))))
+        {
+            let found = raster.height([1005.0 + 10.0 * column, 535.0 - 10.0 * row]);
+            let written = 10.0 * row + column + 0.25 * row * column;
+            let written = if name.starts_with("int") { written.trunc() } else { written };
+            let is_right = if row == 0.0 && column == 5.0 { found.is_nan() } else { found == written };
+            assert!(is_right, "{name}: {found} at {row}, {column}");
+        }
+        assert!(raster.height([1000.0, 520.0]).is_nan(), "{name}: outside of the middles of cells");
+        assert_eq!(raster.mesh().unwrap().0.points().len(), 23, "{name}");
+    }
+}
+
+#[test]
+fn geotiff_that_is_no_terrain_is_refused() {
+    let cases = [
+        ("degrees.tif", "coordinates in degrees; `gdalwarp -t_srs"),
+        ("oblong.tif", "cells of 10 by 12; `gdalwarp -tr`"),
+        ("turned.tif", "`gdalwarp` makes rasters north up"),
+        ("two_bands.tif", "several bands; `gdal_translate -b 1`"),
+    ];
+    for (name, what) in cases {
+        let error = Raster::read(by_gdal(name)).unwrap_err().to_string();
+        assert!(error.starts_with("GeoTIFF: ") && error.contains(what), "{name}: {error}");
+    }
+    // Whatever is damaged: a raster or an error, soon.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged.tif");
+    for name in ["float_deflate.tif", "int_lzw_tiled.tif"] {
+        let whole = std::fs::read(by_gdal(name)).unwrap();
+        let read = format!("{:?}", Raster::read(by_gdal(name)).unwrap());
+        for at in 0..whole.len() {
+            let mut damaged = whole.clone();
+            damaged[at] ^= 1 << (at % 8);
+            std::fs::write(&path, &damaged).unwrap();
+            let _ = Raster::read(&path);
+            std::fs::write(&path, &whole[..at]).unwrap();
+            // What stands behind the last height, a check sum or the rest of a tile, is not needed.
+            let cut = Raster::read(&path).ok().map(|raster| format!("{raster:?}"));
+            assert!(
+                cut.is_none_or(|cut| at > whole.len() / 2 && cut == read),
+                "{name}: the first {at} bytes"
+            );
+        }
+    }
+}
