@@ -175,7 +175,7 @@ fn compare(q: &[Vector2<f64>], tension: &[f64], pull: Vector2<f64>) -> Result<()
         .x("x / distance of the supports")
         .y("tension / weight of the chain")
         .line("catenary, H cosh((x − ½)/a)", exact)
-        .marked("links, from the multipliers", found)
+        .points("links, from the multipliers", found)
         .save("out/chain/tension.svg")?;
     Ok(())
 }

@@ -137,13 +137,12 @@ fn multipliers() -> Result<(), Box<dyn Error>> {
         let curvature = parts.bending.iter().map(|bending| -bending);
         curvature.zip(parts.rattle.iter().copied()).collect::<Vec<_>>()
     };
-    let mut every_fiftieth: Vec<_> = over_curvature(&free).into_iter().step_by(50).collect();
-    every_fiftieth.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let every_fiftieth: Vec<_> = over_curvature(&free).into_iter().step_by(50).collect();
     Chart::new("The multiplier shows the curvature: exactly, where no force acts")
         .x("κ|v|², normal curvature along the path times speed squared")
         .y("λ|∇g| of RATTLE")
         .line("gravity: off by −n·f, up to ±1", over_curvature(&falling))
-        .marked("free: λ|∇g| = −κ|v|²", every_fiftieth)
+        .points("free: λ|∇g| = −κ|v|²", every_fiftieth)
         .save("out/curvature/scatter.svg")?;
     println!("\nWritten to out/curvature: genus.svg, multiplier.svg, scatter.svg");
     Ok(())

@@ -125,7 +125,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Chart::new("The direction of the swing")
         .x("time t / √(l/g)")
         .y("azimuth from east, northwards / °")
-        .marked("measured", directions.iter().step_by(4).map(|(t, angle)| (*t, angle.to_degrees())))
+        .points("measured", directions.iter().step_by(4).map(|(t, angle)| (*t, angle.to_degrees())))
         .line("−Ω t sin φ", line)
         .save("out/foucault/direction.svg")?;
     let early = |curve: Vec<(f64, f64)>| curve.into_iter().take_while(|p| p.0 <= 60.0).collect::<Vec<_>>();

@@ -24,6 +24,7 @@ use std::fs;
 type Outcome = Result<(), Box<dyn Error>>;
 
 fn main() -> Outcome {
+    std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     fs::create_dir_all("docs/gallery")?;
     let mut page = String::from(
         "# Gallery\n\nMade by `cargo run --release --example gallery`.\n\n## Surfaces\n\nEach with geodesics from one place; \

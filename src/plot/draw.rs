@@ -32,8 +32,9 @@ const TITLE: f64 = 18.0;
 const LABEL: f64 = 14.0;
 const LEGEND: f64 = 13.0;
 const TICK: f64 = 12.0;
-/// The width of a letter in parts of its height, on average and a little more: nobody knows the reader's fonts.
-const LETTER: f64 = 0.56;
+/// The width of a small letter and of a capital in parts of their height, on average and a little more: nobody knows
+/// the reader's fonts.
+const LETTER: [f64; 2] = [0.56, 0.72];
 /// Lines on the first that lies beneath, on the second, …
 const DASHES: [&str; 4] = ["none", "9 7", "3 8", "12 4 2 4"];
 
@@ -297,7 +298,8 @@ fn scale_width(sheet: &Sheet) -> f64 {
 
 /// The width of the longest text in heights of its letters.
 fn longest<'a>(texts: impl Iterator<Item = &'a str>) -> f64 {
-    texts.map(|text| text.chars().count()).max().unwrap_or(0) as f64 * LETTER
+    let width = |text: &str| text.chars().map(|c| LETTER[usize::from(c.is_uppercase())]).sum::<f64>();
+    texts.map(width).fold(0.0, f64::max)
 }
 
 /// Width and dashes of a line.
