@@ -11,7 +11,7 @@ use rattle::Error;
 use rattle::effect::{Langevin, LinearDrag};
 use rattle::error::{Limit, PriceMistake};
 use rattle::prelude::*;
-use rattle::price::{Candidate, Clock};
+use rattle::price::{Candidate, Clock, Numbers};
 
 #[test]
 fn orders_and_errors_are_those_of_the_methods() {
@@ -51,6 +51,53 @@ fn orders_and_errors_are_those_of_the_methods() {
     let digits = prices.digits();
     assert!(digits.len() > 10 && digits.windows(2).all(|pair| pair[0].1 <= pair[1].1), "{digits:?}");
     assert_eq!(prices.csv().lines().count(), prices.rows.len() + 1);
+}
+
+/// A trajectory in lanes is the one of a simulation, to rounding; a single has seven digits; what cannot go side by side
+/// says so.
+#[test]
+fn lanes_are_priced_beside_simulations() {
+    let scene = sphere();
+    let others =
+        |count: u32| (1..count).map(|i| scene.start.clone().moving([0.0, 0.6, 0.8 - 0.001 * f64::from(i)]));
+    let asked = |count| scene.scene.price(&scene.start, 5.0).side_by_side(others(count)).budget(6.0);
+    let prices = asked(16).clock(scene.clock()).measure().unwrap();
+    let rows = |method: Candidate| prices.rows.iter().filter(move |row| row.method == method);
+    let mut compared = 0;
+    for lanes in Candidate::LANES {
+        let Candidate::InLanes(&method, numbers) = lanes else { panic!("{lanes}") };
+        assert!(rows(lanes).count() > 1, "{lanes}");
+        let rounding = if numbers == Numbers::Single { 1e-4 } else { 1e-13 };
+        for (row, alone) in rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone))) {
+            if row.h == alone.h {
+                let [a, b] = [row, alone].map(|row| row.position.unwrap());
+                assert!((a - b).abs() <= rounding + 1e-9 * b, "{lanes}: {a:e} and {b:e} at h = {}", row.h);
+                // A row has room for 64, of which 16 are used.
+                let ratio = row.seconds / alone.seconds;
+                assert!(
+                    (0.5..20.0).contains(&ratio),
+                    "{lanes}: {ratio} times the evaluations at h = {}",
+                    row.h
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 20, "{compared}\n{prices}");
+    for (lanes, bounds) in Candidate::LANES.into_iter().zip([1e-8..1e-5, 1e-17..1e-14, 1e-17..1e-14]) {
+        let energy = rows(lanes).map(|row| row.energy).fold(0.0, f64::max); // on a circle that of rounding alone
+        assert!(bounds.contains(&energy), "{lanes}: {energy:e}");
+    }
+    let digits = prices.digits_in_lanes();
+    assert!(digits.len() > 10 && digits.iter().all(|offer| offer.2.is_in_lanes()), "{digits:?}");
+    assert!(prices.digits().iter().all(|offer| !offer.2.is_in_lanes()));
+    assert!(prices.front().all(|row| !row.method.is_in_lanes()));
+
+    let few = scene.scene.price(&scene.start, 1.0).side_by_side([]).budget(0.1).clock(scene.clock());
+    let few = few.measure().unwrap();
+    let alone = few.refused.iter().filter(|refused| refused.method.is_in_lanes());
+    assert!(alone.clone().count() == Candidate::LANES.len(), "{few}");
+    assert!(alone.clone().all(|refused| matches!(refused.why, Some(Error::Price(PriceMistake::OneByOne)))));
 }
 
 #[test]

@@ -15,8 +15,8 @@ use rattle::surfaces::Sphere;
 const PENDULUMS: u32 = 16;
 /// Steps of RATTLE in a step of the composition, whose own error is below rounding.
 const SUBSTEPS: u64 = 17;
-/// Steps of it at which energies are asked for: 10³ to 10⁷ of RATTLE.
-const COUNTS: [u64; 9] = [60, 190, 600, 1_900, 6_000, 19_000, 60_000, 190_000, 600_000];
+/// Energies are asked for after so many steps of it, a thousand of RATTLE, then after √10 times as many, …
+const FIRST: f64 = 60.0;
 /// Energies of rounding alone are of this size, for each root of a step.
 const LAW: f64 = 1e-17;
 
@@ -29,8 +29,8 @@ pub(crate) struct Run {
     pub(crate) ns: f64,
 }
 
-/// The runs with every kind of numbers.
-pub(crate) fn runs() -> Result<Vec<Run>, rattle::Error> {
+/// The runs with every kind of numbers, of so many steps of RATTLE.
+pub(crate) fn runs(steps: f64) -> Result<Vec<Run>, rattle::Error> {
     let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let (sin, cos) = std::f64::consts::FRAC_PI_3.sin_cos();
     let starts: Vec<_> = (0..PENDULUMS)
@@ -44,7 +44,7 @@ pub(crate) fn runs() -> Result<Vec<Run>, rattle::Error> {
         let few = &starts[..4];
         let mut all: Vec<_> =
             few.iter().map(|start| scene.simulate(start.clone(), method())).collect::<Result<_, _>>()?;
-        run("compensated, alone", few.len(), |steps| {
+        run("compensated, alone", few.len(), steps, |steps| {
             all.iter_mut().try_for_each(|simulation| simulation.run(steps))?;
             Ok(all.iter().map(|simulation| simulation.energy_error()).collect())
         })?
@@ -54,15 +54,16 @@ pub(crate) fn runs() -> Result<Vec<Run>, rattle::Error> {
     let single = scene.ensemble_in(Single, starts.clone(), method())?;
     Ok(vec![
         alone,
-        in_lanes("compensated, in lanes", &starts, compensated)?,
-        in_lanes("double, in lanes", &starts, double)?,
-        in_lanes("single, in lanes", &starts, single)?,
+        in_lanes("compensated, in lanes", &starts, steps, compensated)?,
+        in_lanes("double, in lanes", &starts, steps, double)?,
+        in_lanes("single, in lanes", &starts, steps, single)?,
     ])
 }
 
 fn in_lanes(
     numbers: &'static str,
     starts: &[State<3>],
+    steps: f64,
     mut ensemble: rattle::Ensemble<3>,
 ) -> Result<Run, rattle::Error> {
     let energy = |state: &State<3>| {
@@ -72,7 +73,7 @@ fn in_lanes(
     // In single precision the start itself is rounded.
     ensemble.run(1);
     let first: Vec<f64> = ensemble.states().map(|state| energy(&state)).collect();
-    run(numbers, starts.len(), |steps| {
+    run(numbers, starts.len(), steps, |steps| {
         ensemble.run(steps);
         Ok(ensemble.states().zip(&first).map(|(state, first)| energy(&state) - first).collect())
     })
@@ -81,11 +82,15 @@ fn in_lanes(
 fn run(
     numbers: &'static str,
     trajectories: usize,
+    steps: f64,
     mut go: impl FnMut(u64) -> Result<Vec<f64>, rattle::Error>,
 ) -> Result<Run, rattle::Error> {
     let (mut done, mut errors) = (0, Vec::new());
     let begun = clock::cpu_seconds();
-    for next in COUNTS {
+    let all = (steps / SUBSTEPS as f64).max(FIRST);
+    let counts =
+        (0..).map(|i| FIRST * 10_f64.powf(0.5 * f64::from(i))).take_while(|&count| count < 0.9 * all);
+    for next in counts.chain([all]).map(|count| count as u64) {
         let found = go(next - done)?;
         let square = found.iter().map(|error| error * error).sum::<f64>() / found.len() as f64;
         errors.push(((SUBSTEPS * next) as f64, square.sqrt()));

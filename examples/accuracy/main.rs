@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release --example accuracy                # 10 s for each scene; `-- 2` for 2 s
 //! cargo run --release --example accuracy -- forecasts   # 50 runs, each against its forecast
-//! cargo run --release --example accuracy -- long        # what rounding does to the energy, alone
+//! cargo run --release --example accuracy -- long        # what rounding does to the energy, alone; `-- long 1e9` goes on
 //! ```
 //!
 //! Prints tables, and writes into `out/accuracy` for each scene a diagram and all numbers (`torus.svg`, `torus.csv`),
@@ -23,7 +23,7 @@ use rattle::nalgebra::Matrix3;
 use rattle::plot::Chart;
 use rattle::potentials::{Gravity, Ricker, planar};
 use rattle::prelude::*;
-use rattle::price::{Candidate, Clock, Prices};
+use rattle::price::{Clock, Prices, Pricing};
 use rattle::scene::Hold;
 use rattle::surfaces::{Lemniscate, Sphere, TorusByDistance};
 use std::error::Error;
@@ -33,6 +33,10 @@ use std::fs;
 const FOLDER: &str = "out/accuracy";
 /// Colours of a chart.
 const CURVES: usize = 7;
+/// Steps of long runs.
+const STEPS: f64 = 1e7;
+/// Trajectories beside the one that is priced in lanes.
+const LANES: u32 = 255;
 /// What the list of digits looks for, and the wish that is checked.
 const WISH: f64 = 1e-8;
 
@@ -74,7 +78,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     fs::create_dir_all(FOLDER)?;
     if asked.as_deref() == Some("long") {
-        return long_runs().map(drop);
+        let steps = std::env::args().nth(2).map_or(Ok(STEPS), |text| text.parse())?;
+        return long_runs(steps).map(drop);
     }
     let budget = asked.map_or(Ok(10.0), |text| text.parse())?;
     println!("on {}, one core, {budget} s for each scene", processor());
@@ -90,36 +95,31 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
     let scene = Scene::on(lemniscate).with(Gravity { g: 1.0 });
     let start = State::at([0.0, 0.0, 1.0 / 6.0]).moving([FRAC_1_SQRT_2, FRAC_1_SQRT_2.next_down(), 0.0]);
-    price(measured(
-        "lemniscate",
-        "A billiard on a surface of genus two under gravity",
-        &scene,
-        &start,
-        5.0,
-        budget,
-    )?)?;
+    let others: Vec<_> = (1..=LANES).map(|i| State::at([0.0, 0.0, 1.0 / 6.0]).moving(around(i))).collect();
+    let title = "A billiard on a surface of genus two under gravity";
+    price(measured("lemniscate", title, scene.price(&start, 5.0).side_by_side(others), 2.0 * budget)?)?;
     let having = [("theta_deg", "45"), ("ic", "f64"), ("t", "5.0")];
     let exact = row(include_str!("../../tests/data/lemniscate_gravity.csv"), &having, &["x", "y", "z"])?;
     check(&scene, &start, 5.0, budget, &exact)?;
 
     let gas = Scene::on(lemniscate).bodies(21).with(Ricker { depth: 0.5, radius: 1.0 / 6.0 });
-    price(measured("gas", "A gas of 21 particles on it", &gas, &crowd(&gas)?, 1.0, budget)?)?;
+    price(measured("gas", "A gas of 21 particles on it", gas.price(&crowd(&gas)?, 1.0), budget)?)?;
 
     let scene = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 });
     let start = State::at([1.3, 0.0, 0.0]).moving([0.0, FRAC_PI_6.cos(), FRAC_PI_6.sin()]);
-    price(measured("torus", "A geodesic on a torus", &scene, &start, 5.0, budget)?)?;
+    price(measured("torus", "A geodesic on a torus", scene.price(&start, 5.0), budget)?)?;
     let having = [("case", "30deg"), ("t", "5")];
     let exact = row(include_str!("../../tests/data/torus_geodesic.csv"), &having, &["x", "y", "z"])?;
     check(&scene, &start, 5.0, budget, &exact)?;
 
     let scene = Scene::on(Sphere { r: 2.0 });
     let start = State::at([2.0, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
-    price(measured("sphere", "A great circle on a sphere", &scene, &start, 5.0, budget)?)?;
+    price(measured("sphere", "A great circle on a sphere", scene.price(&start, 5.0), budget)?)?;
     let (sin, cos) = 2.5_f64.sin_cos();
     check(&scene, &start, 5.0, budget, &[2.0 * cos, 1.2 * sin, 1.6 * sin])?;
 
     let scene = Scene::on(Pendulum { length: 1.0 }).with(planar::Gravity { g: 1.0 });
-    price(measured("pendulum", "A pendulum from 90°", &scene, &State::at([1.0, 0.0]), 5.0, budget)?)?;
+    price(measured("pendulum", "A pendulum from 90°", scene.price(&State::at([1.0, 0.0]), 5.0), budget)?)?;
     let having = [("theta0", "pi/2"), ("t", "5")];
     let exact = row(include_str!("../../tests/data/planar_pendulum.csv"), &having, &["x", "y"])?;
     check(&scene, &State::at([1.0, 0.0]), 5.0, budget, &exact)?;
@@ -127,7 +127,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let double = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
     let double = double.with(planar::Gravity { g: 1.0 });
     let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
-    price(measured("double_pendulum", "A double pendulum", &double, &start, 5.0, budget)?)?;
+    price(measured("double_pendulum", "A double pendulum", double.price(&start, 5.0), budget)?)?;
     let columns = ["x1", "y1", "x2", "y2"];
     let exact = row(include_str!("../../tests/data/double_pendulum.csv"), &[("t", "5")], &columns)?;
     check(&double, &start, 5.0, budget, &exact)?;
@@ -135,7 +135,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let chain = Scene::points(101).link(Rod { length: 0.01 }, (0..100).map(|i| [i, i + 1])).pin(0, [0.0; 2]);
     let chain = chain.with(planar::Gravity { g: 1.0 });
     let straight = State::of((0..=100).map(|i| [0.008 * f64::from(i), -0.006 * f64::from(i)]));
-    price(measured("chain", "A chain of 100 links that swings", &chain, &straight, 1.0, budget)?)?;
+    price(measured("chain", "A chain of 100 links that swings", chain.price(&straight, 1.0), budget)?)?;
 
     let crank = Scene::points(3)
         .link(Rod { length: 1.0 }, [[0, 1]])
@@ -145,30 +145,31 @@ fn main() -> Result<(), Box<dyn Error>> {
         .with(planar::Gravity { g: 1.0 });
     let start = crank
         .project(&State::of([[0.0, 0.0], [0.6, 0.8], [2.43, 0.0]]).with_momenta([[0.0, 0.0], [0.8, -0.6]]))?;
-    price(measured("slider_crank", "A slider and its crank", &crank, &start, 5.0, budget)?)?;
+    price(measured("slider_crank", "A slider and its crank", crank.price(&start, 5.0), budget)?)?;
 
     let body = Rigid::new([0.6, 0.8, 1.0]);
+    let free = Scene::rigid(body);
     let start = Rigid::start(&Matrix3::identity(), &[1.8, 0.4, -0.9].into());
-    price(measured("free_body", "A free rigid body", &Scene::rigid(body), &start, 5.0, budget)?)?;
+    price(measured("free_body", "A free rigid body", free.price(&start, 5.0), budget)?)?;
     let top = Scene::rigid(body).with(Top { weight: 1.0 });
-    price(measured("heavy_body", "A heavy rigid body", &top, &start, 5.0, budget)?)?;
+    price(measured("heavy_body", "A heavy rigid body", top.price(&start, 5.0), budget)?)?;
 
     let hopf = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
     let start = hopf.project(&State::at([-0.55, -0.83]).moving([0.03, 0.02]))?;
-    price(measured("hopf", "The Hopf pendulum, in phase space", &hopf, &start, 5.0, budget)?)?;
+    price(measured("hopf", "The Hopf pendulum, in phase space", hopf.price(&start, 5.0), budget)?)?;
 
-    let chart = long_runs()?;
+    let chart = long_runs(STEPS)?;
     fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor(), &chart.to_svg()?)?)?;
     println!("\nWritten to {FOLDER}: open index.html");
     Ok(())
 }
 
-/// Long runs, as a diagram; prints what they cost.
-fn long_runs() -> Result<Chart, Box<dyn Error>> {
-    let runs = long::runs()?;
+/// Long runs of so many steps, as a diagram; prints what they cost.
+fn long_runs(steps: f64) -> Result<Chart, Box<dyn Error>> {
+    let runs = long::runs(steps)?;
     let chart = long::chart(&runs);
     chart.save(format!("{FOLDER}/long_runs.svg"))?;
-    println!("\nLong runs: nanoseconds of a step, and the error of the energy after {:.0e} steps", 1e7);
+    println!("\nLong runs: nanoseconds of a step, and the error of the energy after {steps:.0e} steps");
     for run in &runs {
         println!(
             "{:24} {:6.1} {:9.1e}",
@@ -183,14 +184,12 @@ fn long_runs() -> Result<Chart, Box<dyn Error>> {
 fn measured<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     file: &'static str,
     title: &'static str,
-    scene: &Scene<C, E, N, D>,
-    start: &State<D>,
-    duration: f64,
+    pricing: Pricing<'_, C, E, N, D>,
     budget: f64,
 ) -> Result<Report, rattle::Error> {
     let style = ProgressStyle::with_template("{msg:24} {bar:40} {elapsed}").expect("a template");
     let bar = ProgressBar::new(1000).with_style(style).with_message(file);
-    let pricing = scene.price(start, duration).budget(budget).clock(Clock::of(clock::cpu_seconds));
+    let pricing = pricing.budget(budget).clock(Clock::of(clock::cpu_seconds));
     let prices = pricing.progress(|part| bar.set_position((1000.0 * part) as u64)).measure()?;
     bar.finish_and_clear();
     Ok(Report { file, title, prices })
@@ -247,6 +246,12 @@ fn forecasts() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Directions all around, for the trajectories side by side.
+fn around(number: u32) -> [f64; 3] {
+    let (sin, cos) = (f64::from(number) * std::f64::consts::TAU / f64::from(LANES + 1)).sin_cos();
+    [cos, sin, 0.0]
+}
+
 /// Twenty-one bodies at rest, apart from each other.
 fn crowd<C: Hold<3>, E: Effects<3>, N: Count>(scene: &Scene<C, E, N, 3>) -> Result<State<3>, rattle::Error> {
     let places = (0..21).map(|i| {
@@ -263,7 +268,8 @@ fn draw(report: &Report) -> Result<(), rattle::plot::PlotError> {
     let Report { file, title, prices } = report;
     let told = prices.tells_positions();
     let what = if told { "error in position" } else { "error in energy" };
-    let mut methods: Vec<_> = Candidate::ALL
+    let mut methods: Vec<_> = prices
+        .methods()
         .into_iter()
         .map(|method| (prices.rows.iter().filter(|row| row.method == method).collect::<Vec<_>>(), method))
         .filter(|(rows, _)| !rows.is_empty())

@@ -22,6 +22,9 @@ pub enum PriceMistake {
         /// The budget in seconds.
         budget: f64,
     },
+    /// Trajectories of this scene do not go side by side by this method: an ensemble moves them one by one.
+    #[error("trajectories go one by one here, and take as long as simulations")]
+    OneByOne,
     /// Momenta that are pushed at random: another step is another path.
     #[error(
         "random forces of `{effect}` make another path with every step size, and there is no error of one path to price"

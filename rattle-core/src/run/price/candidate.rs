@@ -42,10 +42,24 @@ pub enum Candidate {
     Taylor,
     /// `Dop853::adaptive(h, tolerance)`.
     Dop853,
+    /// One of the others with steps of one length, trajectories side by side: `scene.ensemble_in(numbers, starts, …)`.
+    /// See [`Pricing::side_by_side`](crate::run::price::Pricing::side_by_side).
+    InLanes(&'static Candidate, Numbers),
+}
+
+/// The numbers that trajectories in lanes are computed with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Numbers {
+    /// [`Single`](crate::run::ensemble::Single).
+    Single,
+    /// [`Double`](crate::run::ensemble::Double).
+    Double,
+    /// [`Compensated`](crate::run::ensemble::Compensated).
+    Compensated,
 }
 
 impl Candidate {
-    /// All of them: the cheapest step first.
+    /// All that move one simulation: the cheapest step first.
     pub const ALL: [Self; 11] = [
         Self::Rattle,
         Self::RattleByBroyden,
@@ -60,6 +74,26 @@ impl Candidate {
         Self::Taylor,
     ];
 
+    /// Those that are priced side by side.
+    pub const LANES: [Self; 10] = [
+        Self::InLanes(&Self::Rattle, Numbers::Single),
+        Self::InLanes(&Self::Rattle, Numbers::Double),
+        Self::InLanes(&Self::Rattle, Numbers::Compensated),
+        Self::InLanes(&Self::Composition(SUZUKI_1990_ORDER_4), Numbers::Double),
+        Self::InLanes(&Self::Composition(KAHAN_LI_1997_ORDER_6), Numbers::Double),
+        Self::InLanes(&Self::Composition(KAHAN_LI_1997_ORDER_8), Numbers::Double),
+        Self::InLanes(&Self::Composition(SOFRONIOU_SPALETTA_2005_ORDER_10), Numbers::Double),
+        Self::InLanes(&Self::Lobatto3, Numbers::Double),
+        Self::InLanes(&Self::Lobatto5, Numbers::Double),
+        Self::InLanes(&Self::Lobatto8, Numbers::Double),
+    ];
+
+    /// Whether trajectories go side by side.
+    #[must_use]
+    pub fn is_in_lanes(self) -> bool {
+        matches!(self, Self::InLanes(..))
+    }
+
     /// The order p: errors fall like hᵖ.
     #[must_use]
     pub fn order(self) -> u32 {
@@ -70,7 +104,13 @@ impl Candidate {
             Self::Lobatto5 | Self::Dop853 => 8,
             Self::Lobatto8 => 14,
             Self::Taylor => TAYLOR,
+            Self::InLanes(of, _) => of.order(),
         }
+    }
+
+    /// Errors below this part of the size may be rounding.
+    pub(super) fn fine(self) -> f64 {
+        if let Self::InLanes(_, Numbers::Single) = self { 1e-3 } else { 1e-9 }
     }
 
     /// Whether a tolerance decides on errors, not the step.
@@ -86,10 +126,12 @@ impl Candidate {
             Self::Composition(_) | Self::Lobatto3 => 4.0,
             Self::Lobatto5 => 8.0,
             Self::Lobatto8 | Self::Taylor | Self::Dop853 => 16.0,
+            Self::InLanes(of, _) => of.reach(),
         }
     }
 
-    /// The simulation of a scene by this method with steps of `h`, and the tolerance if the method has one.
+    /// The simulation of a scene by this method with steps of `h`, and the tolerance if the method has one; one
+    /// trajectory of those side by side.
     pub(super) fn simulation<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
         self,
         scene: &Scene<C, E, N, D>,
@@ -110,6 +152,7 @@ impl Candidate {
             Self::Lobatto8 => scene.simulate(start, Lobatto::<8>::new(h).guess(Extrapolated))?.boxed(),
             Self::Taylor => scene.simulate(start, Taylor::adaptive(TAYLOR, h, tolerance))?.boxed(),
             Self::Dop853 => scene.simulate(start, Dop853::adaptive(h, tolerance))?.boxed(),
+            Self::InLanes(of, _) => return of.simulation(scene, start, h, tolerance),
         })
     }
 }
@@ -125,6 +168,17 @@ impl fmt::Display for Candidate {
             Self::Lobatto8 => "Lobatto, order 14",
             Self::Taylor => "Taylor, adaptive",
             Self::Dop853 => "DOP853, adaptive",
+            Self::InLanes(of, numbers) => return f.pad(&format!("{of}, {numbers} in lanes")),
+        })
+    }
+}
+
+impl fmt::Display for Numbers {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Single => "single",
+            Self::Double => "double",
+            Self::Compensated => "compensated",
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Runs over the pilot interval, looked at as often as the reference was.
 
 use crate::error::Error;
+use crate::run::price::candidate::Candidate;
 use crate::run::price::clock::Clock;
 use crate::run::price::moving::{Movable, Moving, Rung};
 use std::iter::zip;
@@ -69,6 +70,8 @@ pub(super) struct Path {
     pub(super) observed: Vec<Vec<f64>>,
     pub(super) largest_momentum: f64,
     pub(super) kinetic: f64,
+    /// The largest work up to a look.
+    pub(super) work: f64,
     pub(super) iterations: Option<u64>,
     /// Seconds that it took, looks included.
     pub(super) seconds: f64,
@@ -82,6 +85,11 @@ pub(super) struct Runner<'a> {
 }
 
 impl Runner<'_> {
+    /// Trajectories that a run of this method moves.
+    pub(super) fn trajectories(&self, method: Candidate) -> usize {
+        if method.is_in_lanes() { self.scene.trajectories() } else { 1 }
+    }
+
     pub(super) fn left(&self) -> f64 {
         self.deadline - self.clock.now()
     }
@@ -118,6 +126,7 @@ impl Runner<'_> {
             path.observed.push(moving.observed());
             path.largest_momentum = path.largest_momentum.max(moving.largest_momentum());
             path.kinetic = path.kinetic.max(moving.kinetic_energy());
+            path.work = path.work.max(moving.work().abs());
         }
         path.seconds = self.clock.now() - begun;
         path.iterations = moving.iterations();
@@ -137,7 +146,7 @@ impl Runner<'_> {
         let at_once = (SAMPLE / about.max(1e-9)).ceil().clamp(1.0, 64.0) as usize;
         let mut times = Vec::new();
         while times.len() < REPEATS && self.left() > 1.5 * about * at_once as f64 {
-            let mut copies: Vec<_> = (0..at_once).map(|_| fresh.again()).collect();
+            let mut copies: Vec<_> = (0..at_once).map(|_| fresh.again()).collect::<Result<_, _>>()?;
             let begun = self.clock.now();
             for copy in &mut copies {
                 copy.run(pilot.looks * steps)?;

@@ -25,6 +25,7 @@
 //! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which
 //! another such method repeats; their difference is what is known of the reference's own error.
 
+mod beside;
 mod candidate;
 mod chaos;
 mod clock;
@@ -37,7 +38,7 @@ mod reference;
 mod show;
 mod within;
 
-pub use candidate::Candidate;
+pub use candidate::{Candidate, Numbers};
 pub use clock::Clock;
 pub use estimate::Estimate;
 pub use prices::{Average, Price, Prices, Refused};

@@ -6,6 +6,7 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::state::State;
 use crate::run::boxed::BoxedSimulation;
+use crate::run::price::beside::Beside;
 use crate::run::price::candidate::Candidate;
 use crate::scene::Scene;
 use std::iter::zip;
@@ -28,21 +29,35 @@ pub(super) trait Movable {
     fn names(&self) -> Vec<String>;
     /// Coordinates of a body.
     fn dimension(&self) -> usize;
+    /// How many trajectories go side by side; 0 where none are priced.
+    fn trajectories(&self) -> usize;
 }
 
-/// A simulation.
+/// A simulation, or trajectories side by side of which the first is looked at.
 pub(super) trait Moving {
-    fn again(&self) -> Box<dyn Moving + '_>;
+    fn again(&self) -> Result<Box<dyn Moving + '_>, Error>;
     fn run(&mut self, steps: u64) -> Result<(), Error>;
     /// Coordinates of all bodies in turn.
     fn positions(&self) -> Vec<f64>;
     /// The largest component of a momentum.
     fn largest_momentum(&self) -> f64;
+    fn energy(&self) -> f64;
     fn energy_error(&self) -> f64;
-    fn kinetic_energy(&self) -> f64;
-    fn iterations(&self) -> Option<u64>;
+    /// 0 where it is not asked for.
+    fn kinetic_energy(&self) -> f64 {
+        0.0
+    }
+    /// What time or walls that move did.
+    fn work(&self) -> f64 {
+        0.0
+    }
+    fn iterations(&self) -> Option<u64> {
+        None
+    }
     /// Values of what is observed.
-    fn observed(&self) -> Vec<f64>;
+    fn observed(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }
 
 /// What is observed: a name and a number of the present state.
@@ -53,6 +68,7 @@ pub(super) struct Set<'a, C, E, N, const D: usize> {
     pub(super) scene: &'a Scene<C, E, N, D>,
     pub(super) start: &'a State<D>,
     pub(super) observed: &'a [Observed<'a, D>],
+    pub(super) beside: Option<Beside<C, E, N, D>>,
 }
 
 struct Observing<'a, const D: usize> {
@@ -62,7 +78,10 @@ struct Observing<'a, const D: usize> {
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C, E, N, D> {
     fn begin(&self, rung: Rung) -> Result<Box<dyn Moving + '_>, Error> {
-        self.begin_from(rung, self.start.clone())
+        match rung.candidate {
+            Candidate::InLanes(&method, numbers) => self.begin_in_lanes(method, numbers, rung),
+            _ => self.begin_from(rung, self.start.clone()),
+        }
     }
     fn begin_beside(&self, rung: Rung, off: f64) -> Result<Box<dyn Moving + '_>, Error> {
         let beside = aside(self.start, off);
@@ -74,10 +93,13 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C,
     fn dimension(&self) -> usize {
         D
     }
+    fn trajectories(&self) -> usize {
+        self.beside.as_ref().map_or(0, |beside| beside.starts.len())
+    }
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
-    fn begin_from(&self, rung: Rung, start: State<D>) -> Result<Box<dyn Moving + '_>, Error> {
+    pub(super) fn begin_from(&self, rung: Rung, start: State<D>) -> Result<Box<dyn Moving + '_>, Error> {
         let Rung { candidate, h, tolerance } = rung;
         let simulation = candidate.simulation(self.scene, start, h, tolerance)?;
         Ok(Box::new(Observing { simulation, observed: self.observed }))
@@ -96,8 +118,8 @@ fn aside<const D: usize>(state: &State<D>, off: f64) -> State<D> {
 }
 
 impl<const D: usize> Moving for Observing<'_, D> {
-    fn again(&self) -> Box<dyn Moving + '_> {
-        Box::new(Observing { simulation: self.simulation.clone(), observed: self.observed })
+    fn again(&self) -> Result<Box<dyn Moving + '_>, Error> {
+        Ok(Box::new(Observing { simulation: self.simulation.clone(), observed: self.observed }))
     }
     fn run(&mut self, steps: u64) -> Result<(), Error> {
         self.simulation.run(steps)
@@ -108,8 +130,14 @@ impl<const D: usize> Moving for Observing<'_, D> {
     fn largest_momentum(&self) -> f64 {
         self.simulation.momenta().map(|p| p.amax()).fold(0.0, f64::max)
     }
+    fn energy(&self) -> f64 {
+        self.simulation.energy()
+    }
     fn energy_error(&self) -> f64 {
         self.simulation.energy_error()
+    }
+    fn work(&self) -> f64 {
+        self.simulation.work()
     }
     fn kinetic_energy(&self) -> f64 {
         self.simulation.kinetic_energy()

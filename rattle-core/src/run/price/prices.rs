@@ -96,7 +96,7 @@ pub struct Price {
     pub averages: Vec<f64>,
     /// The exponent a with which the error of position grew with time, tᵃ, and that of energy.
     pub growth: [f64; 2],
-    /// Seconds for each unit of simulated time: the median of repeats.
+    /// Seconds for each unit of simulated time, of one trajectory: the median of repeats.
     pub seconds: f64,
     /// By what part of it repeats differ.
     pub spread: f64,
@@ -109,7 +109,7 @@ pub struct Price {
     pub order: Option<f64>,
     /// Whether rounding decides here: a shorter step gives nothing.
     pub rounding: bool,
-    /// Whether nothing that is cheaper is as exact.
+    /// Whether nothing that is cheaper is as exact; among rows in lanes, for those.
     pub front: bool,
 }
 
@@ -148,11 +148,20 @@ impl Price {
 }
 
 impl Prices {
-    /// The front: rows than which nothing that is cheaper is as exact, the cheapest first.
+    /// The front: rows than which nothing that is cheaper is as exact, the cheapest first; not those in lanes.
     pub fn front(&self) -> impl Iterator<Item = &Price> {
-        let mut front: Vec<_> = self.rows.iter().filter(|row| row.front).collect();
+        let mut front: Vec<_> =
+            self.rows.iter().filter(|row| row.front && !row.method.is_in_lanes()).collect();
         front.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
         front.into_iter()
+    }
+
+    /// The methods that have rows, in their order.
+    #[must_use]
+    pub fn methods(&self) -> Vec<Candidate> {
+        let mut methods: Vec<_> = self.rows.iter().map(|row| row.method).collect();
+        methods.dedup();
+        methods
     }
 
     /// Nanoseconds for each unit of simulated time at which errors of position (of energy, where positions cannot be
@@ -160,10 +169,21 @@ impl Prices {
     /// powers of the step.
     #[must_use]
     pub fn digits(&self) -> Vec<(u32, f64, Candidate)> {
-        let of = self.quantity();
+        self.digits_of(|method| !method.is_in_lanes())
+    }
+
+    /// The same of one of many trajectories [side by side](crate::run::price::Pricing::side_by_side).
+    #[must_use]
+    pub fn digits_in_lanes(&self) -> Vec<(u32, f64, Candidate)> {
+        self.digits_of(Candidate::is_in_lanes)
+    }
+
+    fn digits_of(&self, which: fn(Candidate) -> bool) -> Vec<(u32, f64, Candidate)> {
+        let (of, mut methods) = (self.quantity(), self.methods());
+        methods.retain(|&method| which(method));
         let cheapest = |digits: u32| {
             let error = 10_f64.powi(-(digits as i32));
-            let offers = Candidate::ALL.into_iter().filter_map(|method| {
+            let offers = methods.iter().filter_map(|&method| {
                 let offer = interpolate(&self.of(method), of, error)?;
                 Some((digits, 1e9 * offer.seconds, method))
             });
@@ -210,13 +230,16 @@ impl Prices {
         Longer { duration, pilot, lyapunov_time }.grown(price, what)
     }
 
-    /// Marks the rows that nothing cheaper is as exact as.
+    /// Marks the rows that nothing cheaper is as exact as: one by one, and in lanes.
     pub(super) fn mark_front(&mut self) {
         let of = self.quantity();
-        let known: Vec<_> =
-            self.rows.iter().map(|row| (row.seconds, row.error(of).unwrap_or(f64::INFINITY))).collect();
-        for (row, &(seconds, error)) in self.rows.iter_mut().zip(&known) {
-            let beaten = |&(s, e): &(f64, f64)| (s < seconds && e <= error) || (s <= seconds && e < error);
+        let known =
+            |row: &Price| (row.method.is_in_lanes(), row.seconds, row.error(of).unwrap_or(f64::INFINITY));
+        let known: Vec<_> = self.rows.iter().map(known).collect();
+        for (row, &(lanes, seconds, error)) in self.rows.iter_mut().zip(&known) {
+            let beaten = |&(l, s, e): &(bool, f64, f64)| {
+                l == lanes && (s < seconds && e <= error || s <= seconds && e < error)
+            };
             row.front = error.is_finite() && !known.iter().any(beaten);
         }
     }

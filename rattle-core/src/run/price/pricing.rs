@@ -9,6 +9,7 @@ use crate::motion::hold::Hold;
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::run::boxed::BoxedSimulation;
+use crate::run::price::beside::{Beside, ensemble};
 use crate::run::price::candidate::Candidate;
 use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
@@ -56,7 +57,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     pub fn price<'a>(&'a self, start: &'a State<D>, duration: f64) -> Pricing<'a, C, E, N, D> {
-        Pricing { scene: self, start, duration, plan: Plan::default(), observed: Vec::new(), progress: None }
+        let (plan, observed) = (Plan::default(), Vec::new());
+        Pricing { scene: self, start, duration, plan, observed, beside: None, progress: None }
     }
 }
 
@@ -68,6 +70,7 @@ pub struct Pricing<'a, C, E, N, const D: usize> {
     pub(super) duration: f64,
     pub(super) plan: Plan,
     pub(super) observed: Vec<Observed<'a, D>>,
+    pub(super) beside: Option<Beside<C, E, N, D>>,
     pub(super) progress: Option<Box<dyn FnMut(f64) + 'a>>,
 }
 
@@ -102,6 +105,33 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         self
     }
 
+    /// Prices [ensembles](crate::run::ensemble::Ensemble) too: trajectories from `others` side by side with the one from
+    /// the start, on one core, in [double](crate::run::ensemble::Double) precision and, by RATTLE, in single precision
+    /// and with compensated sums. Rows [in lanes](Candidate::InLanes) tell the error of the trajectory from the start
+    /// and the cost of one of all trajectories.
+    ///
+    /// The energy of such a row is compared with that at the start, and NaN where the time does work on the scene;
+    /// averages are not told.
+    ///
+    /// ```
+    /// # use rattle::{potentials::Gravity, surfaces::Torus, Scene, State};
+    /// let scene = Scene::on(Torus { major: 1.0, minor: 0.3 }).with(Gravity { g: 1.0 });
+    /// let start = |i: u32| State::at([1.3, 0.0, 0.0]).moving([0.0, 1.0, 0.01 * f64::from(i)]);
+    /// let prices = scene.price(&start(0), 1.0).side_by_side((1..64).map(start)).budget(0.2).measure()?;
+    /// for (digits, nanoseconds, method) in prices.digits_in_lanes() {
+    ///     println!("{digits} digits: {nanoseconds:.0} ns a trajectory, by {method}");
+    /// }
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    pub fn side_by_side(mut self, others: impl IntoIterator<Item = State<D>>) -> Self
+    where
+        C: 'static,
+    {
+        let starts = std::iter::once(self.start.clone()).chain(others).collect();
+        self.beside = Some(Beside { starts, make: ensemble });
+        self
+    }
+
     /// Calls `tell` with the part of the budget that is spent, from 0 to 1, after every run.
     pub fn progress(mut self, tell: impl FnMut(f64) + 'a) -> Self {
         self.progress = Some(Box::new(tell));
@@ -121,7 +151,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
     /// budget that is not positive, a budget too short for a reference, and random forces.
     pub fn measure(mut self) -> Result<Prices, Error> {
         refuse_random(self.scene, self.start, self.duration)?;
-        let set = Set { scene: self.scene, start: self.start, observed: &self.observed };
+        let beside = self.beside.take();
+        let set = Set { scene: self.scene, start: self.start, observed: &self.observed, beside };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         measure(&set, self.duration, &self.plan, None, &mut *tell).map(|measured| measured.prices)
     }
@@ -232,13 +263,16 @@ pub(super) fn measure(
     let longer = Longer { duration, pilot: pilot.length, lyapunov_time: chaos.lyapunov_time };
     let aim = aim.map(|aim| (aim, longer));
     let mut to_climb = Climb { pilot: &pilot, reference: &reference, aim, least: f64::INFINITY };
-    let mut methods = Candidate::ALL;
+    let mut methods = Candidate::ALL.to_vec();
+    if scene.trajectories() > 0 {
+        methods.extend(Candidate::LANES);
+    }
     if aim.is_some() {
         methods.reverse();
     }
+    let count = methods.len();
     for (number, method) in methods.into_iter().enumerate() {
-        let sharers =
-            (methods.len() - number).min(if aim.is_some() { SHARERS_OF_AIM } else { methods.len() });
+        let sharers = (count - number).min(if aim.is_some() { SHARERS_OF_AIM } else { count });
         let share = runner.left() / sharers as f64;
         let own = Runner { deadline: plan.clock.now() + share, ..runner };
         let (found, why) = climb(&own, &to_climb, method);
@@ -355,7 +389,9 @@ pub(super) fn price(
     let (seconds, spread) =
         timed.map_or((path.seconds, 1.0), |(median, spread)| (median.min(path.seconds), spread));
     let distances = distances(&path, &reference.path, runner.scene.dimension());
-    let energy = most(&path.energy);
+    let lanes = rung.candidate.is_in_lanes();
+    let energy = if lanes && reference.path.work > 0.0 { f64::NAN } else { most(&path.energy) };
+    let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { averages(&path) };
     let off = |(a, b): (f64, &f64)| (a - b).abs();
     let price = Price {
         method: rung.candidate,
@@ -363,9 +399,9 @@ pub(super) fn price(
         tolerance: rung.candidate.is_adaptive().then_some(rung.tolerance),
         position: (pilot.told > 0).then(|| most(pilot.told(&distances))),
         energy,
-        averages: zip(averages(&path), &reference.averages).map(off).collect(),
+        averages: zip(averages, &reference.averages).map(off).collect(),
         growth: [growth(pilot.told(&distances)), growth(&path.energy)],
-        seconds: seconds / pilot.length,
+        seconds: seconds / pilot.length / runner.trajectories(rung.candidate) as f64,
         spread,
         steps: steps * pilot.looks,
         corrections: path.iterations,
@@ -395,8 +431,8 @@ fn follow(mut row: Price, before: Option<&Price>, pilot: &Pilot, reference: &Ref
     let size = reference.way.max(f64::MIN_POSITIVE);
     let expected = if row.tolerance.is_some() { 1.0 } else { f64::from(row.method.order()) };
     let small = match of {
-        Quantity::Position => short <= 1e-9 * size,
-        _ => short <= 1e-9 * reference.path.kinetic.max(f64::MIN_POSITIVE),
+        Quantity::Position => short <= row.method.fine() * size,
+        _ => short <= row.method.fine() * reference.path.kinetic.max(f64::MIN_POSITIVE),
     };
     row.rounding = small && gained < 0.4 * expected || short == 0.0;
     row

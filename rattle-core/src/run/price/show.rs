@@ -28,9 +28,11 @@ impl fmt::Display for Prices {
         for average in &self.averages {
             writeln!(f, "mean of {}: {:.6} ± {:.1e}", average.name, average.mean, average.uncertainty)?;
         }
+        let names = self.methods().into_iter().map(|method| method.to_string().chars().count() + 2);
+        let wide = names.max().unwrap_or(0).max(34);
         writeln!(
             f,
-            "\n{:34}  {:>9}  {:>9}  {:>9}  {:>6}  {:>11}  {:>5}  {:>9}",
+            "\n{:wide$}  {:>9}  {:>9}  {:>9}  {:>6}  {:>11}  {:>5}  {:>9}",
             "method (* on the front)",
             "h or tol.",
             "position",
@@ -47,7 +49,7 @@ impl fmt::Display for Prices {
             let position = row.position.map_or("–".into(), |error| format!("{error:.1e}"));
             write!(
                 f,
-                "{:34}  {:9.2e}  {position:>9}  {:9.1e}  {order:>6}  {:11.0}  {:4.0}%  {:9}",
+                "{:wide$}  {:9.2e}  {position:>9}  {:9.1e}  {order:>6}  {:11.0}  {:4.0}%  {:9}",
                 format!("{} {mark}", row.method),
                 row.fineness(),
                 row.energy,
@@ -67,9 +69,15 @@ impl fmt::Display for Prices {
             }
         }
         let what = if self.quantity() == Quantity::Position { "position" } else { "energy" };
-        writeln!(f, "\ndigits of {what}  ns per unit of time")?;
-        for (digits, nanoseconds, method) in self.digits() {
-            writeln!(f, "{digits:6}  {nanoseconds:19.0}  {method}")?;
+        for (digits, whose) in
+            [(self.digits(), ""), (self.digits_in_lanes(), " and trajectory, side by side")]
+        {
+            if whose.is_empty() || !digits.is_empty() {
+                writeln!(f, "\ndigits of {what}  ns per unit of time{whose}")?;
+            }
+            for (digits, nanoseconds, method) in digits {
+                writeln!(f, "{digits:6}  {nanoseconds:19.0}  {method}")?;
+            }
         }
         Ok(())
     }

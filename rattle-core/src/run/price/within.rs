@@ -97,7 +97,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
         refuse_random(self.scene, start, duration)?;
-        let set = Set { scene: self.scene, start, observed: &self.observed };
+        let set = Set { scene: self.scene, start, observed: &self.observed, beside: None };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         let Choice { rung, price, error, prices } =
             choose(&set, duration, self.error, self.what, &self.plan, &mut *tell)?;

@@ -1,0 +1,107 @@
+//! Trajectories that go side by side in lanes, priced as one of them.
+
+use crate::effect::list::Effects;
+use crate::error::{Error, PriceMistake};
+use crate::methods::composition::Composition;
+use crate::methods::lobatto::Lobatto;
+use crate::methods::rattle::Rattle;
+use crate::motion::bodies::Count;
+use crate::motion::guess::Extrapolated;
+use crate::motion::hold::Hold;
+use crate::motion::state::State;
+use crate::run::ensemble::precision::{Compensated, Double, Single};
+use crate::run::ensemble::trajectories::Ensemble;
+use crate::run::price::candidate::{Candidate, Numbers};
+use crate::run::price::moving::{Moving, Rung, Set};
+use crate::run::watch::seen::Seen;
+use crate::scene::Scene;
+
+/// The starts of all trajectories, the priced one first, and what makes an ensemble of them: only who asks for lanes
+/// has it compiled.
+pub(super) struct Beside<C, E, N, const D: usize> {
+    pub(super) starts: Vec<State<D>>,
+    pub(super) make: Make<C, E, N, D>,
+}
+
+type Make<C, E, N, const D: usize> =
+    fn(&Scene<C, E, N, D>, &[State<D>], Candidate, Numbers, f64) -> Result<Ensemble<D>, Error>;
+
+/// The ensemble of a method with steps of `h`.
+///
+/// Numbers are double where [`Candidate::LANES`] names no others, so that lanes of no others are compiled.
+pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    starts: &[State<D>],
+    method: Candidate,
+    numbers: Numbers,
+    h: f64,
+) -> Result<Ensemble<D>, Error> {
+    let starts = starts.iter().cloned();
+    match (method, numbers) {
+        (Candidate::Rattle, Numbers::Single) => scene.ensemble_in(Single, starts, Rattle::new(h)),
+        (Candidate::Rattle, Numbers::Double) => scene.ensemble_in(Double, starts, Rattle::new(h)),
+        (Candidate::Rattle, Numbers::Compensated) => scene.ensemble_in(Compensated, starts, Rattle::new(h)),
+        (Candidate::Composition(coefficients), _) => {
+            scene.ensemble(starts, Composition::new(coefficients, h))
+        }
+        (Candidate::Lobatto3, _) => scene.ensemble(starts, Lobatto::<3>::new(h).guess(Extrapolated)),
+        (Candidate::Lobatto5, _) => scene.ensemble(starts, Lobatto::<5>::new(h).guess(Extrapolated)),
+        (Candidate::Lobatto8, _) => scene.ensemble(starts, Lobatto::<8>::new(h).guess(Extrapolated)),
+        _ => Err(Error::Price(PriceMistake::OneByOne)),
+    }
+}
+
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
+    /// Trajectories in lanes, from their starts.
+    pub(super) fn begin_in_lanes(
+        &self,
+        method: Candidate,
+        numbers: Numbers,
+        rung: Rung,
+    ) -> Result<Box<dyn Moving + '_>, Error> {
+        let beside = self.beside.as_ref().ok_or(Error::Price(PriceMistake::OneByOne))?;
+        let ensemble = (beside.make)(self.scene, &beside.starts, method, numbers, rung.h)?;
+        if ensemble.groups.iter().all(|group| group.len() == 1) {
+            return Err(Error::Price(PriceMistake::OneByOne));
+        }
+        let energy = self.begin_from(Rung { candidate: method, ..rung }, self.start.clone())?.energy();
+        Ok(Box::new(InLanes { set: self, ensemble, rung, method, numbers, energy }))
+    }
+}
+
+/// An ensemble of which the first trajectory is looked at.
+struct InLanes<'a, C, E, N, const D: usize> {
+    set: &'a Set<'a, C, E, N, D>,
+    ensemble: Ensemble<D>,
+    rung: Rung,
+    method: Candidate,
+    numbers: Numbers,
+    /// At the start, before it is rounded.
+    energy: f64,
+}
+
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Moving for InLanes<'_, C, E, N, D> {
+    fn again(&self) -> Result<Box<dyn Moving + '_>, Error> {
+        self.set.begin_in_lanes(self.method, self.numbers, self.rung)
+    }
+    /// On one thread, since what one core takes is asked.
+    fn run(&mut self, steps: u64) -> Result<(), Error> {
+        let set = self.ensemble.set;
+        self.ensemble.groups.iter_mut().for_each(|group| group.run(steps, set, None));
+        self.ensemble.failures().next().map_or(Ok(()), |(_, error)| Err(error.clone()))
+    }
+    fn positions(&self) -> Vec<f64> {
+        self.ensemble.state(0).positions().flat_map(<[f64; D]>::from).collect()
+    }
+    fn largest_momentum(&self) -> f64 {
+        self.ensemble.state(0).momenta().map(|p| p.amax()).fold(0.0, f64::max)
+    }
+    fn energy(&self) -> f64 {
+        let (group, set) = (&self.ensemble.groups[0], self.ensemble.set);
+        let now = Seen::new(0, group.len(), group.bodies(), |page| group.look(page, set));
+        now.sights(group.as_ref(), 0).next().map_or(f64::NAN, |first| first.energy())
+    }
+    fn energy_error(&self) -> f64 {
+        self.energy() - self.energy
+    }
+}
