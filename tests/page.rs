@@ -1,6 +1,6 @@
 //! The 3-D page, opened in headless Chromium: it draws, plays, pauses, seeks, turns, and complains of nothing.
 
-mod browser;
+pub(crate) mod browser;
 
 use browser::Browser;
 use rattle::view::{Mesh, Page, PageError, Scene3};

@@ -53,8 +53,8 @@ fn orders_and_errors_are_those_of_the_methods() {
     assert_eq!(prices.csv().lines().count(), prices.rows.len() + 1);
 }
 
-/// A trajectory in lanes is the one of a simulation, to rounding; a single has seven digits; what cannot go side by side
-/// says so.
+/// A trajectory in lanes is the one of a simulation, to rounding; a single has seven digits; what cannot go side by
+/// side says so.
 #[test]
 fn lanes_are_priced_beside_simulations() {
     let scene = sphere();

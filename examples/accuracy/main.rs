@@ -3,6 +3,7 @@
 //! ```text
 //! cargo run --release --example accuracy                # 10 s for each scene; `-- 2` for 2 s
 //! cargo run --release --example accuracy -- forecasts   # 50 runs, each against its forecast
+//! cargo run --release --example accuracy -- wishes      # 1e-4 to 1e-11 in the gas and in phase space
 //! cargo run --release --example accuracy -- long        # what rounding does to the energy, alone; `-- long 1e9` goes on
 //! ```
 //!
@@ -12,8 +13,10 @@
 //! what the wish for 1e-8 gives is compared with it.
 
 mod clock;
+mod effects;
 mod long;
 mod page;
+mod wishes;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use rattle::bodies::Count;
@@ -23,7 +26,7 @@ use rattle::nalgebra::Matrix3;
 use rattle::plot::Chart;
 use rattle::potentials::{Gravity, Ricker, planar};
 use rattle::prelude::*;
-use rattle::price::{Clock, Prices, Pricing};
+use rattle::price::{Candidate, Clock, Price, Prices, Pricing};
 use rattle::scene::Hold;
 use rattle::surfaces::{Lemniscate, Sphere, TorusByDistance};
 use std::error::Error;
@@ -32,7 +35,11 @@ use std::fs;
 
 const FOLDER: &str = "out/accuracy";
 /// Colours of a chart.
-const CURVES: usize = 7;
+const CURVES: usize = 6;
+/// Solutions with 30 digits of the Hopf pendulum.
+const HOPF: &str = include_str!("../../tests/data/hopf_pendulum.csv");
+/// Between particles of the gas.
+const RICKER: Ricker = Ricker { depth: 0.5, radius: 1.0 / 6.0 };
 /// Steps of long runs.
 const STEPS: f64 = 1e7;
 /// Trajectories beside the one that is priced in lanes.
@@ -73,8 +80,10 @@ struct Report {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let asked = std::env::args().nth(1);
-    if asked.as_deref() == Some("forecasts") {
-        return forecasts();
+    match asked.as_deref() {
+        Some("forecasts") => return forecasts(),
+        Some("wishes") => return wishes_by_the_clock(),
+        _ => {}
     }
     fs::create_dir_all(FOLDER)?;
     if asked.as_deref() == Some("long") {
@@ -102,7 +111,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let exact = row(include_str!("../../tests/data/lemniscate_gravity.csv"), &having, &["x", "y", "z"])?;
     check(&scene, &start, 5.0, budget, &exact)?;
 
-    let gas = Scene::on(lemniscate).bodies(21).with(Ricker { depth: 0.5, radius: 1.0 / 6.0 });
+    let gas = Scene::on(lemniscate).bodies(21).with(RICKER);
     price(measured("gas", "A gas of 21 particles on it", gas.price(&crowd(&gas)?, 1.0), budget)?)?;
 
     let scene = Scene::on(TorusByDistance { major: 1.0, minor: 0.3 });
@@ -155,11 +164,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     price(measured("heavy_body", "A heavy rigid body", top.price(&start, 5.0), budget)?)?;
 
     let hopf = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
-    let start = hopf.project(&State::at([-0.55, -0.83]).moving([0.03, 0.02]))?;
+    let start = hopf.project(&on_fibres()?)?;
     price(measured("hopf", "The Hopf pendulum, in phase space", hopf.price(&start, 5.0), budget)?)?;
+    let exact = row(HOPF, &[("start", "B"), ("t", "5.0")], &["q1", "q2"])?;
+    check(&hopf, &start, 5.0, budget, &exact)?;
 
     let chart = long_runs(STEPS)?;
-    fs::write(format!("{FOLDER}/index.html"), page::page(&all, &processor(), &chart.to_svg()?)?)?;
+    let costs = effects::costs()?;
+    println!("\nEffects: nanoseconds of a step of RATTLE on the surface of genus two, of one body");
+    costs.iter().for_each(|(effects, ns)| println!("{effects:44} {ns:6.1}"));
+    let page = page::page(&all, &costs, &processor(), &chart.to_svg()?)?;
+    fs::write(format!("{FOLDER}/index.html"), page)?;
     println!("\nWritten to {FOLDER}: open index.html");
     Ok(())
 }
@@ -217,6 +232,20 @@ fn check<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
     Ok(())
 }
 
+/// Wishes in the scenes of which no evaluations are counted.
+fn wishes_by_the_clock() -> Result<(), Box<dyn Error>> {
+    let gas = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).bodies(21).with(RICKER);
+    wishes::wishes("A gas of 21 particles", &gas, &crowd(&gas)?, 1.0, 4000)?;
+    let hopf = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
+    wishes::wishes("The Hopf pendulum", &hopf, &hopf.project(&on_fibres()?)?, 5.0, 400)
+}
+
+/// A start of the Hopf pendulum, rounded.
+fn on_fibres() -> Result<State<2>, Box<dyn Error>> {
+    let numbers = row(HOPF, &[("start", "B"), ("t", "0.0")], &["q1", "q2", "p1", "p2"])?;
+    Ok(State::at([numbers[0], numbers[1]]).moving([numbers[2], numbers[3]]))
+}
+
 /// How long runs take, over what was forecast: the distribution.
 fn forecasts() -> Result<(), Box<dyn Error>> {
     let scene = Scene::on(Lemniscate { a: 1.0, r: 1.0 / 6.0 }).with(Gravity { g: 1.0 });
@@ -263,27 +292,42 @@ fn crowd<C: Hold<3>, E: Effects<3>, N: Count>(scene: &Scene<C, E, N, 3>) -> Resu
     scene.project(&State::of(places))
 }
 
-/// Error over time of the methods that have most of the front.
+/// Error over time of the methods that have most of the front: of simulations, and of trajectories side by side.
 fn draw(report: &Report) -> Result<(), rattle::plot::PlotError> {
     let Report { file, title, prices } = report;
+    diagram(title, prices, false)?.save(format!("{FOLDER}/{file}.svg"))?;
+    if prices.digits_in_lanes().is_empty() {
+        return Ok(());
+    }
+    diagram(&format!("{title}: one of {} side by side", LANES + 1), prices, true)?
+        .save(format!("{FOLDER}/{file}_in_lanes.svg"))
+}
+
+fn diagram(title: &str, prices: &Prices, lanes: bool) -> Result<Chart, rattle::plot::PlotError> {
     let told = prices.tells_positions();
     let what = if told { "error in position" } else { "error in energy" };
-    let mut methods: Vec<_> = prices
-        .methods()
-        .into_iter()
-        .map(|method| (prices.rows.iter().filter(|row| row.method == method).collect::<Vec<_>>(), method))
-        .filter(|(rows, _)| !rows.is_empty())
-        .collect();
-    methods.sort_by_key(|(rows, _)| std::cmp::Reverse(rows.iter().filter(|row| row.front).count()));
+    let point =
+        |row: &&Price| (1e9 * row.seconds, if told { row.position } else { None }.unwrap_or(row.energy));
+    let rows = || prices.rows.iter().filter(|row| row.method.is_in_lanes() == lanes && point(row).1 > 0.0);
+    let mut methods: Vec<_> =
+        prices.methods().into_iter().filter(|method| rows().any(|row| row.method == *method)).collect();
+    let most = |method: &Candidate| rows().filter(|row| row.method == *method && row.front).count();
+    methods.sort_by_key(|method| std::cmp::Reverse(most(method)));
+    methods.truncate(CURVES);
     let mut chart =
-        Chart::new(*title).x("nanoseconds for a unit of simulated time, one core").y(what).log_log();
-    for (rows, method) in methods.into_iter().take(CURVES) {
-        let points = rows
-            .iter()
-            .map(|row| (1e9 * row.seconds, if told { row.position } else { None }.unwrap_or(row.energy)));
-        chart = chart.marked(method.to_string(), points.filter(|point| point.1 > 0.0));
+        Chart::new(title).x("nanoseconds for a unit of simulated time, one core").y(what).log_log();
+    for method in methods {
+        chart = chart
+            .marked(method.to_string(), rows().filter(|row| row.method == method).map(|row| point(&row)));
     }
-    chart.save(format!("{FOLDER}/{file}.svg"))
+    chart =
+        chart.points("nothing cheaper is as exact", rows().filter(|row| row.front).map(|row| point(&row)));
+    let [fastest, slowest] = [f64::min, f64::max].map(|of| rows().map(|row| point(&row).0).reduce(of));
+    let floor = prices.reference_error.max(prices.rounding);
+    if let (Some(fastest), Some(slowest), true) = (fastest, slowest, told && floor > 0.0) {
+        chart = chart.line("known no better", [(fastest, floor), (slowest, floor)]);
+    }
+    Ok(chart)
 }
 
 /// The numbers of the first row with these texts.

@@ -1,12 +1,19 @@
 //! All diagrams on one page that needs nothing else.
 
-use crate::Report;
+use super::Report;
+use rattle::price::Candidate;
 use serde_json::{Value, json};
 
-/// The page, with a diagram of long runs at its end.
-pub(crate) fn page(reports: &[Report], processor: &str, long: &str) -> Result<String, serde_json::Error> {
+/// The page, with a diagram of long runs and a list of effects and their nanoseconds at its end.
+pub(crate) fn page(
+    reports: &[Report],
+    effects: &[(&str, f64)],
+    processor: &str,
+    long: &str,
+) -> Result<String, serde_json::Error> {
     let scenes: Vec<Value> = reports.iter().map(scene).collect();
-    let data = serde_json::to_string(&json!({ "processor": processor, "scenes": scenes }))?;
+    let data = json!({ "processor": processor, "scenes": scenes, "effects": effects });
+    let data = serde_json::to_string(&data)?;
     Ok(include_str!("page.html").replace("LONG RUNS", long).replace("\"DATA\"", &data.replace("</", "<\\/")))
 }
 
@@ -20,14 +27,13 @@ fn scene(report: &Report) -> Value {
         })
     });
     let rows = rows.collect::<Vec<_>>();
-    let digits: Vec<Value> = prices
-        .digits()
-        .into_iter()
-        .map(|(digits, ns, method)| json!([digits, ns, method.to_string()]))
-        .collect();
+    let list = |digits: Vec<(u32, f64, Candidate)>| -> Vec<Value> {
+        digits.into_iter().map(|(digits, ns, method)| json!([digits, ns, method.to_string()])).collect()
+    };
+    let (digits, lanes) = (list(prices.digits()), list(prices.digits_in_lanes()));
     json!({
         "title": report.title, "file": report.file, "duration": prices.duration, "pilot": prices.pilot, "rows": rows,
-        "digits": digits, "lyapunov": prices.lyapunov_time, "predictable": prices.predictable,
+        "digits": digits, "lanes": lanes, "lyapunov": prices.lyapunov_time, "predictable": prices.predictable,
         "floor": prices.reference_error.max(prices.rounding), "positions": prices.tells_positions(),
     })
 }

@@ -10,6 +10,8 @@ mod data;
 mod page;
 #[path = "../plot.rs"]
 mod plot;
+#[path = "../price_page.rs"]
+mod price_page;
 #[path = "../random_input.rs"]
 mod random_input;
 #[path = "../recorders.rs"]
