@@ -1,4 +1,4 @@
-//! What accuracy costs in time, measured before a run.
+//! What accuracy costs in computing time, measured before a run.
 //!
 //! ```text
 //! scene.price(&start, duration)       a ladder of steps for each method, on a pilot interval: errors, and seconds
@@ -22,8 +22,8 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which
-//! another such method repeats; their difference is what is known of the reference's own error.
+//! Errors are measured against a reference: the motion computed by a method of high order with tolerances near
+//! rounding. A second such method repeats it, and their difference estimates the error of the reference itself.
 
 mod candidate;
 mod chaos;

@@ -1,8 +1,8 @@
-//! Observers: what is kept of a run, of one simulation or of an ensemble.
+//! Observers: they collect data from a run of a simulation or an ensemble.
 //!
-//! An [`Observer`] is shown a [`Sight`] of each trajectory after every so many steps. The same observers watch
-//! [a simulation](crate::run::simulation::Simulation::observe) and
-//! [an ensemble](crate::run::ensemble::Ensemble::observe):
+//! An [`Observer`] is shown a [`Sight`] of each trajectory (its state at one time) after every so many steps. The same
+//! observers watch [a simulation](crate::run::simulation::Simulation::observe) and [an
+//! ensemble](crate::run::ensemble::Ensemble::observe):
 //!
 //! | observer | what it keeps |
 //! |---|---|
