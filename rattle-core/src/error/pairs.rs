@@ -36,7 +36,7 @@ pub enum PairMistake {
         /// The reach.
         reach: f64,
     },
-    /// A skin that is not a length.
+    /// A skin that is negative or not finite.
     #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.3 of the reach serves most")]
     Skin {
         /// The type of the potential.

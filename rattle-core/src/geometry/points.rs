@@ -129,7 +129,7 @@ pub enum PointsError {
         /// Its greatest coordinates.
         high: Vec<f64>,
     },
-    /// A distance that is not a positive length.
+    /// A distance that is negative or not finite.
     #[error("a least distance is 0 or positive, and finite; found {0}")]
     Distance(f64),
     /// Too few lines meet the surface.

@@ -23,7 +23,7 @@ pub(crate) use crate::systems::network::solver::Solver;
 use crate::error::{Error, NetworkMistake};
 use std::sync::Arc;
 
-/// Constraints between bodies, and their masses; made by [`Scene`](crate::scene::Scene)'s methods.
+/// Constraints between bodies, and their masses; made by the methods of [`Scene`](crate::scene::Scene).
 #[derive(Debug, Clone)]
 pub struct Network<const D: usize> {
     pub(crate) groups: Vec<Arc<dyn Group<D>>>,
