@@ -61,7 +61,8 @@ impl Npz {
 
     /// Adds an array; in `data` the last index runs fastest.
     ///
-    /// # Errors [`DataError::Shape`] when the number of values is not the product of the extents in `shape`,
+    /// # Errors
+    /// [`DataError::Shape`] when the number of values is not the product of the extents in `shape`,
     /// [`DataError::Repeated`] when the archive has an array of that name, [`DataError::Io`].
     ///
     /// ```
@@ -120,7 +121,8 @@ impl Npz {
 
     /// Writes the archive's directory and closes the file.
     ///
-    /// # Errors [`DataError::Io`], for example for a full disk.
+    /// # Errors
+    /// [`DataError::Io`], for example for a full disk.
     ///
     /// ```
     /// # let folder = tempfile::tempdir()?;
@@ -155,9 +157,10 @@ pub struct Array {
 
 /// Reads one array of `f64` from a `.npz` file, written here or by NumPy (uncompressed, by `numpy.savez`).
 ///
-/// # Errors [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than
-/// `f64` or for Fortran order, [`DataError::Io`] for a file that cannot be read: damaged, compressed, or with more or
-/// fewer values than its header says. Memory is allocated for the values found, not for those that a header claims.
+/// # Errors
+/// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than `f64` or for
+/// Fortran order, [`DataError::Io`] for a file that cannot be read: damaged, compressed, or with more or fewer values
+/// than its header says. Memory is allocated for the values found, not for those that a header claims.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;

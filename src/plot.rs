@@ -297,7 +297,8 @@ impl Chart {
     /// The chart as SVG text: white ground, no font files, about 16 bytes a point. A curve from left to right is
     /// written with some thousands of points at most, chosen so that it looks the same as with all of them.
     ///
-    /// # Errors [`PlotError::Empty`] where there is no point, [`PlotError::NotFinite`], on logarithmic axes
+    /// # Errors
+    /// [`PlotError::Empty`] where there is no point, [`PlotError::NotFinite`], on logarithmic axes
     /// [`PlotError::NotPositive`], and [`PlotError::Map`].
     ///
     /// ```

@@ -58,7 +58,8 @@ impl<'a> Field<'a> {
 
 /// A grid with fields at its points and in its cells, as the text of a `.vtu` file. Numbers read back bit for bit.
 ///
-/// # Panics If the length of a field is not the number of points, or cells.
+/// # Panics
+/// If the length of a field is not the number of points, or cells.
 #[track_caller]
 #[must_use]
 pub fn text(

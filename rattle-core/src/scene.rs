@@ -275,8 +275,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The state with every position moved onto the constraints, by Newton's method along their gradients, and
     /// every momentum made tangent.
     ///
-    /// # Errors [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for
-    /// a state with another number of bodies.
+    /// # Errors
+    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state
+    /// with another number of bodies.
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         self.fits(state)?;
         self.constraint.project(state)
@@ -301,8 +302,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// tₙ − h/2. The momenta of the state are changed by the forces at its positions over that half step; positions are
     /// unchanged.
     ///
-    /// # Errors [`Error::BodyCount`] for a state with another number of bodies, [`Error::Network`] for an effect on
-    /// bodies that do not exist.
+    /// # Errors
+    /// [`Error::BodyCount`] for a state with another number of bodies, [`Error::Network`] for an effect on bodies that
+    /// do not exist.
     pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> Result<State<D>, Error> {
         self.fits(state)?;
         let mut state = state.clone();

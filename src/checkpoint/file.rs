@@ -37,7 +37,8 @@ pub fn encode(record: &Record) -> Vec<u8> {
 
 /// The record in the bytes of a file; `path` names the file in errors.
 ///
-/// # Errors [`CheckpointError`] for bytes that are no checkpoint, are of a later version, are cut off or have changed.
+/// # Errors
+/// [`CheckpointError`] for bytes that are no checkpoint, are of a later version, are cut off or have changed.
 pub fn decode(bytes: &[u8], path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     let path = || path.as_ref().to_path_buf();
     let common = bytes.len().min(MAGIC.len());
@@ -80,7 +81,8 @@ pub fn write(record: &Record, path: impl AsRef<Path>) -> Result<(), CheckpointEr
 
 /// Reads a record from a file.
 ///
-/// # Errors [`CheckpointError`] says what is wrong with the file.
+/// # Errors
+/// [`CheckpointError`] says what is wrong with the file.
 pub fn read(path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     let path = path.as_ref();
     let bytes = fs::read(path).map_err(|source| CheckpointError::Io { path: path.into(), source })?;

@@ -9,7 +9,8 @@ use std::path::Path;
 pub trait Save: Checkpoint {
     /// Writes all that is needed to continue. An old file is replaced only when the new one is complete.
     ///
-    /// # Errors [`CheckpointError::Io`]; an old file is then unchanged.
+    /// # Errors
+    /// [`CheckpointError::Io`]; an old file is then unchanged.
     #[doc(alias = "checkpoint")]
     #[doc(alias = "dump")]
     fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
@@ -19,7 +20,8 @@ pub trait Save: Checkpoint {
     /// Sets the run to the state in the file, which must have been saved from the same scene and method. The present
     /// state is replaced.
     ///
-    /// # Errors [`CheckpointError`] says what is wrong with the file; the run is then unchanged.
+    /// # Errors
+    /// [`CheckpointError`] says what is wrong with the file; the run is then unchanged.
     ///
     /// ```
     /// # use rattle::prelude::*;

@@ -42,7 +42,8 @@ impl Saving {
     /// Also saves the run after every `steps` steps, counted from the very start of the simulation, also where it was
     /// restored.
     ///
-    /// # Panics If `steps` is 0.
+    /// # Panics
+    /// If `steps` is 0.
     #[track_caller]
     pub fn every(mut self, steps: u64) -> Self {
         assert!(steps > 0, "a run is saved after every 1 or more steps");
@@ -86,7 +87,8 @@ impl Saving {
     /// Takes steps until `steps` have been taken since the very start of the simulation (none if there are as many
     /// already), and saves the run.
     ///
-    /// # Errors [`CheckpointError::Step`] for a step that cannot be taken; the steps before it are saved.
+    /// # Errors
+    /// [`CheckpointError::Step`] for a step that cannot be taken; the steps before it are saved.
     /// [`CheckpointError::Io`] where the run cannot be saved: it then stands at the step that was to be saved, and the
     /// last checkpoint is unchanged.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {

@@ -40,7 +40,8 @@ enum Begun {
 impl Parquet {
     /// Creates the file `path`, and its folder where that is missing.
     ///
-    /// # Errors Those of the file system.
+    /// # Errors
+    /// Those of the file system.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         if let Some(folder) = path.as_ref().parent() {
             fs::create_dir_all(folder)?;

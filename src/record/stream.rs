@@ -16,7 +16,8 @@ const WAITING: usize = 16;
 pub trait Writer: Send + 'static {
     /// Writes a block.
     ///
-    /// # Errors Those of the file system; after an error nothing more is written.
+    /// # Errors
+    /// Those of the file system; after an error nothing more is written.
     fn write(&mut self, rows: &Rows) -> io::Result<()>;
     /// Completes the file.
     ///
@@ -75,7 +76,8 @@ impl Stream {
     /// Waits until all rows are written, completes the file, and returns the number of rows. Finish the recorders
     /// first.
     ///
-    /// # Errors [`StreamError`], with the number of rows that were written.
+    /// # Errors
+    /// [`StreamError`], with the number of rows that were written.
     pub fn finish(self) -> Result<u64, StreamError> {
         let _ = self.sender.send(Told::End); // a thread that has ended needs no telling
         self.thread.join().unwrap_or_else(|_| {

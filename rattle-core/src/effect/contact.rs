@@ -30,7 +30,8 @@ pub trait Contacts<const D: usize>: Debug + Send + Sync + 'static {
     fn restitution(&self) -> f64;
     /// Checks that the contacts make sense for this number of bodies.
     ///
-    /// # Errors For example a body that does not exist, or a restitution outside of 0 to 1.
+    /// # Errors
+    /// For example a body that does not exist, or a restitution outside of 0 to 1.
     fn check(&self, bodies: usize) -> Result<(), Error>;
     /// Writes the numbers of all contacts that may have been closed on the way to these positions, if no body moved
     /// farther than `way`; further contacts may be written too. `room` is working memory, kept between calls. Does not

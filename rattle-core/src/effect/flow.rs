@@ -73,7 +73,8 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
 
     /// Checks the parameters, before a run with this number of bodies.
     ///
-    /// # Errors Which parameter makes no sense.
+    /// # Errors
+    /// Which parameter makes no sense.
     fn check(&self, _bodies: usize) -> Result<(), EffectMistake> {
         Ok(())
     }

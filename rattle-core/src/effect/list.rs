@@ -63,7 +63,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// Writes the memory of the effects at the start of a run.
     ///
-    /// # Errors That of the first effect that cannot act, with the name of its type.
+    /// # Errors
+    /// That of the first effect that cannot act, with the name of its type.
     fn first_marks(
         &self,
         _during: &Interval<'_, T, D>,

@@ -42,8 +42,9 @@ pub trait Effect<const D: usize, Kind> {
     /// Checks the effect in a scene of this number of bodies, before a run; `what` is the name of its type, for the
     /// error message.
     ///
-    /// # Errors [`Error::Network`] for bodies that do not exist, [`Error::Pairs`] for a cut-off or a table that makes
-    /// no sense, [`Error::Effect`] for any other parameter that makes no sense.
+    /// # Errors
+    /// [`Error::Network`] for bodies that do not exist, [`Error::Pairs`] for a cut-off or a table that makes no sense,
+    /// [`Error::Effect`] for any other parameter that makes no sense.
     fn check(&self, _what: &'static str, _bodies: usize) -> Result<(), Error> {
         Ok(())
     }

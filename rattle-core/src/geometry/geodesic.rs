@@ -39,7 +39,8 @@ pub struct Geodesic<const D: usize> {
 /// # Ok::<(), rattle::curvature::GeodesicError>(())
 /// ```
 ///
-/// # Errors [`GeodesicError::NotOnSurface`] for a point off g = 0, [`GeodesicError::NotFound`] where no try ends at b.
+/// # Errors
+/// [`GeodesicError::NotOnSurface`] for a point off g = 0, [`GeodesicError::NotFound`] where no try ends at b.
 #[doc(alias = "shortest path")]
 #[doc(alias = "arc length")]
 pub fn geodesic_distance<C: Constraint<D, 1>, const D: usize>(

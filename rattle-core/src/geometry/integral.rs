@@ -81,9 +81,10 @@ pub fn measure<C: Constraint<3, 1>>(
 /// `lines` is the number of grid cells along the longest side of the box; g is evaluated lines³ times or less, f about
 /// 3/2 times for each c² of the area, c being the side of a cell.
 ///
-/// # Errors [`IntegralError::Box`] and [`IntegralError::Lines`] for an invalid grid, [`IntegralError::Cut`] when the
-/// surface leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or
-/// f is not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
+/// # Errors
+/// [`IntegralError::Box`] and [`IntegralError::Lines`] for an invalid grid, [`IntegralError::Cut`] when the surface
+/// leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or f is
+/// not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
 #[doc(alias = "quadrature")]
 #[doc(alias = "surface integral")]
 pub fn integrate<C: Constraint<3, 1>, const N: usize>(

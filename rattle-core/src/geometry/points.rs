@@ -90,7 +90,8 @@ pub fn even<C: Constraint<D, 1>, const D: usize>(
 /// As [`uniform`], but no two points nearer than `distance` in space: a point too near to an earlier one is drawn again
 /// (random sequential addition).
 ///
-/// # Errors As [`uniform`]; [`PointsError::Full`] where there is no space for another point.
+/// # Errors
+/// As [`uniform`]; [`PointsError::Full`] where there is no space for another point.
 #[doc(alias = "sample")]
 #[doc(alias = "uniform")]
 pub fn apart<C: Constraint<D, 1>, const D: usize>(

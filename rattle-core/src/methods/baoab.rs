@@ -59,7 +59,8 @@ impl Baoab {
     /// The method with step size `h`, in the unit of time, and `inner` steps of free motion on either side of the
     /// middle of each step.
     ///
-    /// # Panics If `inner` is 0.
+    /// # Panics
+    /// If `inner` is 0.
     #[must_use]
     #[track_caller]
     pub fn with_inner(inner: u32, h: f64) -> Self {

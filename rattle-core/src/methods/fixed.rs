@@ -72,14 +72,16 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
 
     /// Checks that the map makes sense for a system with this number of equations.
     ///
-    /// # Errors The reason why it does not.
+    /// # Errors
+    /// The reason why it does not.
     fn check(&self, _equations: usize) -> Result<(), Error> {
         Ok(())
     }
 
     /// Takes `bodies` on by a time `h`. Neither allocates nor panics.
     ///
-    /// # Errors Which body cannot be moved, and why; `bodies` are then left unfinished.
+    /// # Errors
+    /// Which body cannot be moved, and why; `bodies` are then left unfinished.
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,

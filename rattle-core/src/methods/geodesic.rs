@@ -40,7 +40,8 @@ pub struct KickDriftsKick {
 impl Geodesic {
     /// The method with step size `h`, in the unit of time, and `inner` steps of free motion in each step.
     ///
-    /// # Panics If `inner` is 0.
+    /// # Panics
+    /// If `inner` is 0.
     #[must_use]
     #[track_caller]
     pub fn new(inner: u32, h: f64) -> Self {

@@ -28,8 +28,9 @@ pub trait Rates<N: Count, X, T: Real, const D: usize> {
     /// them in the metric of the masses, to rounding, and evaluates normals and forces there. Momenta are unchanged;
     /// [`settle`](crate::motion::system::System::settle) with kick 0 projects them. Neither allocates nor panics.
     ///
-    /// # Errors As [`drift`](crate::motion::system::System::drift); also where the iteration does not come nearer to
-    /// the constraints.
+    /// # Errors
+    /// As [`drift`](crate::motion::system::System::drift); also where the iteration does not come nearer to the
+    /// constraints.
     fn project(&self, h: f64, bodies: &mut Bodies<N, T, X, D>) -> Result<(), Failure>;
 
     /// aᵀM b, for changes a and b of the position of a body; 0 for a pinned body.

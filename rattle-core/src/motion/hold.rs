@@ -19,8 +19,9 @@ pub trait Hold<const D: usize>: Sized {
     /// The system, ready to move from this start in steps of size `h`. If `tangent`, momenta must be tangent to the
     /// constraints there.
     ///
-    /// # Errors Where the constraints make no sense for this number of bodies, or a body cannot start there: which
-    /// body, and why.
+    /// # Errors
+    /// Where the constraints make no sense for this number of bodies, or a body cannot start there: which body, and
+    /// why.
     fn system<E: Effects<D>, N: Count>(
         &self,
         effects: &E,
@@ -46,7 +47,8 @@ pub trait Hold<const D: usize>: Sized {
 
     /// The state moved onto the constraints.
     ///
-    /// # Errors Where no such state is found.
+    /// # Errors
+    /// Where no such state is found.
     fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
 
     /// Calls a visitor with the surfaces of these scenes, of one body each; `None` where their constraints are not

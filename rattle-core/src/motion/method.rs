@@ -165,7 +165,8 @@ pub trait Method: Clone + Send + Sync + 'static {
 
     /// Takes `bodies` one step on, and `memory` with them. Neither allocates nor panics.
     ///
-    /// # Errors Which body cannot be moved, and why; `bodies` and `memory` are then left unfinished.
+    /// # Errors
+    /// Which body cannot be moved, and why; `bodies` and `memory` are then left unfinished.
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,

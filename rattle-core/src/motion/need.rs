@@ -15,7 +15,8 @@ pub trait Need: 'static {
 
     /// What a step gets of this system.
     ///
-    /// # Errors Where the system lacks the capability: the kind of system, in words for the error message.
+    /// # Errors
+    /// Where the system lacks the capability: the kind of system, in words for the error message.
     fn of<T: Real, Y: System<T, D>, const D: usize>(
         system: &Y,
     ) -> Result<Self::Of<'_, T, Y, D>, &'static str>;

@@ -144,7 +144,8 @@ pub struct Reading<'a> {
 impl<'a> Reading<'a> {
     /// The numbers of the next field, which must have this name and shape.
     ///
-    /// # Errors [`Error::Record`] if the next field is another one.
+    /// # Errors
+    /// [`Error::Record`] if the next field is another one.
     pub fn numbers(&mut self, name: &str, shape: &[usize]) -> Result<&'a [f64], Error> {
         let wanted = || format!("numbers of shape {shape:?}");
         match self.next(name, wanted)? {
@@ -210,7 +211,8 @@ impl<'a> Reading<'a> {
 
     /// Checks by the first field that the record is of this kind.
     ///
-    /// # Errors [`RecordMistake::Another`] if it is of another.
+    /// # Errors
+    /// [`RecordMistake::Another`] if it is of another.
     pub fn expect(&mut self, here: &str) -> Result<(), Error> {
         let file = self.text("what")?;
         if file == here {

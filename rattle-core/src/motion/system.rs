@@ -70,7 +70,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Reads what [`record`](Self::record) wrote.
     ///
-    /// # Errors [`Error::Record`] if another system wrote it.
+    /// # Errors
+    /// [`Error::Record`] if another system wrote it.
     fn recall(&self, _bodies: &mut BodiesOf<Self, T, D>, _from: &mut Reading<'_>) -> Result<(), Error> {
         Ok(())
     }
@@ -96,7 +97,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Rates of change.
     ///
-    /// # Errors Where the system lacks them: the kind of system, in words for the error message.
+    /// # Errors
+    /// Where the system lacks them: the kind of system, in words for the error message.
     #[inline(always)]
     fn rates(&self) -> Result<&Self::Rates, &'static str> {
         Err(self.kind())
@@ -148,7 +150,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// means λ from g̈ = 0. Where that fails, the equation is solved as by [`drift`](Self::drift). The result differs
     /// only in its last bits. A system that solves another equation ignores both.
     ///
-    /// # Errors Which body cannot be moved, and why; the bodies are then left unfinished.
+    /// # Errors
+    /// Which body cannot be moved, and why; the bodies are then left unfinished.
     fn drift_by<X: Iteration, W: Witness<T>>(
         &self,
         kick: f64,
@@ -160,7 +163,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// [`drift_by`](Self::drift_by) with Newton's method, from g̈ = 0.
     ///
-    /// # Errors As [`drift_by`](Self::drift_by).
+    /// # Errors
+    /// As [`drift_by`](Self::drift_by).
     #[inline(always)]
     fn drift<W: Witness<T>>(
         &self,
@@ -211,7 +215,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// The memory of the effects at the start of a run, at the present positions and random numbers.
     ///
-    /// # Errors The name of the type of an effect that cannot act here, and why.
+    /// # Errors
+    /// The name of the type of an effect that cannot act here, and why.
     fn first_marks(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<Vec<T>, (&'static str, EffectMistake)> {
         Ok(Vec::new())
     }

@@ -49,8 +49,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Errors As [`simulate`](Self::simulate) for the positions; [`Error::Effect`] for a temperature below 0 or not
-    /// finite.
+    /// # Errors
+    /// As [`simulate`](Self::simulate) for the positions; [`Error::Effect`] for a temperature below 0 or not finite.
     #[doc(alias = "seed")]
     #[doc(alias = "Boltzmann")]
     #[doc(alias = "random velocities")]

@@ -40,8 +40,9 @@ pub trait Checkpoint {
     fn checkpoint(&self) -> Record;
     /// Continues from a checkpoint. Where it is refused, the run is unchanged.
     ///
-    /// # Errors [`Error::Record`] for a checkpoint of another scene, method, or number of bodies or trajectories, and
-    /// for an incomplete one.
+    /// # Errors
+    /// [`Error::Record`] for a checkpoint of another scene, method, or number of bodies or trajectories, and for an
+    /// incomplete one.
     fn resume(&mut self, checkpoint: &Record) -> Result<(), Error>;
     /// Takes `steps` steps.
     ///

@@ -26,8 +26,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// step with events [`retry`](Self::retry) divides the parts between events, and
     /// [`check_reversal`](Self::check_reversal) does not check.
     ///
-    /// # Errors [`Error::Overlap`] for bodies that overlap at the start, [`Error::Restitution`], [`Error::Diameter`]
-    /// and [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
+    /// # Errors
+    /// [`Error::Overlap`] for bodies that overlap at the start, [`Error::Restitution`], [`Error::Diameter`] and
+    /// [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
     /// steps of their own length, rigid bodies and phase space.
     #[doc(alias = "bounce")]
     #[doc(alias = "billiard")]

@@ -182,8 +182,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Errors [`Error::Tolerance`] for a tolerance that is not positive and finite, [`Error::NeedsSymmetricMethod`]
-    /// for a method that is not symmetric, or only together with its memory.
+    /// # Errors
+    /// [`Error::Tolerance`] for a tolerance that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a
+    /// method that is not symmetric, or only together with its memory.
     #[doc(alias = "time reversal")]
     #[doc(alias = "reversibility")]
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
@@ -228,7 +229,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Takes `steps` steps.
     ///
-    /// # Errors At the first step that cannot be taken; the simulation is then in the state before this step.
+    /// # Errors
+    /// At the first step that cannot be taken; the simulation is then in the state before this step.
     #[doc(alias = "integrate")]
     #[doc(alias = "advance")]
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
@@ -327,8 +329,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Errors As [`Self::run`]; the observer has then seen all steps before it that it was to see.
-    /// [`Error::Recorder`] where an observer fails.
+    /// # Errors
+    /// As [`Self::run`]; the observer has then seen all steps before it that it was to see. [`Error::Recorder`] where
+    /// an observer fails.
     ///
     /// # Panics
     /// If `every` is 0.

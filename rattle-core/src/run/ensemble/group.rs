@@ -25,7 +25,8 @@ pub trait Group<const D: usize>: Watched<D> + Send + Sync {
     fn record(&self, to: &mut Record);
     /// A copy of this group, at the states of a record.
     ///
-    /// # Errors [`Error::Record`] for the record of another group.
+    /// # Errors
+    /// [`Error::Record`] for the record of another group.
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error>;
     /// Why a trajectory has failed.
     fn failure(&self, trajectory: usize) -> Option<&Error>;

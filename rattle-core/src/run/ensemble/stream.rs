@@ -30,7 +30,8 @@ impl<const D: usize> Ensemble<D> {
     /// the ensemble waits, so memory does not grow. A trajectory that has failed appears in each snapshot with its last
     /// state.
     ///
-    /// # Errors The first error of `consume`; no further steps are then begun.
+    /// # Errors
+    /// The first error of `consume`; no further steps are then begun.
     ///
     /// # Panics
     /// If `every` is 0, or `consume` does.

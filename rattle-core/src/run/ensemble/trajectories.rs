@@ -54,7 +54,8 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     /// ensemble.run(2000);
     /// ```
     ///
-    /// # Errors [`Error::Trajectory`] with the number of the start that is refused, and the reason, as for
+    /// # Errors
+    /// [`Error::Trajectory`] with the number of the start that is refused, and the reason, as for
     /// [`simulate`](Self::simulate).
     pub fn ensemble<S: Method>(
         &self,

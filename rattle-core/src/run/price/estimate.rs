@@ -65,8 +65,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Errors That of the first comparison run that fails; [`Error::Price`] where no step was taken, or steps draw
-    /// random numbers; [`Error::BodyCount`] for a start with another number of bodies.
+    /// # Errors
+    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, or steps draw random
+    /// numbers; [`Error::BodyCount`] for a start with another number of bodies.
     #[doc(alias = "accuracy")]
     #[doc(alias = "convergence")]
     #[doc(alias = "Richardson extrapolation")]

@@ -117,8 +117,9 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
 
     /// Runs the measurement.
     ///
-    /// # Errors Those of [`Scene::simulate`]; that of a failed step, if every method failed; [`Error::Price`] for a
-    /// duration or budget that is not positive, a budget too short for a reference, and random forces.
+    /// # Errors
+    /// Those of [`Scene::simulate`]; that of a failed step, if every method failed; [`Error::Price`] for a duration or
+    /// budget that is not positive, a budget too short for a reference, and random forces.
     pub fn measure(mut self) -> Result<Prices, Error> {
         refuse_random(self.scene, self.start, self.duration)?;
         let set = Set { scene: self.scene, start: self.start, observed: &self.observed };

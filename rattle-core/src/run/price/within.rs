@@ -94,8 +94,9 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
 
     /// Measures, and makes the simulation that reaches the error in the least time.
     ///
-    /// # Errors [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the smallest
-    /// possible error and its reason; else as [`measure`](crate::run::price::Pricing::measure).
+    /// # Errors
+    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the smallest possible
+    /// error and its reason; else as [`measure`](crate::run::price::Pricing::measure).
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
         refuse_random(self.scene, start, duration)?;

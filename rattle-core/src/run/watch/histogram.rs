@@ -32,8 +32,9 @@ impl<Q> Histogram<Q> {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     ///
-    /// # Errors [`Error::Bins`] for no bins or more than there is memory for, and unless `from` and `to` are finite
-    /// with `from` < `to`.
+    /// # Errors
+    /// [`Error::Bins`] for no bins or more than there is memory for, and unless `from` and `to` are finite with `from`
+    /// < `to`.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where

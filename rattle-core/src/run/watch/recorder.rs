@@ -226,7 +226,8 @@ impl Rows {
 pub trait Sink: Send {
     /// Takes a block of rows and leaves it empty, so that its memory can be used again.
     ///
-    /// # Errors Why rows cannot be taken; no more rows are passed after an error.
+    /// # Errors
+    /// Why rows cannot be taken; no more rows are passed after an error.
     fn take(&mut self, rows: &mut Rows) -> Result<(), String>;
     /// Adds the rows of the sink of the next trajectories.
     fn join(&mut self, next: Self)
@@ -273,7 +274,8 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
 
     /// Passes on the last rows, and returns the sink.
     ///
-    /// # Errors [`Error::Recorder`] where rows could not be taken.
+    /// # Errors
+    /// [`Error::Recorder`] where rows could not be taken.
     pub fn finish(mut self) -> Result<S, Error> {
         self.hand_on();
         self.failure.map_or(Ok(self.sink), Err)

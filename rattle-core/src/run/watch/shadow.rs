@@ -104,7 +104,8 @@ struct Place<const D: usize> {
 impl<const D: usize> ShadowEnergy<D> {
     /// An observer of E with 2K = `order`, which is conserved to h to this power.
     ///
-    /// # Panics If the order is not one of 2, 4, … 12: for higher ones the rounding of positions dominates.
+    /// # Panics
+    /// If the order is not one of 2, 4, … 12: for higher ones the rounding of positions dominates.
     #[must_use]
     #[track_caller]
     pub fn new(order: usize) -> Self {

@@ -101,7 +101,8 @@ impl Trajectory {
 
     /// The positions of one body, row by row, D coordinates each.
     ///
-    /// # Panics If there is no such body.
+    /// # Panics
+    /// If there is no such body.
     #[track_caller]
     pub fn path(&self, body: usize) -> impl ExactSizeIterator<Item = &[f64]> {
         assert!(body < self.bodies, "body {body} of {}", self.bodies);
