@@ -110,8 +110,8 @@ pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, force, hamiltonian, pair_potential, phase_constraint, potential};
 
 /// The names that most programs use. It does not hold [`Error`], since programs often have an `Error` of their own, nor
-/// the ready-made [surfaces](crate::surfaces), [potentials](crate::potentials) and [links](crate::links), nor the
-/// traits for writing [methods](crate::method), [systems](crate::system) or [effects](crate::effect).
+/// the ready-made [`surfaces`], [`potentials`] and [`links`], nor the traits for writing [methods](crate::method),
+/// [systems](crate::system) or [effects](crate::effect).
 pub mod prelude {
     pub use crate::composition::{Coefficients, Composition, SUZUKI_1990_ORDER_4};
     pub use crate::curvature::Curvature;

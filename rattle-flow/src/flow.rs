@@ -41,7 +41,7 @@ type Rate = Box<dyn Fn([f64; 2], f64) -> f64 + Send + Sync>;
 /// A flow over a mesh. Terms that are not given are zero. Lengths and times have any units; depths have the unit of x.
 ///
 /// ```text
-/// ∂h/∂t + ∇·q = rain − infiltration        q · n = 0 on walls, which is the whole boundary if nothing else is said
+/// ∂h/∂t + ∇·q = rain − infiltration        q · n = 0 on walls, by default the whole boundary
 /// q = −c hᵅ ∇(b + h) / √|∇(b + h)|
 /// ```
 ///

@@ -9,7 +9,7 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// Coulomb's dry friction of bodies that slide on their surface (1785).
 ///
 /// ```text
-/// ṗ = −μ N v/|v|   where the body slides       N = |∇g λ|, what holds it on the surface
+/// ṗ = −μ N v/|v|   where the body slides       N = |∇g λ|, the normal force
 /// ṗ = 0            where it rests and the force along the surface is at most μ N
 /// ```
 ///

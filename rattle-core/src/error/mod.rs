@@ -27,9 +27,9 @@ use std::fmt;
 
 /// Why a scene could not be set up or a step could not be taken.
 ///
-/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation
-/// as it was before the step, bit for bit. `Debug` prints the same sentence as `Display`, because that is what a `main`
-/// that returns this error shows.
+/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation as it was before the
+/// step, bit for bit. `Debug` prints the same sentence as `Display`, since a `main` that returns this error shows it by
+/// `Debug`.
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

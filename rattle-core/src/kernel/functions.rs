@@ -146,13 +146,13 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         sum
     }
 
-    /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series,
-    /// for functions of more than 2000 operations.
+    /// The number of blocks of [products](crate::kernel::series) that [`jacobian_series`](Self::jacobian_series) needs;
+    /// `None` where the macro wrote no series: for functions of more than 2000 operations.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of ∂g/∂q along a curve as a power series in time, from that of q; lower ones are known.
+    /// The next coefficient of the power series of ∂g/∂q along a curve q(t), from that of q; lower ones are known.
     fn jacobian_series<const FIRST: bool>(
         &self,
         _q: &[T; D],
@@ -245,12 +245,13 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
         }
     }
 
-    /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
+    /// The number of blocks of [products](crate::kernel::series) that [`gradient_series`](Self::gradient_series) needs;
+    /// `None` without a series.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of ∇U along a curve as a power series in time, from that of q; lower ones are known.
+    /// The next coefficient of the power series of ∇U along a curve q(t), from that of q; lower ones are known.
     fn gradient_series<const FIRST: bool>(&self, _q: &[T; D], _order: &mut Order<'_, T, FIRST>) -> [T; D] {
         [T::from_f64(f64::NAN); D]
     }
@@ -315,12 +316,13 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
         }
     }
 
-    /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
+    /// The number of blocks of [products](crate::kernel::series) that [`slope_series`](Self::slope_series) needs;
+    /// `None` without a series.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of dU/ds as a power series in time, from that of s; lower ones are known.
+    /// The next coefficient of the power series of dU/ds in time, from that of s; lower ones are known.
     fn slope_series<const FIRST: bool>(&self, _s: T, _order: &mut Order<'_, T, FIRST>) -> T {
         T::from_f64(f64::NAN)
     }

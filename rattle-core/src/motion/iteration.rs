@@ -7,10 +7,10 @@
 //!
 //! | | A | ∇g at the guess | converges |
 //! |---|---|---|---|
-//! | [`Newton`] | exact; along a line also its change (Ostrowski), in networks taken anew where it contracts less than fourfold | yes | order 4 per two values; linearly, like h² |
-//! | [`Symmetric`] | the symmetric part of the one at the guess | yes | linearly, like h²; like h where equations are coupled |
+//! | [`Newton`] | exact; on surfaces also its change (Ostrowski); in networks evaluated again where a correction is not a fourth of the one before | yes | order 4 per two values; linearly, like h² |
+//! | [`Symmetric`] | the symmetric part of A at the guess | yes | linearly, like h²; like h where equations are coupled |
 //! | [`Simplified`] | G(q) M⁻¹ G(q)ᵀ, known from the momenta | no | linearly, like h·κ·\|v\| |
-//! | [`Broyden`] | the same, learning from every residual: along a line the secant method | no | superlinearly |
+//! | [`Broyden`] | that of `Simplified`, updated from every residual; on surfaces the secant method | no | superlinearly |
 //!
 //! Every iteration ends when corrections are as small as the rounding of the position; there is no other tolerance. All
 //! of them find the same root, so results differ only in their last bits and in the number of evaluations (counted in

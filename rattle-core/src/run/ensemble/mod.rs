@@ -14,7 +14,7 @@
 //! several trajectories, one in each lane of a register. This is done for
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method.
+//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps.

@@ -1,4 +1,4 @@
-//! Measuring: what is asked for, and the ladders of all methods.
+//! The measurement: its settings, and series of step sizes for all methods.
 
 use crate::effect::interval::Rule;
 use crate::effect::list::Effects;
