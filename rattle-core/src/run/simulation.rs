@@ -30,7 +30,6 @@ pub(crate) const MOST_HALVINGS: u32 = 16;
 /// as it was before the step, bit for bit.
 #[doc(alias = "integrator")]
 #[doc(alias = "solver")]
-#[doc(alias = "run")]
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) system: Y,
     pub(super) method: S,
@@ -150,7 +149,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # simulation.step()?;
     /// # Ok::<(), rattle::Error>(())
     /// ```
-    #[doc(alias = "halve")]
     #[doc(alias = "subdivide")]
     #[doc(alias = "adaptive")]
     #[must_use]
@@ -221,7 +219,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Errors
     /// [`Error::Step`] says why the step cannot be taken; the simulation is then unchanged.
     #[doc(alias = "integrate")]
-    #[doc(alias = "advance")]
     #[inline(always)]
     pub fn step(&mut self) -> Result<(), Error> {
         self.take(1, &mut ())
@@ -232,7 +229,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # Errors
     /// At the first step that cannot be taken; the simulation is then in the state before this step.
     #[doc(alias = "integrate")]
-    #[doc(alias = "advance")]
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
         self.take(steps, &mut ())
     }

@@ -1,8 +1,8 @@
-//! Bodies tied together: any number of constraints between any bodies, with masses, pins and motion in time.
+//! Networks: any number of constraints between any bodies, with masses, pins and constraints that move.
 //!
-//! A **kernel**, what `constraint!` writes, is a small local function. A **topology** says which bodies each copy of it
-//! ties together. From the two, components that share no body are found; each is solved by itself, with the linear
-//! algebra that suits it.
+//! A **kernel**, written by `constraint!`, is a function of few bodies. A **topology** says which bodies each copy of
+//! the kernel links. From these the components, which share no body, are found; each is solved by itself, with suitable
+//! linear algebra.
 //!
 //! ```text
 //! M q̈ = f(q) + G(q, t)ᵀ λ,    g(q, t) = 0,    one block of M for each body

@@ -1,4 +1,4 @@
-//! Which linear algebra a component gets.
+//! The choice of linear algebra for a component.
 
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::elimination::Elimination;
