@@ -80,6 +80,9 @@ begin_with_several!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24
 impl Scene<(), (), One, 0> {
     /// One body of unit mass under g(q) = 0, without effects: one equation makes a surface, several equations a
     /// submanifold of lower dimension.
+    #[doc(alias = "surface")]
+    #[doc(alias = "manifold")]
+    #[doc(alias = "constraint")]
     pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
@@ -278,6 +281,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// # Errors
     /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state
     /// with another number of bodies.
+    #[doc(alias = "initial condition")]
+    #[doc(alias = "consistent")]
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         self.fits(state)?;
         self.constraint.project(state)
@@ -305,6 +310,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// # Errors
     /// [`Error::BodyCount`] for a state with another number of bodies, [`Error::Network`] for an effect on bodies that
     /// do not exist.
+    #[doc(alias = "leapfrog")]
+    #[doc(alias = "half step")]
     pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> Result<State<D>, Error> {
         self.fits(state)?;
         let mut state = state.clone();

@@ -37,6 +37,7 @@ impl Noise {
     }
 
     /// Four independent numbers, uniform in (0, 1].
+    #[doc(alias = "random")]
     #[must_use]
     pub fn uniform(&self, seed: u64, draw: u64) -> [f64; 4] {
         self.words(seed, draw).map(unit)
@@ -44,6 +45,8 @@ impl Noise {
 
     /// D independent normal numbers of mean 0 and variance 1 for body number `body`. Uses the draws from body · ⌈D/4⌉
     /// on.
+    #[doc(alias = "random")]
+    #[doc(alias = "Gaussian")]
     #[must_use]
     pub fn normal<const D: usize>(&self, seed: u64, body: usize) -> [f64; D] {
         let mut numbers = [0.0; D];

@@ -47,6 +47,8 @@ pub struct Composition<B = Rattle> {
 
 impl Composition {
     /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(coefficients: Coefficients, h: f64) -> Self {
         Self::of(coefficients, Rattle::new(h))

@@ -65,6 +65,8 @@ impl Dop853 {
 
     /// The method with steps of size `h`, each divided into as many inner steps as the tolerance, a length, needs: for
     /// each body the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    #[doc(alias = "dt")]
+    #[doc(alias = "tolerance")]
     #[must_use]
     pub fn adaptive(h: f64, tolerance: f64) -> Self {
         Self { h, tolerance: Some(tolerance) }

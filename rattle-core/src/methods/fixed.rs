@@ -100,6 +100,8 @@ pub struct Fixed<M> {
 
 impl<M: Map + Default> Fixed<M> {
     /// The method with step size `h`, in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self::of(M::default(), h)

@@ -44,6 +44,8 @@ pub struct Lobatto<const S: usize, G = FromState> {
 impl<const S: usize> Lobatto<S> {
     // The bound stands here, for only then the compiler tells a wrong number of stages in the words of `Tabulated`.
     /// The method with step size `h`, in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(h: f64) -> Self
     where

@@ -57,6 +57,8 @@ impl Taylor {
 
     /// The method with steps of size `h`, each divided into as many inner steps as needed to keep the last terms of
     /// positions, and of velocities times h, below the tolerance, a length.
+    #[doc(alias = "dt")]
+    #[doc(alias = "tolerance")]
     #[must_use]
     pub fn adaptive(order: u32, h: f64, tolerance: f64) -> Self {
         Self { order, h, tolerance: Some(tolerance) }

@@ -2,7 +2,7 @@
 //! size were chosen from the present state alone.
 //!
 //! ```text
-//! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the density of steps that is wanted:
+//! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the wanted density of steps:
 //! z′ = Φ_{ε/ρ½}(z)          R = √(1 + τ² |ṗ|²/(|p|² + p₀²)),   dR/dt = R G,   dt = dε/R
 //! ρ′ = ρ½ + ε/2 G(z′)
 //! ```

@@ -5,12 +5,12 @@
 //! A ΔΛ = −g(q′)        A = G(q′) M⁻¹ G(q)ᵀ, exactly or nearly
 //! ```
 //!
-//! | | A | ∇g at the guess | converges |
+//! | | A | ∇g at the guess | convergence |
 //! |---|---|---|---|
-//! | [`Newton`] | exact; on surfaces also its change (Ostrowski); in networks evaluated again where a correction is not a fourth of the one before | yes | order 4 per two values; linearly, like h² |
-//! | [`Symmetric`] | the symmetric part of A at the guess | yes | linearly, like h²; like h where equations are coupled |
-//! | [`Simplified`] | G(q) M⁻¹ G(q)ᵀ, known from the momenta | no | linearly, like h·κ·\|v\| |
-//! | [`Broyden`] | that of `Simplified`, updated from every residual; on surfaces the secant method | no | superlinearly |
+//! | [`Newton`] | exact; on surfaces also its change (Ostrowski); in networks evaluated again where a correction is not a fourth of the one before | yes | on surfaces of order 4 per two values of g; in networks linear, with a factor of order h² |
+//! | [`Symmetric`] | the symmetric part of A at the guess | yes | linear, with a factor of order h², or h where equations are coupled |
+//! | [`Simplified`] | G(q) M⁻¹ G(q)ᵀ, known from the momenta | no | linear, with a factor of order h·κ·\|v\| |
+//! | [`Broyden`] | that of `Simplified`, updated from every residual; on surfaces the secant method | no | superlinear |
 //!
 //! Every iteration ends when corrections are as small as the rounding of the position; there is no other tolerance. All
 //! of them find the same root, so results differ only in their last bits and in the number of evaluations (counted in

@@ -164,8 +164,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The same simulation, in which every step is checked for reversibility.
     ///
-    /// After each step of size h the method takes a step of size −h from its end. The step fails if position and
-    /// momentum then differ from those at its start, in any coordinate by more than `tolerance` times the largest
+    /// After each step of size h the method takes a step of size −h from its end. The step fails if the position or
+    /// momentum reached differs from that at its start, in any coordinate by more than `tolerance` times the largest
     /// coordinate or momentum. A symmetric method returns to about 1e-14, unless the step and the step back found
     /// different solutions of the position equation: the check detects such steps.
     ///
