@@ -20,9 +20,9 @@ pub type Gradient<const D: usize> = Vec<(usize, [f64; D])>;
 /// [`Stop`](crate::effect::Stop).
 ///
 /// Contacts are numbered. A gap is a smooth function of positions, in any unit. It should be convex along straight
-/// lines (|qᵢ − qⱼ|² − d² is, |qᵢ − qⱼ| − d is not as good): a step in which the gap first falls and then rises is
-/// searched for a contact only where the tangents at its two ends meet below zero. A convex gap lies above its
-/// tangents, so none of its contacts is missed.
+/// lines (take |qᵢ − qⱼ|² − d², not |qᵢ − qⱼ| − d): a step in which the gap first falls and then rises is searched for
+/// a contact only where the tangents at its two ends meet below zero. A convex gap lies above its tangents, so none of
+/// its contacts is missed.
 pub trait Contacts<const D: usize>: Debug + Send + Sync + 'static {
     /// The name of the contacts in error messages.
     fn name(&self) -> &'static str;

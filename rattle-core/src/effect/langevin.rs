@@ -47,7 +47,7 @@ use crate::number::vector::{scaled, sum};
 #[doc(alias = "noise")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Langevin {
-    /// The friction γ, in the unit of 1/time: momenta are correlated like exp(−γt).
+    /// The friction γ, in the unit of 1/time: without forces, momenta are correlated like exp(−γt).
     pub friction: f64,
     /// kT, an energy.
     pub temperature: f64,
