@@ -1,4 +1,5 @@
-//! Checkpoints in files: a run that is stopped, or killed, goes on bit for bit as if it had not been.
+//! Checkpoints in files: a run that was stopped or killed goes on from its last checkpoint, bit for bit as if it had
+//! never stopped.
 //!
 //! ```
 //! use rattle::prelude::*;
@@ -18,7 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! In long runs [`Saving`] does that every so many steps or seconds, and at the end:
+//! In long runs [`Saving`] writes checkpoints every so many steps or seconds, and at the end:
 //!
 //! ```
 //! # use rattle::prelude::*;
@@ -33,11 +34,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Killed and started again as often as may be, this ends with the same bits. See `examples/checkpoint.rs` for Ctrl-C.
+//! However often this program is killed and started again, it ends with the same bits. See `examples/checkpoint.rs` for
+//! Ctrl-C.
 //!
-//! A file appears whole or not at all: it is written beside its place as `run.rattle.part`, synced and renamed, and
-//! the folder synced. So a crash or a full disk leaves the last checkpoint as it was. One program writes a checkpoint
-//! at a time.
+//! A file appears whole or not at all: it is written as `run.rattle.part` in the same folder, synced to disk and
+//! renamed. So a crash or a full disk leaves the last checkpoint as it was. Only one program at a time may write a
+//! checkpoint.
 //!
 //! # The file
 //!

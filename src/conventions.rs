@@ -8,30 +8,29 @@
 //!   Potentials do not know masses: the weight of a body with mass m is a potential with parameter m·g, see
 //!   [`weights`](crate::potentials::weights).
 //! * **Forces** are −∇U. Between two bodies, Fᵢ = −(U′(r)/r)(qᵢ − qⱼ): repulsive where U falls with r.
-//! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and
-//!   the momentum multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a
-//!   factor h/2 in its half of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h)
-//!   with opposite errors; (μₙ + λₙ₊₁)/2 = λ(tₙ) + O(h²).
-//!   A method that is made of several RATTLE steps (a composition, `Geodesic`) tells an observer the multipliers of its
-//!   inner steps, each an impulse divided by h/2 of the inner step; one of them is only a share of the whole step's
-//!   force. `simulation.multipliers()` is λ of the present state, from g̈ = 0, whatever the method.
-//!   The unit of λ is that of U over that of g, so Gᵀλ is a force; see
+//! * **Multipliers.** λ is positive where the constraint pushes along ∇g. The position multiplier λₙ₊₁ and the momentum
+//!   multiplier μₙ₊₁ of a RATTLE step are both on the scale of the equation above, each with a factor h/2 in its half
+//!   of the step. Each alone is first order, λₙ₊₁ = λ(tₙ) + O(h), μₙ = λ(tₙ) + O(h) with opposite errors; (μₙ + λₙ₊₁)/2
+//!   = λ(tₙ) + O(h²). A method that consists of several RATTLE steps (a composition, `Geodesic`) reports to an observer
+//!   the multipliers of its inner steps: each is an impulse divided by h/2 of the inner step, hence only a share of the
+//!   whole step's force. `simulation.multipliers()` is λ of the present state, from g̈ = 0, whatever the method. The
+//!   unit of λ is that of U over that of g, so Gᵀλ is a force; see
 //!   [`constraint_forces`](crate::Simulation::constraint_forces). Where equations depend on each other, λ is not
-//!   unique. Given is then the λ of least norm, with every equation scaled to a gradient of length 1 (in the metric of
+//!   unique; then the λ of least norm is given, with every equation scaled to a gradient of length 1 (in the metric of
 //!   M⁻¹).
 //! * **Curvature** κ along v is positive where the surface bends away from ∇g: λ|∇g| = −(κ|v|² + n·f), with n = ∇g/|∇g|
 //!   and f = −∇U; see [`curvature`](crate::curvature).
 //! * **Moving constraints** g(q, t) = 0 require velocities with G v = −∂g/∂t. They do the work W = −∫ λ·∂g/∂t dt, so
 //!   that H − W is conserved.
-//! * **Phase space**: q̇ = ∂H/∂p − (∂g/∂p)ᵀλ, ṗ = −∂H/∂q + (∂g/∂q)ᵀλ; {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q. A step slides
-//!   along the fibre (the flow of g) by h/2 λ at its start and by h/2 μ at its end; see [`phase`](crate::phase).
+//! * **Phase space**: q̇ = ∂H/∂p − (∂g/∂p)ᵀλ, ṗ = −∂H/∂q + (∂g/∂q)ᵀλ; {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q. A step moves
+//!   along the fibre (the flow with g as its Hamiltonian) by h/2 λ at its start and by h/2 μ at its end; see
+//!   [`phase`](crate::phase).
 //! * **Rigid bodies**: the rotation Q takes coordinates in the body's frame to coordinates in space. Angular momentum
 //!   is given in the body's frame.
-//! * **Residuals** are |g(q)|, in the unit of g, and |∇g·p|. Messages of errors give distances, |g|/|∇g|.
-//! * **Units** are yours. Results do not depend on how large a unit is, nor on a constant factor of g, as long as the
-//!   squares
-//!   |∇g|², |p|² and |q|² stay within the range of `f64`, 1e±300. If g is multiplied by a power of two, a simulation stays
-//!   the same, bit for bit.
+//! * **Residuals** are |g(q)|, in the unit of g, and |∇g·p|. Error messages give distances, |g|/|∇g|.
+//! * **Units** are any that fit together. Results depend neither on their sizes nor on a constant factor of g, as long
+//!   as the squares |∇g|², |p|² and |q|² stay within the range of `f64`, 1e±300. If g is multiplied by a power of two,
+//!   a simulation stays the same, bit for bit.
 //!
 //! | elsewhere | there | here |
 //! |---|---|---|

@@ -29,6 +29,9 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 /// An archive being written. [`finish`](Npz::finish) completes the file.
+#[doc(alias = "numpy")]
+#[doc(alias = "save")]
+#[doc(alias = "dump")]
 #[derive(Debug)]
 #[must_use = "the file is complete only after `finish`"]
 pub struct Npz {
@@ -38,7 +41,7 @@ pub struct Npz {
 }
 
 impl Npz {
-    /// Starts the file, with its folder where that is missing; an old file of that name is replaced.
+    /// Creates the file, and its folder where that is missing. An old file of this name is replaced.
     ///
     /// # Errors
     /// [`DataError::Io`] when the file can't be made.
@@ -56,10 +59,10 @@ impl Npz {
         Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)), names: HashSet::new() })
     }
 
-    /// Adds an array; `data` runs with the last index fastest.
+    /// Adds an array; in `data` the last index runs fastest.
     ///
     /// # Errors
-    /// [`DataError::Shape`] when the shape's product is not the number of values,
+    /// [`DataError::Shape`] when the number of values is not the product of the extents in `shape`,
     /// [`DataError::Repeated`] when the archive has an array of that name, [`DataError::Io`].
     ///
     /// ```
@@ -119,7 +122,7 @@ impl Npz {
     /// Writes the archive's directory and closes the file.
     ///
     /// # Errors
-    /// [`DataError::Io`], for a full disk say.
+    /// [`DataError::Io`], for example for a full disk.
     ///
     /// ```
     /// # let folder = tempfile::tempdir()?;
@@ -152,12 +155,12 @@ pub struct Array {
     pub data: Vec<f64>,
 }
 
-/// Reads one array of `f64` from a `.npz` file, Rust's or NumPy's (uncompressed, as `numpy.savez` writes it).
+/// Reads one array of `f64` from a `.npz` file, written here or by NumPy (uncompressed, by `numpy.savez`).
 ///
 /// # Errors
-/// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than
-/// `f64` or for Fortran order, [`DataError::Io`] for a file that cannot be read: one that is damaged, compressed, or
-/// whose header says more values than follow or fewer. Memory is taken as values come, not as a header says.
+/// [`DataError::Missing`] when the archive has no such array, [`DataError::Layout`] for another type than `f64` or for
+/// Fortran order, [`DataError::Io`] for a file that cannot be read: damaged, compressed, or with more or fewer values
+/// than its header says. Memory is allocated for the values found, not for those that a header claims.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -167,6 +170,7 @@ pub struct Array {
 /// assert!(rattle::data::read(&path, "x").is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "load")]
 pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
     let path = path.as_ref();
     let failed = |source| DataError::Io { path: path.into(), source };
@@ -192,7 +196,7 @@ pub enum DataError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the file system.
         source: io::Error,
     },
     /// The shape does not hold as many values as were given.
@@ -204,7 +208,7 @@ pub enum DataError {
         name: String,
         /// The shape asked for.
         shape: Vec<usize>,
-        /// How many values came.
+        /// How many values were given.
         length: usize,
     },
     /// The archive already has an array of that name.

@@ -1,5 +1,5 @@
-//! Mechanics with constraints: write the constraint as mathematics, simulate it by methods that keep
-//! its structure.
+//! Mechanics with constraints: write the constraint as mathematics, and simulate it by methods that keep the structure
+//! of the equations of motion.
 //!
 //! ```
 //! use rattle::prelude::*;
@@ -31,17 +31,16 @@
 //! }
 //! ```
 //!
-//! A macro differentiates the expression when it compiles and writes native functions for the value,
-//! the gradient and second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`],
-//! a [`Composition`] of it, or another method. What a scene does not name costs nothing.
+//! A macro differentiates the expression when it compiles and writes native functions for the value, the gradient and
+//! second derivatives. [`Scene`] says what is simulated, a [`Method`] how: [`Rattle`], a [`Composition`] of RATTLE
+//! steps, or another. Effects that a scene does not name cost nothing.
 //!
-//! What many need is ready-made: [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde`
-//! all of them serialise; a type of your own does so by `#[derive(serde::Serialize, serde::Deserialize)]` inside its
-//! macro.
+//! Ready-made are [`surfaces`], [`potentials`], and [`links`] between bodies. With the feature `serde` they can be
+//! serialised; so can a type of your own with `#[derive(serde::Serialize, serde::Deserialize)]` inside its macro.
 //!
-//! Many trajectories of one scene go side by side in SIMD lanes and on all cores: [`Ensemble`].
+//! An [`Ensemble`] computes many trajectories of one scene, several at a time in SIMD lanes, on all cores.
 //!
-//! Signs and scales stand on one page: [`conventions`].
+//! All signs and scales: [`conventions`].
 
 extern crate self as rattle; // the macros write `::rattle`, also in here
 
@@ -64,7 +63,7 @@ pub mod surfaces;
 pub mod view;
 pub mod vtu;
 
-/// What a method is: a map that takes all bodies one step on.
+/// Methods: maps that take all bodies one step on. The traits to write one.
 pub mod method {
     pub use rattle_core::methods::fixed::{Fixed, Map};
     pub use rattle_core::motion::failure::Failure;
@@ -110,9 +109,9 @@ pub use rattle_core::systems::rigid::Rigid;
 pub use rattle_core::{START_TOLERANCE, nalgebra};
 pub use rattle_macros::{constraint, force, hamiltonian, pair_potential, phase_constraint, potential};
 
-/// What most programs use. Not in it: [`Error`], a name that programs have of their own; the
-/// [ready-made](crate::surfaces) surfaces, potentials and links; and what those need who write
-/// [methods](crate::method), [systems](crate::system) or [effects](crate::effect).
+/// The names that most programs use. It does not hold [`Error`], since programs often have an `Error` of their own, nor
+/// the ready-made [`surfaces`], [`potentials`] and [`links`], nor the traits for writing [methods](crate::method),
+/// [systems](crate::system) or [effects](crate::effect).
 pub mod prelude {
     pub use crate::composition::{Coefficients, Composition, SUZUKI_1990_ORDER_4};
     pub use crate::curvature::Curvature;

@@ -1,8 +1,8 @@
-//! Ready-made constraints on and between bodies: what mechanisms are made of.
+//! Ready-made constraints on and between bodies: the joints of mechanisms.
 //!
 //! Each is a plain [`constraint!`](crate::constraint); its page shows the formula, the gradient and the number of
-//! operations. To vary one, copy its line into a macro of your own. A scene takes a link with the bodies that each copy
-//! of it ties together: `.link(Rod { length: 1.0 }, [[0, 1], [1, 2]])`.
+//! operations. To vary one, copy its line into a macro of your own. A scene takes a link with a list of the bodies that
+//! each copy of it joins: `.link(Rod { length: 1.0 }, [[0, 1], [1, 2]])`.
 //!
 //! | bodies | which |
 //! |---|---|
@@ -11,11 +11,11 @@
 //! | three | [`Between`], [`Angle`] |
 //! | four | [`Torsion`] |
 //!
-//! These are of bodies in space; [`planar`] has those of bodies in the plane, by the same names where both exist.
-//! [`surfaces`](crate::surfaces) are links of one body in space.
+//! These links are for bodies in space; [`planar`] has those for bodies in the plane, with the same names where both
+//! exist. [`surfaces`](crate::surfaces) are links of one body in space.
 //!
-//! The multiplier of a link is a force or a torque times the factor that each page tells; it is positive where the link
-//! pushes along the gradient of g. `simulation.constraint_forces()` are forces on bodies, whatever the formula.
+//! The multiplier of a link is a force or a torque, times the factor that its page gives; it is positive where the link
+//! pushes along the gradient of g. `simulation.constraint_forces()` returns forces on bodies, whatever the formula.
 //!
 //! ```
 //! use rattle::links::Rod;
@@ -37,7 +37,7 @@ use crate::ready_made::constraint;
 constraint! {
     /// Two bodies at a distance.
     ///
-    /// g is a square of lengths. A rod bears pull and push: the tension is −2 λ `length`.
+    /// g has the unit of a squared length. A rod bears tension and compression: the tension is −2 λ `length`.
     ///
     /// ```
     /// use rattle::links::Rod;
@@ -56,7 +56,7 @@ constraint! {
 constraint! {
     /// A body at a distance from a fixed point: a spherical pendulum.
     ///
-    /// g is a square of lengths. The tension is −2 λ `length`.
+    /// g has the unit of a squared length. The tension is −2 λ `length`.
     ///
     /// ```
     /// use rattle::links::Pendulum;
@@ -73,7 +73,7 @@ constraint! {
 }
 
 constraint! {
-    /// Two bodies at one place: a ball joint between the parts of a mechanism that they belong to.
+    /// Two bodies at one place: a ball joint between the parts of a mechanism to which the bodies belong.
     ///
     /// Three equations, each a length. The multipliers are the force of `b` on `a`.
     ///
@@ -90,9 +90,9 @@ constraint! {
 }
 
 constraint! {
-    /// Body c on the segment from body a to body b, at this fraction of it: a point of a rigid bar, 1/2 its middle.
+    /// Body c on the line from body a to body b, at `fraction` of the way: a point of a rigid bar, with 1/2 its middle.
     ///
-    /// Three equations, each a length. Fractions below 0 and above 1 lie on the bar's prolongation.
+    /// Three equations, each a length. Fractions below 0 and above 1 lie on the extension of the bar.
     ///
     /// ```
     /// use rattle::links::Between;
@@ -108,8 +108,8 @@ constraint! {
 constraint! {
     /// The angle at body b between the directions to bodies a and c.
     ///
-    /// `angle` and g are in radians, 0 < angle < π; the multiplier is the torque that opens the angle. A straight or
-    /// closed angle has no gradient: there [`Between`] and [`Rod`] serve.
+    /// `angle` and g are in radians, 0 < angle < π; the multiplier is the torque that opens the angle. An angle of 0 or
+    /// π has no gradient: use [`Between`] or [`Rod`] for these.
     ///
     /// ```
     /// use rattle::links::Angle;
@@ -119,6 +119,8 @@ constraint! {
     /// let corner = [2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0, 3.0]; // a, b, c
     /// assert_eq!(Angle { angle: FRAC_PI_2 }.value(&corner.into())[0], 0.0);
     /// ```
+    #[doc(alias = "bend")]
+    #[doc(alias = "hinge")]
     pub struct Angle { angle }
     |a: [f64; 3], b: [f64; 3], c: [f64; 3]| {
         let u = a - b;
@@ -129,11 +131,13 @@ constraint! {
 }
 
 constraint! {
-    /// The torsion (dihedral angle) of four bodies: by how much the bond c–d is turned against a–b about the axis b–c.
+    /// The torsion (dihedral angle) of four bodies: the angle about the axis b–c by which the bond c–d is turned
+    /// relative to a–b.
     ///
     /// `angle` is in radians, positive if, seen from b to c, the nearer bond must be turned clockwise to cover the
-    /// farther one; zero where a and d lie on the same side (IUPAC 1974). g is the turn that is missing, between −π and
-    /// π; the multiplier is the torque about the axis. Bodies a, b, c or b, c, d on a straight line have no torsion.
+    /// farther one; zero where a and d lie on the same side (IUPAC 1974). g is the present torsion relative to `angle`,
+    /// between −π and π; the multiplier is the torque about the axis. Bodies a, b, c or b, c, d on a straight line have
+    /// no torsion.
     ///
     /// ```
     /// use rattle::links::Torsion;
@@ -143,6 +147,7 @@ constraint! {
     /// let bonds = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0]; // a, b, c, d
     /// assert!(Torsion { angle: FRAC_PI_2 }.value(&bonds.into())[0].abs() < 1e-15);
     /// ```
+    #[doc(alias = "dihedral")]
     pub struct Torsion { angle }
     |a: [f64; 3], b: [f64; 3], c: [f64; 3], d: [f64; 3]| {
         let u = b - a;
@@ -192,8 +197,8 @@ constraint! {
 constraint! {
     /// A rigid body by its rotation matrix, QᵀQ = 1: one body of nine coordinates, six equations.
     ///
-    /// The coordinates are those of Q row by row; Q takes the body's coordinates to those of space. g has no unit. A
-    /// body that only turns about its centre of mass is faster as [`Scene::rigid`](crate::Scene::rigid).
+    /// The coordinates are those of Q row by row; Q takes coordinates in the body's frame to those in space. g has no
+    /// unit. A body that only turns about its centre of mass is faster as [`Scene::rigid`](crate::Scene::rigid).
     ///
     /// ```
     /// use rattle::links::RotationMatrix;
@@ -202,6 +207,8 @@ constraint! {
     /// let quarter = [0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
     /// assert_eq!(RotationMatrix {}.value(&quarter.into()).as_slice(), [0.0; 6]);
     /// ```
+    #[doc(alias = "rigid body")]
+    #[doc(alias = "orthogonal")]
     pub struct RotationMatrix {}
     |q: [[f64; 3]; 3]| for i in 0..3, j in i..3 { sum(k in 0..3, q[k][i] * q[k][j]) - delta(i, j) }
 }

@@ -1,5 +1,5 @@
 //! Charts as SVG files: curves, marks, bars, bands and maps; linear and logarithmic axes, families of curves, reference
-//! slopes. Curves that lie on earlier ones are dashed; of long ones as many points are written as can be seen.
+//! slopes. Curves that lie on earlier ones are dashed. Of long curves only as many points are written as can be seen.
 //!
 //! ```
 //! use rattle::plot::Chart;
@@ -32,7 +32,12 @@ const FAMILY_LABELS: usize = 5;
 /// Beyond, the arithmetic of the axes would overflow.
 const LARGEST: f64 = 1e150;
 
-/// A chart to be saved as SVG. Curves come in the order of drawing; an empty label stays out of the legend.
+/// A chart to be saved as SVG. Curves are drawn in the order in which they are added; a curve with an empty label is
+/// not in the legend.
+#[doc(alias = "plot")]
+#[doc(alias = "graph")]
+#[doc(alias = "svg")]
+#[doc(alias = "figure")]
 #[derive(Clone, Debug)]
 pub struct Chart {
     title: String,
@@ -153,7 +158,7 @@ impl Chart {
         self.single(label.into(), points, Style::Line)
     }
 
-    /// A curve whose points carry marks: few, measured values.
+    /// A curve with a mark at each point, for few or measured values.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -165,7 +170,7 @@ impl Chart {
         self.single(label.into(), points, Style::Marked)
     }
 
-    /// Points that no line joins: values of one thing over another, or measurements on top of a curve.
+    /// Points without a line: a scatter plot, or measurements on top of a curve.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -173,11 +178,13 @@ impl Chart {
     /// assert!(chart.to_svg()?.matches("<circle").count() >= 3);
     /// # Ok::<(), rattle::plot::PlotError>(())
     /// ```
+    #[doc(alias = "scatter")]
     pub fn points(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         self.single(label.into(), points, Style::Points)
     }
 
-    /// Bars from zero to each point (from the axis where that is logarithmic), as wide as the nearest two are apart.
+    /// Bars from zero (on a logarithmic axis, from the axis) to each point, as wide as the least distance between two
+    /// points.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -185,6 +192,7 @@ impl Chart {
     /// assert_eq!(Chart::new("Counts").bars("", counts).to_svg()?.matches("crispEdges").count(), 3);
     /// # Ok::<(), rattle::plot::PlotError>(())
     /// ```
+    #[doc(alias = "histogram")]
     pub fn bars(self, label: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let points: Vec<(f64, f64)> = points.into_iter().collect();
         let mut places: Vec<f64> = points.iter().map(|point| point.0).collect();
@@ -194,8 +202,8 @@ impl Chart {
         self.single(label.into(), points, Style::Bars(width))
     }
 
-    /// The region between a lower and an upper curve, (x, low, high) from left to right: a deviation, a confidence. It
-    /// has the colour of the curve that comes next.
+    /// The region between a lower and an upper curve, given as (x, low, high) from left to right: a deviation, a
+    /// confidence interval. It has the colour of the next curve.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -207,6 +215,8 @@ impl Chart {
     /// assert!(chart.to_svg()?.contains("fill-opacity"));
     /// # Ok::<(), rattle::plot::PlotError>(())
     /// ```
+    #[doc(alias = "fill_between")]
+    #[doc(alias = "error bars")]
     pub fn band(
         mut self,
         label: impl Into<String>,
@@ -219,8 +229,8 @@ impl Chart {
         self
     }
 
-    /// Numbers on a rectangle as colours, with their scale: rows of equal length from low y to high y, each from low x
-    /// to high x. A chart has one map, under all its curves.
+    /// A heat map: numbers on a rectangle as colours, with a colour scale. Rows of equal length go from low y to high
+    /// y, each from low x to high x. A chart has one map, under all its curves.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -229,13 +239,15 @@ impl Chart {
     /// assert!(chart.to_svg()?.contains(">U<"));
     /// # Ok::<(), rattle::plot::PlotError>(())
     /// ```
+    #[doc(alias = "heatmap")]
+    #[doc(alias = "imshow")]
     pub fn map(mut self, label: impl Into<String>, x: [f64; 2], y: [f64; 2], rows: Vec<Vec<f64>>) -> Self {
         self.map = Some(Map { label: label.into(), x, y, rows });
         self
     }
 
-    /// Many curves of one kind in the order of a parameter: thin lines, colours along viridis, and a legend that
-    /// names a few of them, first and last always.
+    /// Many curves in the order of a parameter: thin lines, coloured along viridis, and a legend that names the first,
+    /// the last and a few between.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -265,8 +277,8 @@ impl Chart {
         self
     }
 
-    /// On log–log axes, a dashed line of the given slope below the curve added last: the order to compare with.
-    /// Without a curve before it, or on linear axes, nothing is drawn.
+    /// On log–log axes, a dashed line of the given slope below the curve added last, to compare the order of
+    /// convergence. Nothing is drawn without a curve before it, or on linear axes.
     ///
     /// ```
     /// # use rattle::plot::Chart;
@@ -282,11 +294,11 @@ impl Chart {
         self
     }
 
-    /// The chart as SVG text: white ground, no font files, about 16 bytes a point; a curve from left to right has some
-    /// thousands of points at most, however many it was given, and looks as with all of them.
+    /// The chart as SVG text: white ground, no font files, about 16 bytes a point. A curve from left to right is
+    /// written with some thousands of points at most, chosen so that it looks the same as with all of them.
     ///
     /// # Errors
-    /// [`PlotError::Empty`] without a single point, [`PlotError::NotFinite`], on logarithmic axes
+    /// [`PlotError::Empty`] where there is no point, [`PlotError::NotFinite`], on logarithmic axes
     /// [`PlotError::NotPositive`], and [`PlotError::Map`].
     ///
     /// ```
@@ -454,7 +466,7 @@ pub enum PlotError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the file system.
         source: io::Error,
     },
 }

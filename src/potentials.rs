@@ -2,7 +2,7 @@
 //!
 //! Each is a plain [`potential!`](crate::potential) or [`pair_potential!`](crate::pair_potential); its page shows the
 //! formula, the gradient and the number of operations. To vary one, copy its line into a macro of your own. Units are
-//! the user's: an energy, a length and a mass fit together. Forces are −∇U.
+//! any that fit together. Forces are −∇U.
 //!
 //! | acts | how a scene takes it | which |
 //! |---|---|---|
@@ -13,8 +13,8 @@
 //! | between every two bodies | `.with(LennardJones { … })` | [`Coulomb`], [`LennardJones`], [`Wca`], [`Morse`], [`Yukawa`], [`Ricker`], [`Gaussian`], [`HarmonicPair`], [`SoftSphere`] |
 //! | between near bodies, of a kind or of several | `.with(LennardJones { … }.within(2.5))`, [`Kinds`](crate::effect::Kinds) | the same |
 //!
-//! Pair potentials depend on the distance alone, so they serve bodies with any number of coordinates. The others here
-//! are of bodies in space; [`planar`] has those of bodies in the plane, by the same names.
+//! Pair potentials depend on the distance alone, so they serve bodies with any number of coordinates. The other
+//! potentials here are for bodies in space; [`planar`] has those for bodies in the plane, with the same names.
 //!
 //! ```
 //! use rattle::potentials::{LennardJones, weights};
@@ -42,8 +42,8 @@ use crate::ready_made::potential;
 potential! {
     /// Uniform gravity along −z, on a body of unit mass: z points up.
     ///
-    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of
-    /// different masses have [`weights`].
+    /// `g` is the acceleration. Potentials do not know masses: for a body of mass m give `g` times m, for bodies of
+    /// different masses use [`weights`].
     ///
     /// ```
     /// use rattle::potentials::Gravity;
@@ -55,12 +55,13 @@ potential! {
     /// assert!((simulation.position().z - (10.0 - 9.81 / 2.0)).abs() < 1e-12);
     /// # Ok::<(), rattle::Error>(())
     /// ```
+    #[doc(alias = "weight")]
     pub struct Gravity { g }
     |x, y, z| g * z
 }
 
 potential! {
-    /// The same force on a body everywhere, such as that of a uniform electric field on a charge.
+    /// A force that is the same everywhere, such as that of a uniform electric field on a charge.
     ///
     /// ```
     /// use rattle::potentials::ConstantForce;
@@ -85,12 +86,15 @@ potential! {
     /// let trap = Harmonic { stiffness: 4.0, centre: [0.0, 0.0, 1.0] };
     /// assert_eq!(trap.value(&[0.0, 3.0, 1.0].into()), 18.0);
     /// ```
+    #[doc(alias = "spring")]
+    #[doc(alias = "trap")]
     pub struct Harmonic { stiffness, centre: [f64; 3] }
     |q: [f64; 3]| stiffness / 2 * sum(i in 0..3, (q[i] - centre[i])^2)
 }
 
 potential! {
-    /// A harmonic trap with a stiffness of its own along each axis; zero lets bodies move freely along it.
+    /// A harmonic trap with a stiffness for each axis, a force over a length; bodies move freely along an axis with
+    /// stiffness 0.
     ///
     /// ```
     /// use rattle::potentials::AnisotropicHarmonic;
@@ -163,7 +167,8 @@ potential! {
     |a: [f64; 3], b: [f64; 3]| strength / norm(a - b)
 }
 
-/// Uniform gravity along −z on bodies of these masses in turn: U = Σ g mᵢ zᵢ. For `Scene::masses` of the same numbers.
+/// Uniform gravity along −z on bodies of these masses, in the order of the bodies: U = Σ g mᵢ zᵢ. Give the same numbers
+/// to `Scene::masses`.
 ///
 /// ```
 /// use rattle::potentials::weights;
@@ -181,8 +186,8 @@ pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1
     Over::each(masses.into_iter().enumerate().map(|(body, mass)| (Gravity { g: g * mass }, [body])))
 }
 
-/// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. For `Scene::masses` of
-/// the same numbers; `constant` is G.
+/// Newton's gravitation between every two bodies of these masses: U = −Σ G mᵢ mⱼ / |qᵢ − qⱼ|. `constant` is G. Give the
+/// same masses to `Scene::masses`.
 ///
 /// ```
 /// use rattle::potentials::gravitation;
@@ -196,6 +201,8 @@ pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1
 /// assert!(simulation.energy_error().abs() < 1e-7);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "n-body")]
+#[doc(alias = "Newton")]
 pub fn gravitation(constant: f64, masses: impl IntoIterator<Item = f64>) -> Over<InverseDistance, 2> {
     charges(-constant, masses)
 }

@@ -1,10 +1,11 @@
-//! How far a run is, as a bar with the time that is left.
+//! A progress bar for a run, with the time that is left.
 
 use crate::watch::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// An observer that draws a bar on the terminal for a run of so many sights: steps over `every`, times the trajectories
-/// of an ensemble. Where standard error is no terminal nothing is drawn.
+/// An observer that draws a progress bar on the terminal. It is full after `sights` observations: the number of steps
+/// divided by `every`, times the number of trajectories of an ensemble. Where standard error is not a terminal, nothing
+/// is drawn.
 ///
 /// ```
 /// # use rattle::prelude::*;
@@ -13,7 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 /// # Ok::<(), rattle::Error>(())
 /// ```
 ///
-/// An observer of its own may go beside it: `&mut (recorder, bar(100))`.
+/// Join it with another observer by a tuple: `&mut (recorder, bar(100))`.
 pub fn bar(sights: u64) -> Progress<impl FnMut(u64)> {
     let bar = ProgressBar::new(sights); // hidden where there is no terminal
     if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent} % {eta} left") {

@@ -1,4 +1,4 @@
-//! Recorders into files: rows are written by a thread of its own, as they come, so memory stays flat however long the
+//! Recording into files: a thread of its own writes rows as they come, so memory does not grow with the length of the
 //! run.
 //!
 //! ```
@@ -18,8 +18,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Of an ensemble the same: `ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink())).finish()?`.
-//! Blocks of rows then come in any order, and say their steps and trajectories.
+//! The same for an ensemble: `ensemble.observe(steps, every, || Recorder::of(&columns, stream.sink())).finish()?`.
+//! Blocks of rows then come in any order; each row has its step and trajectory.
 //!
 //! | writer | file | read by |
 //! |---|---|---|
@@ -28,9 +28,9 @@
 //! | [`Vtu`] | `.vtu`, a file for each row, and `.pvd` with their times; the surface beside them | ParaView |
 //! | `Parquet` (feature `parquet`) | `.parquet`, a column for each number | pandas, Polars, DuckDB |
 //!
-//! Where a writer fails, for a full disk or a closed pipe, the run ends at the next block of rows with
-//! [`Error::Recorder`](crate::Error::Recorder), as it was at its last step, and [`Stream::finish`] says how many rows
-//! were written. An ensemble ends too, all trajectories after the same step.
+//! Where a writer fails (a full disk, a closed pipe), the run ends at the next block of rows with
+//! [`Error::Recorder`](crate::Error::Recorder), in its state after the last step, and [`Stream::finish`] says how many
+//! rows were written. An ensemble ends too, with all trajectories after the same step.
 
 #[cfg(feature = "parquet")]
 mod parquet;

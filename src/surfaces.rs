@@ -1,4 +1,4 @@
-//! Ready-made surfaces g(x, y, z) = 0: those of LAMMPS's MANIFOLD package and of HOOMD-blue, and classical ones.
+//! Ready-made surfaces g(x, y, z) = 0: those of the MANIFOLD package of LAMMPS and of HOOMD-blue, and classical ones.
 //!
 //! Each is a plain [`constraint!`](crate::constraint); its page shows a picture with geodesics, the formula, the
 //! gradient and the number of operations. To vary one, copy its line into a macro of your own.
@@ -107,11 +107,10 @@ constraint! {
     /// Two stacks of a thylakoid joined by a bridge along x (LAMMPS `thylakoid`, with width, length and
     /// flare for wB, LB and lB).
     ///
-    /// The bridge is a cylinder that a quarter of a torus flares into the stacks, which are rounded
-    /// squares in x and y without end along z. As there, the flat sides of a stack are 15 wide and its
-    /// edges have radius 3, and width + 2 flare must not exceed 15. The surface is the same; g differs: it
-    /// is the distance in every part, so that parts meet with their gradients, where those of LAMMPS's
-    /// edges are squared distances and jump.
+    /// The bridge is a cylinder; quarters of a torus flare it into the stacks. A stack is a rounded square in x and y,
+    /// and infinite along z. As in LAMMPS, its flat sides are 15 wide, its edges have radius 3, and width + 2 flare
+    /// must not exceed 15. The surface is that of LAMMPS, but g differs: here g is the distance in every part, so that
+    /// ∇g is continuous where parts meet. In LAMMPS g is a squared distance at the edges, and ∇g jumps.
     ///
     #[doc = include_str!("surfaces/thylakoid.html")]
     pub struct Thylakoid { width, length, flare }
@@ -144,14 +143,14 @@ constraint! {
     |x, y, z| (abs(x / a)^n + abs(y / b)^n)^(m / n) + abs(z / c)^m - 1
 }
 constraint! {
-    /// A torus by its distances (LAMMPS `torus`); not smooth on the axis.
+    /// A torus by the distance from its circle (LAMMPS `torus`); g is not smooth on the axis.
     ///
     #[doc = include_str!("surfaces/torus_by_distance.html")]
     pub struct TorusByDistance { major, minor }
     |x, y, z| (norm(x, y) - major)^2 + z^2 - minor^2
 }
 constraint! {
-    /// A torus as a polynomial, smooth everywhere.
+    /// A torus as a polynomial of degree four, smooth everywhere.
     ///
     #[doc = include_str!("surfaces/torus.html")]
     pub struct Torus { major, minor }

@@ -1,7 +1,7 @@
 //! Files for ParaView: a grid of points or triangles with fields (`.vtu`), and a series of them in time (`.pvd`), which
 //! is the file to open.
 //!
-//! A recorder writes them of a run: `record::Vtu`, with the feature `data`.
+//! To write a run, use a recorder with `record::Vtu` (feature `data`).
 //!
 //! ```
 //! use rattle::vtu::{Cells, Field, Series, text};
@@ -23,7 +23,7 @@ use std::fs::{self, File};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What a grid draws.
+/// The cells of a grid.
 #[derive(Debug, Clone, Copy)]
 pub enum Cells<'a> {
     /// Each point by itself.
@@ -41,13 +41,13 @@ pub struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    /// One number for each.
+    /// One number for each point or cell.
     #[must_use]
     pub fn number(name: &'a str, numbers: &[f64]) -> Self {
         Self { name, components: 1, numbers: numbers.to_vec() }
     }
 
-    /// A vector for each, of up to three coordinates.
+    /// A vector of up to three coordinates for each point or cell.
     #[must_use]
     pub fn vector<const D: usize>(name: &'a str, vectors: &[[f64; D]]) -> Self {
         const { assert!(D <= 3, "ParaView's space has three coordinates") }
@@ -59,7 +59,7 @@ impl<'a> Field<'a> {
 /// A grid with fields at its points and in its cells, as the text of a `.vtu` file. Numbers read back bit for bit.
 ///
 /// # Panics
-/// If a field has another length than there are points, or cells.
+/// If the length of a field is not the number of points, or cells.
 #[track_caller]
 #[must_use]
 pub fn text(
@@ -121,7 +121,9 @@ fn array(
     out.push_str("\n</DataArray>\n");
 }
 
-/// Files `name_000000.vtu`, … and `name.pvd` with their times, whole after each file.
+/// A time series: files `name_000000.vtu`, … and `name.pvd` with their times. `name.pvd` is complete after each file.
+#[doc(alias = "paraview")]
+#[doc(alias = "vtk")]
 #[derive(Debug)]
 pub struct Series {
     folder: PathBuf,
@@ -137,7 +139,7 @@ pub struct Series {
 const END: &str = "</Collection></VTKFile>\n";
 
 impl Series {
-    /// Begins the list `path`, which ends in `.pvd`; makes its folder where it is missing.
+    /// Creates the list `path`, which ends in `.pvd`, and its folder where that is missing.
     ///
     /// # Errors
     /// Those of the file system; a path without a file's name.
@@ -154,8 +156,7 @@ impl Series {
         Ok(series)
     }
 
-    /// Shows a grid that stands still beside all that are added after it, such as the surface that bodies move on:
-    /// `name_what.vtu`.
+    /// Adds a grid that does not move, such as the surface, to all times added after it. Its file is `name_what.vtu`.
     ///
     /// # Errors
     /// Those of the file system.
@@ -166,7 +167,7 @@ impl Series {
         Ok(())
     }
 
-    /// Adds the [text] of a grid at a time.
+    /// Adds the [text] of a grid at this time.
     ///
     /// # Errors
     /// Those of the file system.

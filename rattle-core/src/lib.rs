@@ -1,17 +1,17 @@
-//! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and what is kept
-//! of a run. Draws in nothing for files, plots or progress.
+//! The runtime of `rattle`: scenes of constrained bodies, the methods that move them, and observers of runs. It has no
+//! dependency for files, plots or progress bars.
 //!
-//! Folders are floors: a file imports from its own folder and from folders above it in this list.
+//! Folders are layers: a file imports only from its own folder and from folders above it in this list.
 //!
 //! ```text
-//! number  error           scalars, lanes, instructions; what can go wrong
-//! kernel                  what a macro writes: functions of one place, and their derivatives
+//! number  error           scalars, lanes, instruction sets; errors
+//! kernel                  the functions that macros write, and their derivatives
 //! effect  geometry        forces; curvature
-//! motion                  the contract: bodies, state, system, method
-//! solve                   when a solve ends, which root, when constraints are reached: alike for all
-//! systems │ methods       neither knows the other
-//! scene                   what is simulated
-//! run                     who goes on, and who watches
+//! motion                  the interface of systems and methods: bodies, state, system, method
+//! solve                   solving position equations: when to stop, which root
+//! systems │ methods       the systems, and the methods that move them; neither knows the other
+//! scene                   constraints, bodies and effects
+//! run                     simulations, ensembles, observers
 //! ```
 
 pub mod effect;

@@ -1,4 +1,4 @@
-//! What is simulated: the constraint, the bodies and the effects.
+//! Scenes: constraints, bodies and effects, to be simulated.
 
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces, With};
@@ -24,7 +24,7 @@ use std::marker::PhantomData;
 
 /// Constraints, the number of bodies that obey them, and the effects that act on them.
 ///
-/// Only effects that are named are simulated; a scene without any is free motion along geodesics.
+/// Only effects added by [`with`](Self::with) act; without any, motion is free, on a surface along geodesics.
 ///
 /// A function that takes a scene of one body in space:
 ///
@@ -32,6 +32,9 @@ use std::marker::PhantomData;
 /// use rattle::{bodies::One, effect::Effects, scene::{Hold, Scene}};
 /// fn bills<C: Hold<3>, E: Effects<3>>(scene: &Scene<C, E, One, 3>) { /* scene.simulate(…) */ }
 /// ```
+#[doc(alias = "model")]
+#[doc(alias = "system")]
+#[doc(alias = "setup")]
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<C, E, N, const D: usize> {
     pub(crate) constraint: C,
@@ -39,8 +42,8 @@ pub struct Scene<C, E, N, const D: usize> {
     pub(crate) count: N,
 }
 
-/// What a scene can begin with: one constraint, on one body. A single equation makes a surface; several a
-/// [`Network`]. Up to 64 are listed; for more, `Scene::point().link(constraint, [[0]])`.
+/// Constraints accepted by [`Scene::on`]: a single equation makes a surface, several equations (up to 64) a
+/// [`Network`]. For more use `Scene::point().link(constraint, [[0]])`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no constraint",
     label = "a scene begins with what `constraint!` makes, of up to 64 equations",
@@ -48,9 +51,9 @@ pub struct Scene<C, E, N, const D: usize> {
     note = "constraints between bodies are links: `Scene::points(n).link(constraint, members)`"
 )]
 pub trait Begin<const D: usize, const M: usize> {
-    /// What holds the body.
+    /// The constraint in the form that the scene keeps.
     type Hold: Hold<D>;
-    /// The constraint as what holds it.
+    /// Converts the constraint into this form.
     fn begin(self) -> Self::Hold;
 }
 
@@ -75,15 +78,18 @@ begin_with_several!(2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24
     38 39 40 41 42 43 44 45 46 47 48 49 50 51 52 53 54 55 56 57 58 59 60 61 62 63 64);
 
 impl Scene<(), (), One, 0> {
-    /// One body of unit mass under g(q) = 0: on a surface for one equation, on what several equations leave otherwise.
-    /// Without effects.
+    /// One body of unit mass under g(q) = 0, without effects: one equation makes a surface, several equations a
+    /// submanifold of lower dimension.
+    #[doc(alias = "surface")]
+    #[doc(alias = "manifold")]
+    #[doc(alias = "constraint")]
     pub fn on<C: Begin<D, M>, const D: usize, const M: usize>(constraint: C) -> Scene<C::Hold, (), One, D> {
         Scene { constraint: constraint.begin(), effects: (), count: One }
     }
 
-    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p): moved by
-    /// [`Rattle`](crate::methods::rattle::Rattle), which then is geometric RATTLE, or a composition of it. See
-    /// [`phase`](crate::systems::phase) for what g must be.
+    /// One body in phase space, under g(q, p) = 0 with the energy H(q, p). Methods are
+    /// [`Rattle`](crate::methods::rattle::Rattle), here in the form of geometric RATTLE, and compositions of it. See
+    /// [`phase`](crate::systems::phase) for the conditions on g.
     ///
     /// ```text
     /// phase_constraint! { struct Hopf {}        |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - 1 }
@@ -105,6 +111,9 @@ impl Scene<(), (), One, 0> {
     }
 
     /// One rigid body that turns about its centre of mass.
+    #[doc(alias = "rotation")]
+    #[doc(alias = "top")]
+    #[doc(alias = "gyroscope")]
     #[must_use]
     pub fn rigid(body: Rigid) -> Scene<Rigid, (), One, 9> {
         Scene { constraint: body, effects: (), count: One }
@@ -133,24 +142,26 @@ impl Scene<(), (), One, 0> {
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with `number` bodies, each under its own copy of the constraint.
+    /// The same scene with `number` bodies, each with its own copy of the constraint.
     ///
-    /// Eight bodies or more are moved several at a time on processors with fused multiply-add, in half to a fourth of
-    /// the time. Their motion then differs by rounding from that of each body alone, since
-    /// [functions](crate::number::lanes) are evaluated by other code.
+    /// Eight bodies or more are moved several at a time on processors with fused multiply-add, which takes a half to a
+    /// fourth of the time. Their motion then differs by rounding from that of each body alone, since other code
+    /// evaluates [functions](crate::number::lanes).
     pub fn bodies(self, number: usize) -> Scene<C, E, Many, D> {
         Scene { constraint: self.constraint.bodies(number), effects: self.effects, count: Many(number) }
     }
 }
 
 impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with these links. Each of `members` lists the bodies that one copy of `constraint` ties together;
-    /// the variables of the constraint are the coordinates of the first body of the list, then of the second, and so
-    /// on.
+    /// The same scene with these links. Each of `members` lists the bodies that one copy of `constraint` links; the
+    /// variables of the constraint are the coordinates of the first body of the list, then of the second, and so on.
     ///
     /// ```text
     /// Scene::points(1001).link(Rod { length: 1e-3 }, (0..1000).map(|i| [i, i + 1])).pin(0, [0.0; 3])
     /// ```
+    #[doc(alias = "hinge")]
+    #[doc(alias = "bond")]
+    #[doc(alias = "constraint")]
     #[doc(alias = "joint")]
     pub fn link<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
@@ -177,6 +188,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// Moving supports and motors with a prescribed angle are such links. They do
     /// [work](crate::run::simulation::Simulation::work). The momenta of a start must satisfy G v = −∂g/∂t;
     /// [`project`](Self::project) makes them do so.
+    #[doc(alias = "rheonomic")]
+    #[doc(alias = "driven")]
     #[doc(alias = "motor")]
     pub fn link_moving<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
@@ -191,8 +204,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| network.with(Links::<_, K, M, A, D>::new(vec![constraint], members)))
     }
 
-    /// The same scene with links whose multipliers act only on the coordinates that are `true`: the others move as if
-    /// there were no link. That is no longer mechanics: energy is not kept, and where g does not depend on the chosen
+    /// The same scene with links whose multipliers act only on the coordinates that are `true`; the others move as if
+    /// there were no link. This is no longer mechanics: energy is not conserved. Where g does not depend on the chosen
     /// coordinates there is no solution, which is an error.
     pub fn link_acting<G: Constraint<K, M>, const K: usize, const M: usize, const A: usize>(
         self,
@@ -206,7 +219,7 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.network(|network| network.with(links))
     }
 
-    /// The same scene with a body held at a place.
+    /// The same scene with a body fixed at a position.
     #[doc(alias = "anchor")]
     #[doc(alias = "fixed")]
     pub fn pin(self, body: usize, at: impl Coordinates<D>) -> Scene<Network<D>, E, N, D> {
@@ -219,20 +232,20 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// The same scene, every body with this mass: a number, one for each coordinate, or a symmetric positive definite
     /// matrix. Momenta are then p = M v.
     ///
-    /// Potentials do not know masses: weight in proportion to mass is `Gravity { g: 9.81 * mass }`, or
+    /// Potentials do not know masses: the weight of a body is `Gravity { g: 9.81 * mass }`, or
     /// [`Over::each`](crate::kernel::over::Over::each) where masses differ.
     pub fn mass(self, mass: impl Into<Mass<D>>) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { masses: Masses::Each(mass.into()), ..network })
     }
 
-    /// The same scene with a mass for each body, the first body's first. See [`mass`](Self::mass) for weights.
+    /// The same scene with a mass for each body, in their order. See [`mass`](Self::mass) for weights.
     pub fn masses<X: Into<Mass<D>>>(self, masses: impl IntoIterator<Item = X>) -> Scene<Network<D>, E, N, D> {
         let masses = masses.into_iter().map(Into::into).collect();
         self.network(|network| Network { masses: Masses::Listed(masses), ..network })
     }
 
-    /// The same scene with a chosen method of linear algebra for the multipliers.
-    /// [`Linked::components`](crate::systems::linked::Linked::components) tells which is chosen if none is named.
+    /// The same scene with a chosen method of linear algebra for the multipliers. By default it is chosen
+    /// automatically; [`Linked::components`](crate::systems::linked::Linked::components) shows the choice.
     pub fn linear_algebra(self, algebra: LinearAlgebra) -> Scene<Network<D>, E, N, D> {
         self.network(|network| Network { algebra, ..network })
     }
@@ -244,15 +257,19 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 }
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The scene made ready for the scalar `T`: lanes, to run several trajectories side by side.
+    /// The system of this scene over the scalar `T`, such as lanes with several trajectories.
     pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
         OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The same scene with one more [effect](crate::effect): a potential on each body or between every two, a force,
-    /// drag, a heat bath.
+    /// The same scene with a further [effect](crate::effect): a potential on each body or between every two, a force,
+    /// drag, a thermostat.
+    #[doc(alias = "force")]
+    #[doc(alias = "friction")]
+    #[doc(alias = "thermostat")]
+    #[doc(alias = "gravity")]
     pub fn with<P: Effect<D, Kind>, Kind>(self, effect: P) -> Scene<C, With<E, P, Kind>, N, D> {
         let effects = With { others: self.effects, effect, kind: PhantomData };
         Scene { constraint: self.constraint, effects, count: self.count }
@@ -262,9 +279,10 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// every momentum made tangent.
     ///
     /// # Errors
-    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a
-    /// state of another
-    /// number of bodies.
+    /// [`Error::Start`] where no such position is found, or the input is not finite; [`Error::BodyCount`] for a state
+    /// with another number of bodies.
+    #[doc(alias = "initial condition")]
+    #[doc(alias = "consistent")]
     pub fn project(&self, state: &State<D>) -> Result<State<D>, Error> {
         self.fits(state)?;
         self.constraint.project(state)
@@ -286,12 +304,14 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// positions.
     ///
     /// A staggered method has positions at times tₙ and momenta half a step apart: `Leapfrog` at tₙ + h/2, `Shake` at
-    /// tₙ − h/2. The momenta of the state are changed by the forces at its positions over that half step; positions
-    /// stay.
+    /// tₙ − h/2. The momenta of the state are changed by the forces at its positions over that half step; positions are
+    /// unchanged.
     ///
     /// # Errors
-    /// [`Error::BodyCount`] for a state of another number of bodies, [`Error::Network`] for an effect over bodies that
-    /// there are not.
+    /// [`Error::BodyCount`] for a state with another number of bodies, [`Error::Network`] for an effect on bodies that
+    /// do not exist.
+    #[doc(alias = "leapfrog")]
+    #[doc(alias = "half step")]
     pub fn staggered<S: Method>(&self, state: &State<D>, method: &S) -> Result<State<D>, Error> {
         self.fits(state)?;
         let mut state = state.clone();

@@ -1,26 +1,29 @@
-//! Where the water came from and where it went.
+//! The water budget: where the water came from and where it went.
 
-/// The volumes since the start. What remains after all of them are set off against each other is rounding.
+/// The volumes of water since the start. Their balance, the [`remainder`](Budget::remainder), is only rounding with
+/// [`Conservative`](crate::Conservative).
+#[doc(alias = "mass balance")]
+#[doc(alias = "conservation")]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Budget {
     /// The volume at the start.
     pub start: f64,
     /// The volume now.
     pub now: f64,
-    /// What fell as rain.
+    /// The volume of rain.
     pub rain: f64,
-    /// What seeped away.
+    /// The volume that infiltrated.
     pub infiltration: f64,
-    /// What would have seeped away in addition, had there been water.
+    /// The volume that would have infiltrated in addition, had there been enough water.
     pub unmet: f64,
-    /// What entered over the boundary.
+    /// The volume that entered over the boundary.
     pub inflow: f64,
-    /// What left over the boundary.
+    /// The volume that left over the boundary.
     pub outflow: f64,
 }
 
 impl Budget {
-    /// The change of volume that nothing explains.
+    /// The change of volume that none of these terms explains.
     pub fn remainder(&self) -> f64 {
         self.now - self.start - self.rain - self.inflow + self.infiltration + self.outflow
     }

@@ -1,15 +1,18 @@
-//! The conservative method: upwinded control volumes on linear triangles, their slope vectors eliminated.
+//! The conservative method: upwinded control volumes on linear triangles, with a slope vector in each triangle that is
+//! eliminated.
 //!
 //! ```text
 //! Mᵢ (hᵢ′ − hᵢ)/Δt + Σ fluxes out of i = sources        Mᵢ the area that belongs to a vertex; law.rs has the fluxes
 //! ```
 //!
-//! **Volume**: fluxes cancel in pairs and Mᵢ/Δt is linear, so every full Newton step keeps the volume to rounding.
-//! **Sign**: where hᵢ′ < 0 nothing would flow out, so Mᵢ(hᵢ′ − hᵢ)/Δt = inflow ≥ 0, a contradiction; what an iteration
-//! that has ended leaves below zero is a rounding, and is lent by the vertex with the most water nearby.
-//! **Rest**: a shore above the level of a lake has no water to give, and a level lake has p = 0.
+//! **Volume**: fluxes cancel in pairs and the storage term is linear, so every full Newton step conserves the volume to
+//! rounding. **Sign**: where hᵢ′ < 0 nothing would flow out, so Mᵢ(hᵢ′ − hᵢ)/Δt = inflow ≥ 0, a contradiction. Negative
+//! depths that the finished iteration leaves are rounding errors, and are covered by the nearby vertex with the most
+//! water. **Rest**: a dry shore above the level of a lake has no water to give, and a level lake has p = 0, so lakes
+//! stay at rest.
 //!
-//! What seeps away is min(what can, what is there): where more can than is there the vertex gets dry, h′ = 0.
+//! Infiltration is the smaller of the infiltration capacity and the water there; where the capacity is larger the
+//! vertex becomes dry, h′ = 0.
 
 use crate::budget::Budget;
 use crate::flow::{Flow, Resistance};
@@ -34,7 +37,7 @@ struct Block {
     count: usize,
 }
 
-/// Upwinded control volumes; see the head of this file.
+/// The method of upwinded control volumes: conserves volume to rounding, without negative depths.
 pub struct Conservative {
     blocks: Vec<Block>,
     /// p of each block, and as it was before the step.
@@ -70,17 +73,18 @@ const DIRECT: usize = 5000;
 /// took longer.
 const INEXACT: f64 = 1e-8;
 
-/// When an iteration ends.
+/// Settings of the iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// What rounds |p| off at 0 in the derivative: 10⁻⁴ to 10⁻⁸ serve equally, 10⁻² does not converge.
+    /// The ε of √(p² + ε²), which replaces |p| in the derivative: 10⁻⁴ to 10⁻⁸ work equally well, 10⁻² does not
+    /// converge.
     pub epsilon: f64,
-    /// The iteration ends where what is left, by the ratio of the last two changes of depth, is below this part of the
-    /// largest depth.
+    /// The iteration ends where the remaining error, estimated from the ratio of the last two changes of depth, is
+    /// below this fraction of the largest depth.
     pub tolerance: f64,
-    /// So many iterations at most.
+    /// The largest number of iterations.
     pub most: usize,
-    /// Meshes of more vertices have their linear equations solved by iteration, not by LU factors.
+    /// Linear equations of meshes with more vertices than this are solved by iteration instead of LU factors.
     pub direct: usize,
 }
 
@@ -91,12 +95,12 @@ impl Default for Settings {
 }
 
 impl Conservative {
-    /// The method for a flow.
+    /// The method for this flow, with default settings.
     pub fn of(flow: &Flow) -> Self {
         Self::with(flow, Settings::default())
     }
 
-    /// The same with settings of one's own.
+    /// The method for this flow with these settings.
     pub fn with(flow: &Flow, settings: Settings) -> Self {
         let mesh = &flow.mesh;
         let n = mesh.points().len();

@@ -1,10 +1,10 @@
-//! What can go wrong, with the numbers that explain it.
+//! Errors, with the numbers that explain them.
 
-/// A mesh that is none.
+/// What is wrong with a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A vertex is nowhere.
+    /// A coordinate of a vertex is not finite.
     #[error("vertex {vertex} is at ({x}, {y}); expected finite coordinates")]
     NotFinite {
         /// Which one.
@@ -14,14 +14,14 @@ pub enum MeshError {
         /// Its second coordinate.
         y: f64,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle names a vertex that does not exist.
     #[error("triangle {triangle} names vertex {vertex}, and there are {vertices}")]
     NoVertex {
         /// Which triangle.
         triangle: usize,
         /// The vertex it names.
         vertex: usize,
-        /// How many there are.
+        /// The number of vertices.
         vertices: usize,
     },
     /// A triangle is clockwise, or flat.
@@ -70,13 +70,13 @@ pub enum MeshError {
         /// Which one.
         vertex: usize,
     },
-    /// There is nothing.
+    /// The mesh has no triangle.
     #[error("the mesh has no triangle")]
     Empty,
-    /// What was to be meshed is no polygon, or too fine.
+    /// The corners are not a simple polygon, or the spacing is too fine.
     #[error("the polygon of {corners} corners with spacing {spacing} cannot be meshed: {reason}")]
     Polygon {
-        /// How many corners were given.
+        /// The number of corners given.
         corners: usize,
         /// The spacing asked for.
         spacing: f64,
@@ -85,49 +85,49 @@ pub enum MeshError {
     },
 }
 
-/// A flow that cannot be started, or a step that could not be made.
+/// Why a flow cannot be started, or a step not be taken.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
-    /// A given number is not one, or is out of its range.
+    /// A given number is NaN, or out of its range.
     #[error("{what} at vertex or triangle {place} is {found} at time {time}; expected {expected}")]
     Given {
         /// Which number.
         what: &'static str,
-        /// The vertex it belongs to, the triangle for friction.
+        /// The number of its vertex; for friction, of its triangle.
         place: usize,
-        /// When.
+        /// The time.
         time: f64,
         /// What was found.
         found: f64,
         /// What was expected.
         expected: &'static str,
     },
-    /// So many numbers do not fit the mesh.
+    /// A list of numbers does not fit the mesh.
     #[error("{what}: found {found} numbers, and there are {expected} vertices")]
     Count {
-        /// Of what.
+        /// Which numbers.
         what: &'static str,
         /// How many were given.
         found: usize,
         /// How many are needed.
         expected: usize,
     },
-    /// The method leaves out something that the flow has.
+    /// The method does not support a part of the flow.
     #[error("{method} does not have {what}; take it out of the flow, or simulate by the conservative method")]
     NotServed {
         /// Which method.
         method: &'static str,
-        /// What it leaves out.
+        /// The part that it does not support.
         what: &'static str,
     },
-    /// A time step that is none.
+    /// A time step that is not positive and finite.
     #[error("the time step is {found}; expected a positive number")]
     TimeStep {
         /// What was found.
         found: f64,
     },
-    /// Newton's method did not end, however small the step.
+    /// Newton's method did not converge, however small the step.
     #[error(
         "no depth found at time {time} with time steps down to {step:e}: after {iterations} iterations depth still \
          changes by {change:e} at vertex {vertex} ({x:.6}, {y:.6}); the last good state is kept"
@@ -148,7 +148,7 @@ pub enum FlowError {
         /// Its place.
         y: f64,
     },
-    /// The linear equations have no solution in numbers.
+    /// The linear equations are singular.
     #[error(
         "the linear equations at time {time} with time step {step:e} are singular at vertex {vertex} ({x:.6}, {y:.6}); the last good state is kept"
     )]
@@ -157,7 +157,7 @@ pub enum FlowError {
         time: f64,
         /// The smallest time step tried.
         step: f64,
-        /// A vertex at which the solution is not a number.
+        /// A vertex at which the solution is NaN.
         vertex: usize,
         /// Its place.
         x: f64,

@@ -1,4 +1,4 @@
-//! What flows where: terrain, friction, rain, what seeps away, and what crosses the boundary.
+//! A flow: terrain, friction, rain, infiltration, and boundary conditions.
 
 use crate::conservative::Conservative;
 use crate::error::FlowError;
@@ -12,7 +12,7 @@ use crate::simulation::Simulation;
 pub enum Resistance {
     /// k |u| u = −g h ∇(b + h), with the pure number k.
     DarcyWeisbach {
-        /// g, length per time squared.
+        /// The gravitational acceleration g.
         gravity: f64,
     },
     /// |u| = h^(2/3) |∇(b + h)|^(1/2) / n, with n in time per cube root of length.
@@ -38,10 +38,10 @@ impl Resistance {
 
 type Rate = Box<dyn Fn([f64; 2], f64) -> f64 + Send + Sync>;
 
-/// A flow over a mesh: what is not named is not there. Lengths and times in units of one's own, h in those of x.
+/// A flow over a mesh. Terms that are not given are zero. Lengths and times have any units; depths have the unit of x.
 ///
 /// ```text
-/// ∂h/∂t + ∇·q = rain − infiltration        q · n = 0 on walls, which is the whole boundary if nothing else is said
+/// ∂h/∂t + ∇·q = rain − infiltration        q · n = 0 on walls, by default the whole boundary
 /// q = −c hᵅ ∇(b + h) / √|∇(b + h)|
 /// ```
 ///
@@ -56,6 +56,10 @@ type Rate = Box<dyn Fn([f64; 2], f64) -> f64 + Send + Sync>;
 /// assert!(simulation.budget().remainder().abs() < 1e-13);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "runoff")]
+#[doc(alias = "shallow water")]
+#[doc(alias = "kinematic wave")]
+#[doc(alias = "hydrology")]
 pub struct Flow {
     pub(crate) mesh: Mesh,
     pub(crate) resistance: Resistance,
@@ -90,13 +94,18 @@ impl Flow {
     }
 
     /// The height b of the ground, at the vertices.
+    #[doc(alias = "elevation")]
+    #[doc(alias = "DEM")]
+    #[doc(alias = "topography")]
     #[must_use]
     pub fn terrain(mut self, height: impl Fn([f64; 2]) -> f64) -> Self {
         self.terrain = self.mesh.at_vertices(height);
         self
     }
 
-    /// The coefficient of friction, k or n, at the centroid of each triangle: say it before [`outlet`](Flow::outlet).
+    /// The coefficient of friction, k or n, at the centroid of each triangle. Call it before [`outlet`](Flow::outlet).
+    #[doc(alias = "roughness")]
+    #[doc(alias = "Manning")]
     #[must_use]
     pub fn friction(mut self, coefficient: impl Fn([f64; 2]) -> f64) -> Self {
         let count = self.mesh.triangles().len();
@@ -105,15 +114,16 @@ impl Flow {
         self
     }
 
-    /// Rain, length per time, as it falls at a place and a time; several add up. It must not be negative.
+    /// Adds rain, in length per time, as a function of position and time; it must not be negative.
+    #[doc(alias = "precipitation")]
     #[must_use]
     pub fn rain(mut self, rate: impl Fn([f64; 2], f64) -> f64 + Send + Sync + 'static) -> Self {
         self.rain.push(Box::new(rate));
         self
     }
 
-    /// What can seep away, length per time. Where there is less water, that is what seeps away, and the rest is booked
-    /// as [unmet](crate::Budget::unmet).
+    /// The infiltration capacity, in length per time. Where there is less water, only this water infiltrates, and the
+    /// difference is counted as [unmet](crate::Budget::unmet).
     #[must_use]
     pub fn infiltration(mut self, rate: impl Fn([f64; 2]) -> f64) -> Self {
         let rates = self.mesh.at_vertices(rate);
@@ -121,8 +131,8 @@ impl Flow {
         self
     }
 
-    /// Opens the boundary: over the edges whose middle is chosen, water leaves as it would down a plane of this slope,
-    /// q · n = c hᵅ √slope.
+    /// Opens the boundary at edges whose midpoint is `chosen`: water leaves there as it would flow down a plane of this
+    /// slope, q · n = c hᵅ √slope.
     #[must_use]
     pub fn outlet(mut self, slope: f64, chosen: impl Fn([f64; 2]) -> bool) -> Self {
         if slope.is_nan() || slope < 0.0 {
@@ -144,7 +154,8 @@ impl Flow {
         self
     }
 
-    /// Water that enters over the edges whose middle is chosen: q · n, area per time, at their middle and at a time.
+    /// Adds inflow over the boundary edges whose midpoint is `chosen`: −q · n with the outer normal n, positive and in
+    /// area per time, as a function of position (evaluated at the ends of the edges) and time.
     #[must_use]
     pub fn inflow(
         mut self,
@@ -213,19 +224,25 @@ impl Flow {
         checked("inflow", inflow, time, 0.0, AT_LEAST_ZERO)
     }
 
-    /// The flow from this depth at the vertices and time 0, exact in mass and never negative.
+    /// A simulation of the flow from this depth at the vertices at time 0, with time steps `step`, by the
+    /// [conservative](Conservative) method.
     ///
     /// # Errors
-    /// [`FlowError::Count`], [`FlowError::Given`] for depth, terrain, friction or infiltration that is negative or not
-    /// a number, and [`FlowError::TimeStep`].
+    /// [`FlowError::Count`], [`FlowError::Given`] for a depth, terrain, friction or infiltration that is negative where
+    /// it must not be, or NaN, and [`FlowError::TimeStep`].
+    #[doc(alias = "integrate")]
+    #[doc(alias = "solve")]
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     pub fn simulate(self, depth: Vec<f64>, step: f64) -> Result<Simulation<Conservative>, FlowError> {
         self.simulate_by(depth, step, Conservative::of)
     }
 
-    /// The same by a method of one's choice, made of the flow.
+    /// As [`simulate`](Flow::simulate), by another method, which `method` makes for the flow.
     ///
     /// # Errors
-    /// Those of [`simulate`](Flow::simulate), and [`FlowError::NotServed`] for what the method leaves out.
+    /// Those of [`simulate`](Flow::simulate), and [`FlowError::NotServed`] for parts of the flow that the method does
+    /// not support.
     pub fn simulate_by<M: Method>(
         self,
         depth: Vec<f64>,

@@ -11,17 +11,19 @@ const TRIANGLE: usize = 2;
 const NODES: [usize; 15] = [2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1];
 
 impl Mesh {
-    /// Reads a file that Gmsh has written: its triangles, seen from above. Other elements are left out, and so are
-    /// nodes that belong to no triangle; the others are renumbered in their order. A mesh that is clockwise throughout
-    /// is turned over.
+    /// Reads the triangles of a file written by Gmsh, projected to the plane. Other elements, and nodes that belong to
+    /// no triangle, are left out; the remaining nodes are renumbered in order. If all triangles are clockwise, they are
+    /// reversed.
     ///
     /// # Errors
-    /// [`ReadError`], with the line.
+    /// [`ReadError`], with the number of the line.
+    #[doc(alias = "load")]
+    #[doc(alias = "msh")]
     pub fn read_gmsh(path: impl AsRef<Path>) -> Result<Mesh, ReadError> {
         Mesh::from_gmsh(&file(path.as_ref())?)
     }
 
-    /// The same for the text of such a file.
+    /// As [`read_gmsh`](Mesh::read_gmsh), from the text of such a file.
     ///
     /// ```
     /// let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n\
@@ -31,7 +33,7 @@ impl Mesh {
     /// ```
     ///
     /// # Errors
-    /// [`ReadError`], with the line.
+    /// [`ReadError`], with the number of the line.
     pub fn from_gmsh(text: &str) -> Result<Mesh, ReadError> {
         let mut words = Words::of(text);
         let (mut is_new, mut nodes, mut triangles) = (None, None, None);

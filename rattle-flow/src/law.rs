@@ -1,4 +1,4 @@
-//! The law of flow in one triangle, as mathematics: the control-volume scheme with a slope vector of its own.
+//! The law of flow in one triangle: the control-volume scheme, with a slope vector p for the triangle.
 //!
 //! ```text
 //! |p| p = ∇(b + h)                     in the triangle; q = −c hᵅ p,  |q| = c hᵅ √|∇(b + h)|
@@ -8,15 +8,15 @@
 //! ```
 //!
 //! Every flux leaves one vertex and enters another, so Σ Rᵢ = 0 for all h and p, and the columns of the derivatives
-//! have the sum zero: each Newton step keeps the volume, converged or not. A vertex without water gives none, whatever
-//! the sign of the cotangent. The derivative has √(p² + ε²) in the place of |p|, which overestimates it: with a
-//! derivative that is too small, as ε in the explicit form √|∇(b + h)| gives it, Newton's method goes round in circles.
+//! have the sum zero: each Newton step conserves the volume, converged or not. No water leaves a dry vertex, whatever
+//! the sign of the cotangent. In the derivative √(p² + ε²) replaces |p|, which overestimates it. With an underestimate,
+//! as from an ε in the explicit form √|∇(b + h)|, Newton's method runs in circles.
 
 use rattle::real::Real;
 use rattle_macros::residual;
 
 residual! {
-    /// α = 3/2, c = √(g/k): the law of Darcy and Weisbach, k |u| u = −g h ∇(b + h).
+    /// The law of Darcy and Weisbach, k |u| u = −g h ∇(b + h): α = 3/2, c = √(g/k).
     pub struct DarcyWeisbach {
         /// What rounds |p| off at 0, in the derivative alone.
         epsilon
@@ -44,7 +44,7 @@ residual! {
 }
 
 residual! {
-    /// α = 5/3, c = 1/n: the law of Gauckler and Manning, u = −h^(2/3) ∇(b + h) / (n √|∇(b + h)|).
+    /// The law of Gauckler and Manning, u = −h^(2/3) ∇(b + h) / (n √|∇(b + h)|): α = 5/3, c = 1/n.
     pub struct Manning {
         /// What rounds |p| off at 0, in the derivative alone.
         epsilon

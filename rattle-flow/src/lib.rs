@@ -1,4 +1,4 @@
-//! Overland flow: how water runs over land where friction holds it, with an exact budget and no negative depth.
+//! Overland flow: water running over land against friction, with an exact water budget and no negative depth.
 //!
 //! ```text
 //! ∂h/∂t + ∇·q = rain − infiltration,    q = −c hᵅ ∇(b + h) / √|∇(b + h)|
@@ -6,13 +6,14 @@
 //! Darcy and Weisbach    α = 3/2, c = √(g/k)            Gauckler and Manning    α = 5/3, c = 1/n
 //! ```
 //!
-//! The diffusive wave: the shallow-water equations without inertia. Depth h(x, t) over the ground b(x) has a front that
-//! moves with finite speed, since the flux vanishes with h. [`Flow`] says what flows where, [`Simulation`] goes on in
-//! time, [`Budget`] keeps the books. Two methods:
+//! This is the diffusive wave approximation: the shallow-water equations without inertia. The depth h(x, t) over the
+//! ground b(x) has a front that moves with finite speed, since the flux vanishes with h. A [`Flow`] has the terrain,
+//! friction and sources, a [`Simulation`] computes it in time, and a [`Budget`] adds up the volumes. There are two
+//! methods:
 //!
-//! * [`Conservative`], used if nothing else is said: upwinded control volumes. Volume to rounding, depth never below
-//!   zero without being cut off, lakes at rest.
-//! * [`Notebook`], the finite elements and the active set of a notebook, to be compared with: its volume grows.
+//! * [`Conservative`], the default: upwinded control volumes. Volume is conserved to rounding, depths are never
+//!   negative without being clamped, and lakes stay at rest.
+//! * [`Notebook`], for comparison: the finite elements and the active set of a published notebook. Its volume grows.
 //!
 //! ```
 //! use rattle_flow::{Flow, Mesh, Resistance};
@@ -33,7 +34,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! The elements are written as mathematics, by [`residual!`]: see [`law`].
+//! The elements are written as formulas with [`residual!`]: see [`law`].
 
 mod budget;
 mod conservative;

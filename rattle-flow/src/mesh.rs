@@ -3,7 +3,7 @@
 use crate::error::MeshError;
 use std::collections::HashMap;
 
-/// Triangles that meet edge to edge; checked when made.
+/// A mesh of triangles that meet edge to edge; checked when it is made.
 ///
 /// ```
 /// use rattle_flow::Mesh;
@@ -24,7 +24,7 @@ impl Mesh {
     /// The mesh of these vertices and triangles, each counter-clockwise.
     ///
     /// # Errors
-    /// All of [`MeshError`] but `Polygon`: the first thing wrong, with its place.
+    /// Any [`MeshError`] except `Polygon`: the first one found, with its position.
     pub fn new(points: Vec<[f64; 2]>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         if triangles.is_empty() {
             return Err(MeshError::Empty);
@@ -110,7 +110,7 @@ impl Mesh {
         None
     }
 
-    /// The places of the vertices.
+    /// The positions of the vertices.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
@@ -118,11 +118,11 @@ impl Mesh {
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
-    /// The edges of the boundary, the mesh at their left.
+    /// The edges of the boundary, with the mesh on their left.
     pub fn boundary(&self) -> &[[u32; 2]] {
         &self.boundary
     }
-    /// The area that belongs to each vertex: a third of each of its triangles.
+    /// The area that belongs to each vertex: a third of the area of each of its triangles.
     pub fn shares(&self) -> &[f64] {
         &self.shares
     }
@@ -137,13 +137,13 @@ impl Mesh {
     /// The volume ∫ h of depths at the vertices, linear between them.
     ///
     /// # Panics
-    /// If there are not as many depths as vertices.
+    /// If the number of depths is not the number of vertices.
     #[track_caller]
     pub fn volume(&self, depth: &[f64]) -> f64 {
         assert_eq!(depth.len(), self.points.len(), "one depth for each vertex");
         depth.iter().zip(&self.shares).map(|(h, share)| h * share).sum()
     }
-    /// A function at the vertices.
+    /// The values of a function at the vertices.
     pub fn at_vertices(&self, f: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         self.points.iter().map(|&place| f(place)).collect()
     }

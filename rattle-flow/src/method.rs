@@ -1,22 +1,22 @@
-//! The contract of a method: one implicit step in time.
+//! The trait of methods: one implicit step in time.
 
 use crate::budget::Budget;
 use crate::error::FlowError;
 use crate::flow::Flow;
 
-/// How a step ended.
+/// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepInfo {
-    /// Newton's iterations.
+    /// The number of Newton iterations.
     pub iterations: usize,
-    /// What the step did to the volume; `start` and `now` are 0.
+    /// The volumes of the step; `start` and `now` are 0.
     pub booked: Budget,
 }
 
-/// Why a step was not made.
+/// Why a step failed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trouble {
-    /// Depth still changes by this, at this vertex.
+    /// The iteration did not converge.
     NotConverged {
         /// Iterations made.
         iterations: usize,
@@ -25,9 +25,9 @@ pub enum Trouble {
         /// Where it is largest.
         vertex: usize,
     },
-    /// The solution of the linear equations is not a number at this vertex.
+    /// The solution of the linear equations is NaN.
     Singular {
-        /// The first such vertex.
+        /// The first vertex where it is.
         vertex: usize,
     },
 }
@@ -38,7 +38,7 @@ pub enum Trouble {
 /// (h′ − h)/Δt + ∇·q(h′) = rain − infiltration(h′)
 /// ```
 pub trait Method: Send {
-    /// Whether the method has all that a flow has; asked once, before the first step.
+    /// Checks, once before the first step, that the method supports all parts of the flow.
     ///
     /// # Errors
     /// [`FlowError::NotServed`].
@@ -46,8 +46,9 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Makes `guess`, at first a guess of it, the depth after a step from `depth`. `rain` and `inflow` are volumes per
-    /// time at the vertices. After an error `guess` is meaningless and the method as it was before the call.
+    /// Computes the depth after a step from `depth`. `guess` holds a first guess of it, and then the result. `rain` and
+    /// `inflow` are volumes per time at the vertices. After an error `guess` is meaningless, and the method is in its
+    /// state before the call.
     ///
     /// # Errors
     /// [`Trouble`], after which a shorter step may succeed.
@@ -60,10 +61,10 @@ pub trait Method: Send {
         sources: (&[f64], &[f64]),
     ) -> Result<StepInfo, Trouble>;
 
-    /// Goes back to before the last step, which is not wanted.
+    /// Undoes the last step.
     fn undo(&mut self);
 
-    /// |q| averaged over the area.
+    /// The mean of |q| over the area.
     fn mean_flux(&self, flow: &Flow, depth: &[f64]) -> f64;
 
     /// q in each triangle.

@@ -1,13 +1,13 @@
-//! The method of a notebook: the MINI element, and the active set that keeps depth from below zero.
+//! The method of a published notebook: the MINI element, with an active set that keeps depths from becoming negative.
 //!
 //! ```text
 //! ∫ ((h′ − h)/Δt + ∇·q) φ = 0,    ∫ (k |q| q + g h³ ∇(b + h)) · v = 0        q = 0 on the boundary
 //! h, φ linear;  q, v linear with a bubble 27 φ₀φ₁φ₂
 //! ```
 //!
-//! It is here to be compared with: **its volume grows**. Where depth would fall below zero, the first equation is given
-//! up (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.3 %
-//! for the dam break, all of it while dry ground gets wet. The iteration is PETSc's SNESVINEWTONRSLS with full steps:
+//! It is for comparison: **its volume grows**. Where the depth would become negative, the first equation is dropped
+//! (the set A), and the volume gains Δt Σ_A F, which [`Budget::remainder`](crate::Budget::remainder) shows: 1.3 % for
+//! the dam break, all of it while dry ground gets wet. The iteration is PETSc's SNESVINEWTONRSLS with full steps:
 //!
 //! ```text
 //! A = {i : hᵢ ≤ 10⁻⁸, Fᵢ > 0};   J_II y = −F_I, y_A = 0;   x ← max(x + y, 0 for depth)
@@ -28,7 +28,7 @@ use rattle_macros::residual;
 use std::array::from_fn;
 
 residual! {
-    /// Friction and weight at a point: q and s = ∇(b + h) are vectors there.
+    /// The momentum equation at a point, friction and weight, with the vectors q and s = ∇(b + h).
     pub struct Momentum {
         /// What rounds |q| off at 0, in the derivative alone.
         epsilon
@@ -56,7 +56,7 @@ struct Point {
     weight: f64,
 }
 
-/// The MINI element with an active set; see the head of this file.
+/// The method of the MINI element with an active set; its volume grows.
 pub struct Notebook {
     points: Vec<Point>,
     /// ∇φ of three hats and the area, of each triangle.
@@ -84,7 +84,7 @@ struct Element {
 }
 
 impl Notebook {
-    /// The method for a flow by the law of Darcy and Weisbach, ε = 10⁻³ as in the notebook. Another law,
+    /// The method for a flow with the law of Darcy and Weisbach, with ε = 10⁻³ as in the notebook. Another law,
     /// infiltration, inflow and outlets are [refused](crate::FlowError::NotServed) before the run.
     pub fn of(flow: &Flow) -> Self {
         let mesh = flow.mesh();

@@ -1,10 +1,10 @@
-//! A web page on which water moves over the ground, all in one file.
+//! A web page in one file that shows water moving over the ground.
 
 use crate::flow::Flow;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write;
 
-/// The depths of a flow at some times, as a page to turn and to play.
+/// An interactive page with the depths of a flow at some times, to be rotated and played.
 ///
 /// ```
 /// use rattle_flow::{Flow, Mesh, Page, Resistance};
@@ -33,7 +33,7 @@ pub struct Page {
 }
 
 impl Page {
-    /// A page without depths, which are [added](Page::add).
+    /// A page without depths; [`add`](Page::add) adds them.
     pub fn new(title: impl Into<String>, flow: &Flow) -> Self {
         let places = flow.mesh().points().iter().zip(flow.bed());
         Page {
@@ -51,7 +51,7 @@ impl Page {
     /// Adds the depth at the vertices at a time.
     ///
     /// # Panics
-    /// If there are not as many depths as vertices.
+    /// If the number of depths is not the number of vertices.
     #[track_caller]
     pub fn add(&mut self, time: f64, depth: &[f64]) {
         assert_eq!(depth.len(), self.points.len(), "one depth for each vertex");
@@ -66,21 +66,21 @@ impl Page {
         self
     }
 
-    /// How many times higher than wide things are drawn; 1 unless told.
+    /// The vertical exaggeration; by default 1.
     #[must_use]
     pub fn lift(mut self, lift: f64) -> Self {
         self.lift = lift;
         self
     }
 
-    /// How many seconds the whole takes on the page; 20 unless told.
+    /// How many seconds the whole motion takes on the page; by default 20.
     #[must_use]
     pub fn seconds(mut self, seconds: f64) -> Self {
         self.seconds = seconds;
         self
     }
 
-    /// The page as text. Depths are in it in parts of 65535 of the largest one.
+    /// The page as text. It holds depths rounded to 1/65535 of the largest one.
     pub fn to_html(&self) -> String {
         let deepest = self.depths.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let shares = self.depths.iter().map(|h| (h.max(0.0) / deepest * 65535.0).round() as u16);

@@ -12,7 +12,7 @@ const MOST: f64 = 2e7;
 impl Mesh {
     /// The mesh of a simple polygon, with edges of about the length `spacing`.
     ///
-    /// The edges of the polygon are divided evenly; angles are at least 30° where its own are.
+    /// The edges of the polygon are divided evenly. Angles of triangles are at least 30° if those of the polygon are.
     ///
     /// ```
     /// use rattle_flow::Mesh;

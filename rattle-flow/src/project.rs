@@ -7,9 +7,10 @@ use crate::sparse::Sparse;
 const PARTS: usize = 8;
 
 impl Mesh {
-    /// The function that is linear in each triangle and nearest to `f` in the mean square, so with the same integral.
+    /// The L² projection of `f` onto continuous functions that are linear in each triangle, as values at the vertices.
+    /// It has the integral of `f`.
     ///
-    /// It overshoots near jumps; [`clamped`](f64::clamp) it has another integral. `f` is asked at the middles of 64
+    /// It overshoots near jumps; [clamping](f64::clamp) changes its integral. `f` is evaluated at the centres of 64
     /// parts of each triangle.
     ///
     /// ```

@@ -4,7 +4,10 @@ use crate::mesh::Mesh;
 use crate::read::{ReadError, Words, bytes, text};
 use std::path::Path;
 
-/// Heights at the middles of square cells. A cell without data has the height NaN.
+/// Heights at the centres of square cells. A cell without data has the height NaN.
+#[doc(alias = "DEM")]
+#[doc(alias = "terrain")]
+#[doc(alias = "elevation")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
     pub(crate) columns: usize,
@@ -21,7 +24,7 @@ impl Raster {
     /// metres.
     ///
     /// # Errors
-    /// [`ReadError`], with the line of an ASCII grid.
+    /// [`ReadError`], for an ASCII grid with the number of the line.
     pub fn read(path: impl AsRef<Path>) -> Result<Raster, ReadError> {
         let path = path.as_ref();
         let bytes = bytes(path)?;
@@ -32,7 +35,7 @@ impl Raster {
         Raster::parse(&text(path, bytes)?)
     }
 
-    /// Reads the text of a file.
+    /// Reads an ASCII grid from the text of a file.
     ///
     /// ```
     /// use rattle_flow::Raster;
@@ -45,7 +48,7 @@ impl Raster {
     /// ```
     ///
     /// # Errors
-    /// [`ReadError`], with the line.
+    /// [`ReadError`], with the number of the line.
     pub fn parse(text: &str) -> Result<Raster, ReadError> {
         let mut words = Words::of(text);
         let (mut columns, mut rows, mut cell) = (None, None, None);
@@ -90,8 +93,8 @@ impl Raster {
         self.heights[(self.rows - 1 - row) * self.columns + column]
     }
 
-    /// The height at a place: linear in x and in y between the middles of cells, NaN outside of them and where one of
-    /// the four has no data.
+    /// The height at a position: bilinear between the centres of cells; NaN outside of these, and where one of the four
+    /// cells has no data.
     pub fn height(&self, place: [f64; 2]) -> f64 {
         let [u, v] = [0, 1].map(|i| (place[i] - self.first[i]) / self.cell);
         let (right, top) = ((self.columns - 1) as f64, (self.rows - 1) as f64);
@@ -108,11 +111,11 @@ impl Raster {
         mixed(along(j), along(l), b)
     }
 
-    /// A mesh with a vertex in the middle of each cell and the heights there; two triangles between four cells with
-    /// data, divided one way and the other in turn.
+    /// A mesh with a vertex at the centre of each cell, and the heights there. Between four cells with data there are
+    /// two triangles, with alternating diagonals.
     ///
     /// # Errors
-    /// [`ReadError::Mesh`] where no four cells with data meet.
+    /// [`ReadError::Mesh`] where there are nowhere four adjacent cells with data.
     pub fn mesh(&self) -> Result<(Mesh, Vec<f64>), ReadError> {
         let (columns, rows) = (self.columns, self.rows);
         let number = |i: usize, j: usize| j * columns + i;

@@ -7,7 +7,7 @@ use std::path::Path;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
-    /// The file system has none of it.
+    /// The file cannot be opened or read.
     #[error("{path}: {source}")]
     Io {
         /// Which file.
@@ -31,20 +31,20 @@ pub enum ReadError {
         /// Which part.
         section: &'static str,
     },
-    /// A version or a kind of file that is not read.
+    /// A version or kind of file that is not supported.
     #[error("{found} is not read; save the mesh as ASCII in version 2.2 or 4.1")]
     Version {
         /// What the file is.
         found: String,
     },
-    /// A GeoTIFF that is no terrain.
+    /// A GeoTIFF that is not a supported terrain.
     #[cfg(feature = "geotiff")]
     #[error("GeoTIFF: {what}")]
     GeoTiff {
-        /// What is wrong, and what mends it.
+        /// What is wrong, and how to mend it.
         what: String,
     },
-    /// What was read is no mesh.
+    /// The mesh in the file is invalid.
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }

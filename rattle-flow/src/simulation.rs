@@ -1,4 +1,4 @@
-//! A flow in time.
+//! Simulations of a flow in time.
 
 use crate::budget::Budget;
 use crate::error::FlowError;
@@ -8,10 +8,10 @@ use crate::method::{Method, StepInfo, Trouble};
 /// So often a step that failed is halved.
 const HALVINGS: u32 = 12;
 
-/// A flow, where it stands, and the books.
+/// A flow, its present state, and its water budget.
 ///
-/// A step that fails is made in two halves, these in halves again, up to a 4096th; if that fails, the state is the last
-/// good one, and the error says where and when.
+/// A step that fails is divided into two halves, these into halves again, down to 1/4096 of the step. If that fails
+/// too, the state is the last good one, and the error says where and when.
 pub struct Simulation<M> {
     flow: Flow,
     method: M,
@@ -53,33 +53,37 @@ impl<M: Method> Simulation<M> {
         })
     }
 
-    /// Goes on by one time step.
+    /// Takes one time step.
     ///
     /// # Errors
     /// [`FlowError::NotConverged`], [`FlowError::Singular`], and [`FlowError::Given`] for rain and inflow; the state is
     /// then that of the last part of the step that succeeded.
+    #[doc(alias = "integrate")]
+    #[doc(alias = "advance")]
     pub fn step(&mut self) -> Result<StepInfo, FlowError> {
         let step = self.step;
         self.advance(step, HALVINGS)
     }
 
-    /// Goes on by so many steps.
+    /// Takes `steps` time steps.
     ///
     /// # Errors
     /// Those of [`step`](Simulation::step).
+    #[doc(alias = "integrate")]
+    #[doc(alias = "advance")]
     pub fn run(&mut self, steps: usize) -> Result<(), FlowError> {
         (0..steps).try_for_each(|_| self.step().map(drop))
     }
 
-    /// Goes on until a time, with steps whose error is at most `tolerance`, a part of the volume that is there.
+    /// Runs until the time `end`, with steps whose error is at most `tolerance`, relative to the present volume.
     ///
     /// ```text
     /// e = Δt/(Δt + Δt₀) (h′ − h − Δt (h − h₀)/Δt₀)         Δt²/2 ∂²h/∂t², with h₀ and Δt₀ of the step before
     /// ```
     ///
-    /// A step with Σ M |e| above the tolerance is made again, shorter. The first step is of the length given at the
-    /// start, and no step is longer than `longest`. Errors of steps add up: the error in the end is about their number
-    /// times the tolerance. Returns how many steps were thrown away.
+    /// A step with Σ M |e| above the tolerance is repeated with a shorter step size. The first step has the length
+    /// given at the start, and no step is longer than `longest`. Errors of steps add up: the final error is about the
+    /// number of steps times the tolerance. Returns the number of rejected steps.
     ///
     /// ```
     /// use rattle_flow::dam_break;
@@ -95,6 +99,8 @@ impl<M: Method> Simulation<M> {
     /// # Errors
     /// Those of [`step`](Simulation::step), and [`FlowError::TimeStep`] for a tolerance or a longest step that is not
     /// positive.
+    #[doc(alias = "adaptive")]
+    #[doc(alias = "tolerance")]
     pub fn run_until(&mut self, end: f64, tolerance: f64, longest: f64) -> Result<usize, FlowError> {
         for found in [tolerance, longest] {
             if found.is_nan() || found <= 0.0 {
@@ -229,11 +235,11 @@ impl<M: Method> Simulation<M> {
     pub fn flux(&self) -> Vec<[f64; 2]> {
         self.method.flux(&self.flow, &self.depth)
     }
-    /// All of Newton's iterations so far.
+    /// The number of Newton iterations so far.
     pub fn iterations(&self) -> usize {
         self.iterations
     }
-    /// All steps so far, halves counted one by one.
+    /// The number of steps so far; parts of divided steps count one by one.
     pub fn steps(&self) -> usize {
         self.steps
     }

@@ -20,7 +20,7 @@ pub use rattle::vtu::Series;
 /// `height` is the third coordinate of the vertices. Numbers are written so that they read back bit for bit.
 ///
 /// # Panics
-/// If `height` or a field has another length than there are vertices or triangles.
+/// If the length of `height` or of a field is not the number of vertices, or triangles.
 #[track_caller]
 #[must_use]
 pub fn text(

@@ -1,6 +1,6 @@
 //! Macros of `rattle`: mathematics in, native functions with their derivatives out.
 //!
-//! The work is done by `rattle-symbolic`; this crate only hands tokens over.
+//! `rattle-symbolic` does the work; this crate only passes tokens to it.
 
 use proc_macro::TokenStream;
 use rattle_symbolic::{Macro, expand};
@@ -18,18 +18,17 @@ use rattle_symbolic::{Macro, expand};
 /// }
 /// ```
 ///
-/// makes `pub struct Torus { pub major: f64, pub minor: f64 }` with `value`, `jacobian`,
-/// `hessian_vector`, `jet`, `hessian` and more, by the trait `Constraint`. Visibility, attributes and
-/// doc comments pass through, those of fields too; the formula, its gradient and the operations per call
-/// are added to the documentation. The struct derives `Clone`, `Copy`, `Debug` and `PartialEq`; others go into
-/// a `#[derive(…)]` of your own, where these four do no harm. There are no generics: parameters are `f64` or
-/// arrays of `f64`.
+/// makes `pub struct Torus { pub major: f64, pub minor: f64 }` with `value`, `jacobian`, `hessian_vector`, `jet`,
+/// `hessian` and more, by the trait `Constraint`. Visibility, attributes and doc comments of the struct and its fields
+/// are kept. The formula, its gradient and the number of operations per call are added to the documentation. The struct
+/// derives `Clone`, `Copy`, `Debug` and `PartialEq`; further traits go into a `#[derive(…)]` of your own, which may
+/// repeat these four. There are no generics: parameters are `f64` or arrays of `f64`.
 ///
-/// A `#[cfg(…)]` goes before the struct, and holds for all that is made for it; parameters have none. All functions
-/// together have at most 80 000 operations, which take the compiler about 10 s.
+/// A `#[cfg(…)]` before the struct holds for all generated code; parameters cannot have one. All functions together
+/// have at most 80 000 operations, which take the compiler about 10 s.
 ///
-/// What is written refers to the crate as `::rattle`, so a dependency under another name in `Cargo.toml` is not
-/// found: with `other = { package = "rattle-rs", … }`, add `extern crate other as rattle;` to the root of the crate.
+/// The generated code refers to the crate as `::rattle`. If the dependency has another name in `Cargo.toml`, as with
+/// `other = { package = "rattle-rs", … }`, add `extern crate other as rattle;` to the root of your crate.
 ///
 /// # The language
 ///
@@ -46,20 +45,19 @@ use rattle_symbolic::{Macro, expand};
 /// equations    [g1, g2]   for i in 0..3, j in i..3 { … }     one row of the Jacobian each, in order
 /// ```
 ///
-/// Indices are constants or the indices of loops. What compares indices alone is decided at compile time,
-/// within a longer condition too: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. A variable on which
-/// nothing depends is written `_z`.
+/// Indices are constants or loop indices. A comparison of indices alone is decided at compile time, also inside a
+/// longer condition: in `if i > 0 && x[i - 1] > 0 { … }` nothing is read at i = 0. An unused variable is written `_z`.
 ///
 /// # What is computed
 ///
-/// `value` is, bit for bit, the expression as written in Rust. Powers are multiplications in a fixed
-/// order: `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`,
-/// `x^-n = 1 / x^n`, and `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`, where an
-/// exponent that moves needs a positive base. An exponent of numbers and indices alone is worked out as an exact
-/// fraction: `x^(0.1 + 0.2)` is `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is
-/// the root of the sum of squares, `min` and `max` take the first argument on a tie and where either is NaN;
-/// `mod(x, y)` is `x - y * floor(x / y)`, for what repeats. Derivatives may be rearranged, always in
-/// the same way. Where a function has no derivative, it is set:
+/// `value` is, bit for bit, the expression as written in Rust. Powers are multiplications in a fixed order:
+/// `x^n = x^(n-1) * x` for odd n and `x^(n/2) * x^(n/2)` for even n, `x^(n+1/2) = x^n * sqrt(x)`, `x^-n = 1 / x^n`, and
+/// `x^(n/3)` is the n-th power of `cbrt(x)`; any other exponent is `powf`; an exponent that depends on variables needs
+/// a positive base. An exponent of numbers and indices alone is computed as an exact fraction: `x^(0.1 + 0.2)` is
+/// `x^(3/10)`, where the sum of the two in `f64` would be 0.30000000000000004. `norm` is the root of the sum of
+/// squares, `min` and `max` take the first argument on a tie and where either is NaN; `mod(x, y)` is
+/// `x - y * floor(x / y)`, for periodic functions. Derivatives may be rearranged, the same way in every build. Where a
+/// function has no derivative, these values are taken:
 ///
 /// ```text
 /// abs'(0) = 1     sign' = floor' = 0     sqrt'(0) = cbrt'(0) = 0     norm, hypot and atan2 at the origin: 0
@@ -68,9 +66,9 @@ use rattle_symbolic::{Macro, expand};
 /// A branch is differentiated by choosing between the derivatives of its arms, so the arm not taken has
 /// no influence, NaN or not.
 ///
-/// Power series of derivatives along a curve, for `Taylor`, are those of the branch at its start; where one turns just
-/// there, or a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0), coefficients are NaN or infinite, and a
-/// step is an error.
+/// Power series along a curve, for `Taylor`, are those of the branch taken at the start of the curve. Where the curve
+/// starts just at a change of branches, or where a function is not smooth (`sqrt`, `ln`, `cbrt`, real powers at 0),
+/// coefficients are NaN or infinite, and the step is an error.
 #[proc_macro]
 pub fn constraint(input: TokenStream) -> TokenStream {
     expand(Macro::Constraint, input.into()).into()
@@ -78,17 +76,16 @@ pub fn constraint(input: TokenStream) -> TokenStream {
 
 /// A potential energy U(q): one expression of all coordinates, in the language of [`constraint!`].
 ///
-/// Unlike in a constraint, a variable need not be used: a force may act along one axis only.
+/// Unlike in a constraint, variables may be unused: a force may act along one axis only.
 ///
-/// A last variable that is called `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three
-/// coordinates that changes with time, by the trait `DrivenPotential`. The work that it does, ∫ ∂U/∂t dt, is told by
-/// the simulation.
+/// A last variable named `t` is the time: `|x, y, z, t| -a * cos(w * t) * x` is a potential of three coordinates that
+/// changes with time, and implements `DrivenPotential`. The simulation reports its work, ∫ ∂U/∂t dt.
 #[proc_macro]
 pub fn potential(input: TokenStream) -> TokenStream {
     expand(Macro::Potential, input.into()).into()
 }
 
-/// A force f(q, v, t): as many components as coordinates, in the language of [`constraint!`].
+/// A force f(q, v, t) with as many components as coordinates, in the language of [`constraint!`].
 ///
 /// ```text
 /// force! {
@@ -101,12 +98,12 @@ pub fn potential(input: TokenStream) -> TokenStream {
 /// }
 /// ```
 ///
-/// First all coordinates, then as many velocities, then the time, which is called `t`; velocities and time are left out
-/// where nothing depends on them. Variables may be numbers, `|x, y, vx, vy, t|`, and need not be used. The force of
-/// several bodies, for `.over(members)`, has the coordinates of all of them, then the velocities of all, and D
-/// components for each. It is what is added to ṗ; on a rigid body, of nine coordinates, the first three of nine
-/// components are the torque in the frame of the body, and the first three of nine velocities the angular velocity
-/// there. ∂f/∂v is differentiated, for the implicit steps of stiff friction.
+/// The variables are all coordinates, then as many velocities, then the time, named `t`; velocities and time are left
+/// out where nothing depends on them. Variables may be single numbers, `|x, y, vx, vy, t|`, and may be unused. A force
+/// on several bodies, for `.over(members)`, takes the coordinates of all of them, then the velocities of all, and has D
+/// components for each body. The force is added to ṗ. A rigid body has nine coordinates: there the first three of nine
+/// components are the torque, and the first three of nine velocities the angular velocity, both in the frame of the
+/// body. The macro also writes ∂f/∂v, for the implicit steps of stiff friction.
 #[doc(alias = "motor")]
 #[proc_macro]
 pub fn force(input: TokenStream) -> TokenStream {
@@ -115,10 +112,9 @@ pub fn force(input: TokenStream) -> TokenStream {
 
 /// A potential energy U(r) of two bodies at distance r, of one variable: `|r| -k / r`.
 ///
-/// It is evaluated as a function of s = r². Where U is even in r as it is written (sums, products,
-/// quotients and powers are followed), that needs no root and has no 0/0 at contact. Other functions
-/// are evaluated at r = √s, with dU/ds = U′(r)/(2r), and U″(0)/2 at contact. The language is that of
-/// [`constraint!`].
+/// U is evaluated as a function of s = r². Where the macro sees that U is even in r (through sums, products, quotients
+/// and powers), that needs no root and has no 0/0 at r = 0. Other functions are evaluated at r = √s, with dU/ds =
+/// U′(r)/(2r), and U″(0)/2 at r = 0. The language is that of [`constraint!`].
 #[proc_macro]
 pub fn pair_potential(input: TokenStream) -> TokenStream {
     expand(Macro::PairPotential, input.into()).into()
@@ -156,8 +152,8 @@ pub fn phase_constraint(input: TokenStream) -> TokenStream {
 /// }
 /// ```
 ///
-/// makes the struct, with `kernel::<T>()` of the type `SlopeKernel<T>`, over any scalar. Its functions take the
-/// unknowns and the given numbers in the order in which they are written, as flat arrays:
+/// makes the struct, whose `kernel::<T>()` returns a `SlopeKernel<T>` over any scalar `T`. The functions of the kernel
+/// take the unknowns u and the given numbers d as flat arrays, in the order in which they are written:
 ///
 /// ```text
 /// residual(u, d)                 R, as written
@@ -168,8 +164,8 @@ pub fn phase_constraint(input: TokenStream) -> TokenStream {
 /// ```
 ///
 /// `given`, `eliminate` (of at most three numbers; component i then belongs to unknown i) and `linearise` may be left
-/// out. Over lanes several elements go side by side. Branches are differentiated branch by branch; there is no
-/// pivoting, so Jₑₑ must be regular for every value.
+/// out. With SIMD lanes as `T`, several elements are evaluated at once. Branches are differentiated branch by branch.
+/// There is no pivoting, so Jₑₑ must be regular for every value.
 #[proc_macro]
 pub fn residual(input: TokenStream) -> TokenStream {
     rattle_symbolic::residual(input.into()).into()

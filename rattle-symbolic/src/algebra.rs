@@ -1,9 +1,8 @@
 //! Sums and products of derivatives: flattened, factored, in one canonical form.
 //!
-//! A value of the derivative graph is a [`Scaled`] node c·x with an exact coefficient, so that
-//! signs and powers of two cost nothing while they travel. Sums collect like terms and pull out
-//! common factors, `f·m + 2·f·x² → f·(m + 2x²)`; products merge powers of one base. Nothing is
-//! ever multiplied out: expansion is what makes derivatives long and inaccurate.
+//! A value of the derivative graph is a [`Scaled`] node c·x with an exact coefficient, so that signs and powers of two
+//! cost nothing on the way. Sums collect like terms and pull out common factors, `f·m + 2·f·x² → f·(m + 2x²)`; products
+//! merge powers of one base. Nothing is ever multiplied out, since expansion makes derivatives long and inaccurate.
 
 use crate::graph::{Graph, exact_product, exact_quotient, exact_sum};
 use crate::node::{Id, Node};
@@ -19,12 +18,12 @@ const SEARCH: usize = 64;
 pub struct Scaled {
     /// The coefficient.
     pub factor: f64,
-    /// What it multiplies; one if there is nothing.
+    /// The node x; `None` for 1.
     pub node: Option<Id>,
 }
 
 impl Scaled {
-    /// Nothing: the derivative of what does not move.
+    /// Zero: the derivative of a constant.
     pub const ZERO: Scaled = Scaled::number(0.0);
     /// The number one.
     pub const ONE: Scaled = Scaled::number(1.0);
@@ -33,7 +32,7 @@ impl Scaled {
     pub const fn number(factor: f64) -> Scaled {
         Scaled { factor, node: None }
     }
-    /// Whether this vanishes by structure.
+    /// Whether this is the number zero.
     pub fn is_zero(self) -> bool {
         self.factor == 0.0
     }

@@ -17,7 +17,7 @@ use crate::node::{Comparison, Id, Input, Node};
 use crate::rules::{derivative, derivatives};
 use std::collections::BTreeMap;
 
-/// One entry of the derivative table, for the tests that plant a wrong one.
+/// One entry of the derivative table, for tests that plant a wrong one.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs, reason = "the name says it")]
 pub enum Rule {
@@ -44,19 +44,19 @@ pub struct Fault {
     pub factor: f64,
 }
 
-/// The derivatives of the nodes of one graph.
+/// Differentiates the nodes of one graph.
 pub struct Calculus<'a> {
     /// The graph, to which derivatives are added.
     pub graph: &'a mut Graph,
     fault: Option<Fault>,
     /// Derivatives by each variable, for the arms of branches.
     slopes: BTreeMap<u32, BTreeMap<Id, Scaled>>,
-    /// Which variables each node is made of, as far as that was asked for.
+    /// The variables on which each node depends, as far as they were asked for.
     made_of: Vec<Vec<u64>>,
 }
 
 impl<'a> Calculus<'a> {
-    /// Derivatives in this graph.
+    /// For derivatives in this graph.
     pub fn new(graph: &'a mut Graph) -> Self {
         Calculus { graph, fault: None, slopes: BTreeMap::new(), made_of: Vec::new() }
     }
@@ -101,7 +101,7 @@ impl<'a> Calculus<'a> {
         gradient.into_iter().map(|contributions| self.graph.sum(&contributions)).collect()
     }
 
-    /// The derivatives of the roots when the inputs move as `seed` says.
+    /// The derivatives of the roots for the derivatives of the inputs given by `seed`.
     pub fn tangents(&mut self, roots: &[Scaled], seed: impl Fn(&mut Graph, Input) -> Scaled) -> Vec<Scaled> {
         let mut known = BTreeMap::new();
         let nodes: Vec<Id> = roots.iter().filter_map(|root| root.node).collect();

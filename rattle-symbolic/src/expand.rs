@@ -15,7 +15,7 @@ use crate::syntax::{Item, Parameter, has_attribute};
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
-/// The items for an input: always a struct that can be named, and an error for every mistake.
+/// The items generated for an input: always a struct, so that other code can name it, and an error for every mistake.
 pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     let mut problems = Problems::default();
     let Some(item) = parse(input, &mut problems) else { return problems.report() };

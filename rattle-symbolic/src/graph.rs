@@ -32,7 +32,7 @@ impl Graph {
     pub fn new() -> Self {
         Self::default()
     }
-    /// How many nodes there are.
+    /// The number of nodes.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -45,7 +45,7 @@ impl Graph {
         self.count(1);
         &self.nodes[id.index()]
     }
-    /// Whether the node depends on more than parameters.
+    /// Whether the node depends on inputs other than parameters.
     pub fn moving(&self, id: Id) -> bool {
         self.moving[id.index()]
     }
@@ -53,28 +53,28 @@ impl Graph {
     pub fn depth(&self, id: Id) -> u32 {
         self.depth[id.index()]
     }
-    /// The number, if the node is one.
+    /// The number, if the node is a constant.
     pub fn as_constant(&self, id: Id) -> Option<f64> {
         match *self.node(id) {
             Node::Constant(bits) => Some(f64::from_bits(bits)),
             _ => None,
         }
     }
-    /// The number that the node always is, computed as it would be at run time.
+    /// The value of the node, computed as at run time, if it does not depend on inputs.
     pub fn number(&self, id: Id) -> Option<f64> {
         self.number[id.index()]
     }
     pub(crate) fn find(&self, node: &Node) -> Option<Id> {
         self.index.get(node).copied()
     }
-    /// How often a node was made, found or looked at: what it took so far, by count.
+    /// How often a node was made, found or read: a measure of the work so far.
     pub fn steps(&self) -> usize {
         self.steps.get()
     }
     fn count(&self, steps: usize) {
         self.steps.set(self.steps.get() + steps);
     }
-    /// All nodes the roots are computed from, themselves included, children first.
+    /// All nodes from which the roots are computed, and the roots, children first.
     pub fn reachable(&self, roots: &[Id]) -> Vec<Id> {
         self.count(self.len());
         let mut seen = vec![false; self.len()];
@@ -91,13 +91,13 @@ impl Graph {
         (0..self.len() as u32).map(Id).filter(|id| seen[id.index()]).collect()
     }
 
-    /// How many of the nodes that the roots are computed from are operations which parameters do not settle.
+    /// The number of operations per evaluation of the roots: without those that depend on parameters alone.
     pub fn operations(&self, roots: &[Id]) -> usize {
         let counts = |id: &Id| self.moving(*id) && !matches!(self.node(*id), Node::Input(_));
         self.reachable(roots).iter().filter(|id| counts(id)).count()
     }
 
-    /// The values of the roots: the reference that generated code is held against.
+    /// The values of the roots: the reference for generated code.
     pub fn evaluate<N: Number>(&self, roots: &[Id], input: impl Fn(Input) -> N) -> Vec<N> {
         let mut values = vec![N::from_f64(0.0); self.len()];
         for id in self.reachable(roots) {
@@ -129,7 +129,7 @@ impl Graph {
     pub fn constant(&mut self, x: f64) -> Id {
         self.insert(Node::Constant(x.to_bits()))
     }
-    /// A given number.
+    /// An input.
     pub fn input(&mut self, input: Input) -> Id {
         self.insert(Node::Input(input))
     }
@@ -202,7 +202,7 @@ impl Graph {
     pub fn call2(&mut self, function: Binary, a: Id, b: Id) -> Id {
         self.insert(Node::Call2(function, a, b))
     }
-    /// `then` where a compares to b, else `other`.
+    /// `then` where the comparison of a with b holds, else `other`.
     pub fn select(&mut self, comparison: Comparison, a: Id, b: Id, then: Id, other: Id) -> Id {
         if then == other { then } else { self.insert(Node::Select(comparison, a, b, then, other)) }
     }

@@ -1,4 +1,4 @@
-//! Expressions of `rattle`: what its macros do, as an ordinary library.
+//! The work of the macros of `rattle`, as an ordinary library.
 //!
 //! ```text
 //! tokens ─parse─▶ syntax ─lower─▶ graph ─differentiate─▶ more roots ─schedule─▶ binary operations ─emit─▶ Rust
@@ -9,9 +9,9 @@
 //! Parsing and lowering may find mistakes; every later stage is a total function. The same input
 //! always gives the same tokens.
 //!
-//! # Floors
+//! # Layers
 //!
-//! A module uses modules of lower floors only, and no module of its own floor.
+//! A module uses only modules of lower lines of this list, and none of its own line.
 //!
 //! ```text
 //! residual

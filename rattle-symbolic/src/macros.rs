@@ -1,9 +1,9 @@
-//! The macros, and what each asks of its input.
+//! The macros, and the rules for their inputs.
 
 use crate::problems::Problems;
 use crate::syntax::{Item, Variable};
 
-/// Which macro it is.
+/// A macro.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Macro {
     /// `constraint!`

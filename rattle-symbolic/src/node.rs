@@ -1,4 +1,4 @@
-//! The operations that expressions are made of, each by the numbers of its operands.
+//! The operations of expressions, each with the numbers of its operands.
 
 use crate::functions::{Binary, Function};
 
@@ -12,7 +12,7 @@ impl Id {
     }
 }
 
-/// Where a number comes from when the expression is evaluated.
+/// An input of an expression, given when the expression is evaluated.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Input {
     /// A field of the user's struct.
@@ -25,7 +25,7 @@ pub enum Input {
     Weight(u32),
 }
 
-/// How a branch compares.
+/// The comparison of a branch.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Comparison {
     /// `a < b`
@@ -39,7 +39,7 @@ pub enum Comparison {
 pub enum Node {
     /// A number, by its bits: +0 and −0 differ.
     Constant(u64),
-    /// A number that is given.
+    /// An input.
     Input(Input),
     /// −a
     Neg(Id),
@@ -57,7 +57,7 @@ pub enum Node {
     Call(Function, Id),
     /// f(a, b)
     Call2(Binary, Id, Id),
-    /// The fourth where the first two compare, else the fifth.
+    /// The fourth field where the comparison of the second and third holds, else the fifth.
     Select(Comparison, Id, Id, Id, Id),
     /// Σ cᵢ aᵢ, the coefficients by their bits. Only in derivatives.
     Sum(Box<[(u64, Id)]>),
@@ -66,7 +66,7 @@ pub enum Node {
 }
 
 impl Node {
-    /// The nodes this one is computed from.
+    /// The nodes from which this one is computed.
     pub fn children(&self) -> Vec<Id> {
         match *self {
             Node::Constant(_) | Node::Input(_) => vec![],

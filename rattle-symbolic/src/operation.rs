@@ -1,13 +1,13 @@
-//! What each operation computes, over any kind of number.
+//! The meaning of each operation, over any kind of number.
 //!
-//! A graph folds its constants and evaluates its roots by this one definition.
+//! A graph uses this one definition to fold constants and to evaluate roots.
 
 use crate::functions::{Binary, Function};
 use crate::node::{Comparison, Id, Input, Node};
 
-/// What a graph can be evaluated over.
+/// A number over which a graph can be evaluated.
 pub trait Number: Copy {
-    /// The number itself.
+    /// A constant.
     fn from_f64(x: f64) -> Self;
     /// −a
     fn neg(self) -> Self;
@@ -23,7 +23,7 @@ pub trait Number: Copy {
     fn call(self, function: Function) -> Self;
     /// f(a, b)
     fn call2(self, function: Binary, b: Self) -> Self;
-    /// Whether a compares to b.
+    /// Whether the comparison of a with b holds.
     fn compare(self, comparison: Comparison, b: Self) -> bool;
 }
 

@@ -48,7 +48,7 @@ struct Roles {
     eliminated: Vec<usize>,
 }
 
-/// The struct and its kernel for the input of `residual!`.
+/// The struct and its kernel, generated for the input of `residual!`.
 pub fn residual(input: TokenStream) -> TokenStream {
     let mut problems = Problems::default();
     let headings = headings(input);
@@ -329,11 +329,11 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
         #[automatically_derived]
         #[allow(dead_code, clippy::all)]
         impl #name {
-            /// How many unknowns an element has.
+            /// The number of unknowns of an element.
             pub const UNKNOWNS: ::core::primitive::usize = #n;
-            /// How many numbers are given for an element.
+            /// The number of given numbers of an element.
             pub const GIVEN: ::core::primitive::usize = #d;
-            /// How many unknowns are left after elimination.
+            /// The number of unknowns left after elimination.
             pub const KEPT: ::core::primitive::usize = #k;
 
             /// The functions with these parameters, over the scalar `T`.

@@ -1,8 +1,7 @@
-//! What is computed: for each macro its functions, scheduled into one graph.
+//! The functions that each macro generates, scheduled into one graph.
 //!
-//! All functions of a kernel share one target graph, so that what depends on parameters alone is
-//! found once for all of them. The Jacobian alone is the part of value-and-Jacobian that it needs,
-//! operation by operation, so the two agree bit for bit.
+//! All functions of a kernel share one target graph, so that operations on parameters alone are found once for all of
+//! them. The Jacobian alone has the same operations as in value-and-Jacobian, so the two agree bit for bit.
 
 use crate::algebra::Scaled;
 use crate::differentiate::Calculus;
@@ -99,17 +98,17 @@ impl Routines {
         }
     }
 
-    /// The function of that name.
+    /// The function of this name.
     pub fn named(&self, name: &str) -> Option<&Routine> {
         self.list.iter().find(|routine| routine.name == name)
     }
 
-    /// How many steps it took to differentiate and to schedule; see [`Graph::steps`].
+    /// The work of differentiating and scheduling, in steps; see [`Graph::steps`].
     pub fn steps(&self) -> usize {
         self.graph.steps() + self.gradients.0.steps()
     }
 
-    /// How many operations the roots take per call: all but inputs and what parameters settle.
+    /// The number of operations of the roots per call: without inputs, and without operations on parameters alone.
     pub fn operations(&self, roots: &[Id]) -> usize {
         self.graph.operations(roots)
     }
@@ -132,7 +131,7 @@ fn unit(k: u32) -> impl Fn(&mut Graph, Input) -> Scaled {
     move |_, input| if input == Input::Variable(k) { Scaled::ONE } else { Scaled::ZERO }
 }
 
-/// Everything about equations in so many variables.
+/// The functions of a constraint, for equations in `variables` variables.
 pub fn constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
     let values = scaled(roots);

@@ -1,10 +1,10 @@
-//! From sums and products of many operands to a straight line of binary operations.
+//! From sums and products of many operands to a sequence of binary operations.
 //!
-//! Which two operands to combine first decides how much is shared. The pair that occurs most often
-//! over all products (then: all sums) is computed once and put in its place, again and again, until
-//! no pair occurs twice; pairs that the value computes anyway are free. What depends on parameters
-//! alone is combined first, so that it is computed once per parameter set and not per call. The
-//! rest is combined shallowest first, for short chains of dependent operations.
+//! The order in which operands are combined decides how much is shared. The pair that occurs most often in all products
+//! (then in all sums) is computed once and replaced everywhere, again and again, until no pair occurs twice; pairs that
+//! the value computes anyway are free. Operands that depend on parameters alone are combined first, so that they are
+//! computed once per parameter set and not per call. The rest is combined shallowest first, for short chains of
+//! dependent operations.
 
 use crate::algebra::Scaled;
 use crate::functions::Function;

@@ -1,10 +1,10 @@
-//! Why there is no going on.
+//! Why a run cannot be saved or restored.
 
 use crate::Error;
 use std::io;
 use std::path::PathBuf;
 
-/// Why there is no going on.
+/// Why a run cannot be saved or restored.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
@@ -13,10 +13,10 @@ pub enum CheckpointError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the file system.
         source: io::Error,
     },
-    /// The file is something else.
+    /// The file is not a checkpoint.
     #[error("{}: no checkpoint of rattle; one begins with \"\\x89RATTLE\\n\"", path.display())]
     Foreign {
         /// The file.
@@ -45,7 +45,7 @@ pub enum CheckpointError {
     Damaged {
         /// The file.
         path: PathBuf,
-        /// What shows it.
+        /// Which check failed.
         what: &'static str,
     },
     /// The checkpoint is of another scene, method or ensemble.

@@ -35,10 +35,10 @@ pub fn encode(record: &Record) -> Vec<u8> {
     bytes
 }
 
-/// The record of a file's bytes; `path` is what errors call them.
+/// The record in the bytes of a file; `path` names the file in errors.
 ///
 /// # Errors
-/// [`CheckpointError`] for bytes that are no checkpoint, of a later version, cut off or changed.
+/// [`CheckpointError`] for bytes that are no checkpoint, are of a later version, are cut off or have changed.
 pub fn decode(bytes: &[u8], path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     let path = || path.as_ref().to_path_buf();
     let common = bytes.len().min(MAGIC.len());
@@ -70,7 +70,7 @@ pub fn decode(bytes: &[u8], path: impl AsRef<Path>) -> Result<Record, Checkpoint
     fields(Bytes(&content[HEAD..])).map(Record::of).ok_or_else(|| damaged("its fields are none"))
 }
 
-/// Writes a record to a file, which is there whole or as it was before.
+/// Writes a record to a file. If that fails, an old file of this name is unchanged.
 ///
 /// # Errors
 /// [`CheckpointError::Io`].
@@ -82,7 +82,7 @@ pub fn write(record: &Record, path: impl AsRef<Path>) -> Result<(), CheckpointEr
 /// Reads a record from a file.
 ///
 /// # Errors
-/// [`CheckpointError`] says what the file is instead.
+/// [`CheckpointError`] says what is wrong with the file.
 pub fn read(path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     let path = path.as_ref();
     let bytes = fs::read(path).map_err(|source| CheckpointError::Io { path: path.into(), source })?;

@@ -1,24 +1,27 @@
-//! To files and back, by one word each.
+//! Saving to files and restoring from them.
 
 use super::error::CheckpointError;
 use super::file::{read, write};
 use rattle_core::run::checkpoint::Checkpoint;
 use std::path::Path;
 
-/// Simulations and ensembles to files and back.
+/// Saves simulations and ensembles to files, and restores them.
 pub trait Save: Checkpoint {
-    /// Writes all that is needed to go on; an old file is replaced once the new one is whole.
+    /// Writes all that is needed to continue. An old file is replaced only when the new one is complete.
     ///
     /// # Errors
-    /// [`CheckpointError::Io`]; an old file, and what is saved, are as they were.
+    /// [`CheckpointError::Io`]; an old file is then unchanged.
+    #[doc(alias = "checkpoint")]
+    #[doc(alias = "dump")]
     fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         write(&self.checkpoint(), path)
     }
 
-    /// Goes on from a file that was saved by the same scene and method, whatever the state was here.
+    /// Sets the run to the state in the file, which must have been saved from the same scene and method. The present
+    /// state is replaced.
     ///
     /// # Errors
-    /// [`CheckpointError`] says what the file is instead; what was to go on is as it was.
+    /// [`CheckpointError`] says what is wrong with the file; the run is then unchanged.
     ///
     /// ```
     /// # use rattle::prelude::*;
@@ -32,6 +35,9 @@ pub trait Save: Checkpoint {
     /// assert!(refused.to_string().contains("(effect 0): it was written by Gravity with -9.81, and here is Gravity with -1.62"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias = "restart")]
+    #[doc(alias = "resume")]
+    #[doc(alias = "load")]
     fn restore(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         let path = path.as_ref();
         let refused = |error| CheckpointError::Refused { path: path.into(), error: Box::new(error) };

@@ -22,7 +22,7 @@ pub enum Ended {
     Stopped,
 }
 
-/// Where a run is saved, and when: at its end, and every so many steps or seconds if that is asked for.
+/// Where and when a run is saved: at its end and, if asked for, every so many steps or seconds.
 #[doc(alias = "restart")]
 #[derive(Debug, Clone)]
 #[must_use = "it says how to save, and saves when it runs something"]
@@ -34,16 +34,16 @@ pub struct Saving {
 }
 
 impl Saving {
-    /// A run is saved to this file when it ends. To save at once, call [`simulation.save(path)`](super::Save::save).
+    /// Saves a run to this file when it ends. To save at once, call [`simulation.save(path)`](super::Save::save).
     pub fn to(path: impl AsRef<Path>) -> Self {
         Self { path: path.as_ref().into(), every: None, seconds: None, stop: None }
     }
 
-    /// The run is also saved after every `steps` steps. Steps are counted from the start of the simulation, also where
-    /// it was restored.
+    /// Also saves the run after every `steps` steps, counted from the very start of the simulation, also where it was
+    /// restored.
     ///
     /// # Panics
-    /// If that is 0.
+    /// If `steps` is 0.
     #[track_caller]
     pub fn every(mut self, steps: u64) -> Self {
         assert!(steps > 0, "a run is saved after every 1 or more steps");
@@ -51,26 +51,26 @@ impl Saving {
         self
     }
 
-    /// The run is also saved when this much time has passed since it was saved last.
+    /// Also saves the run when this much wall-clock time has passed since it was saved last.
     pub fn every_time(mut self, passed: Duration) -> Self {
         self.seconds = Some(passed);
         self
     }
 
-    /// The run ends, and is saved, soon after `stop` has become true: after the step under way, within some
-    /// milliseconds. (An ensemble ends after the stretch of 1024 steps under way.)
+    /// Ends and saves the run soon after `stop` has become true: within some milliseconds, after a whole step. (An
+    /// ensemble first finishes its present stretch of 1024 steps.)
     pub fn until(mut self, stop: Arc<AtomicBool>) -> Self {
         self.stop = Some(stop);
         self
     }
 
-    /// Where it saves to.
+    /// The file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Goes on from the file, if there is one; says whether there was.
+    /// Restores the run from the file if there is one; returns whether there was.
     ///
     /// # Errors
     /// As [`Save::restore`].
@@ -84,12 +84,13 @@ impl Saving {
         }
     }
 
-    /// Takes steps until so many have been taken since the start of all, none if they have, and saves.
+    /// Takes steps until `steps` have been taken since the very start of the simulation (none if there are as many
+    /// already), and saves the run.
     ///
     /// # Errors
-    /// [`CheckpointError::Step`] for a step that cannot be taken; what was taken before is saved.
-    /// [`CheckpointError::Io`] where it cannot be saved: the run is then where it was to be saved, and the last
-    /// checkpoint as it was.
+    /// [`CheckpointError::Step`] for a step that cannot be taken; the steps before it are saved.
+    /// [`CheckpointError::Io`] where the run cannot be saved: it then stands at the step that was to be saved, and the
+    /// last checkpoint is unchanged.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
         let (mut saved, least) = (Instant::now(), run.at_a_time());
         let mut stretch = least;

@@ -30,7 +30,7 @@ use crate::ready_made::constraint;
 constraint! {
     /// Two bodies at a distance.
     ///
-    /// g is a square of lengths. A rod bears pull and push: the tension is −2 λ `length`.
+    /// g has the unit of a squared length. A rod bears tension and compression: the tension is −2 λ `length`.
     ///
     /// ```
     /// use rattle::links::planar::Rod;
@@ -48,7 +48,7 @@ constraint! {
 constraint! {
     /// A body at a distance from a fixed point: a pendulum.
     ///
-    /// g is a square of lengths. The tension is −2 λ `length`.
+    /// g has the unit of a squared length. The tension is −2 λ `length`.
     ///
     /// ```
     /// use rattle::links::planar::Pendulum;
@@ -61,7 +61,7 @@ constraint! {
 }
 
 constraint! {
-    /// Two bodies at one place: a hinge between the parts of a mechanism that they belong to.
+    /// Two bodies at one place: a hinge between the parts of a mechanism to which the bodies belong.
     ///
     /// Two equations, each a length. The multipliers are the force of `b` on `a`.
     ///
@@ -78,9 +78,9 @@ constraint! {
 }
 
 constraint! {
-    /// Body c on the segment from body a to body b, at this fraction of it: a point of a rigid bar, 1/2 its middle.
+    /// Body c on the line from body a to body b, at `fraction` of the way: a point of a rigid bar, with 1/2 its middle.
     ///
-    /// Two equations, each a length. Fractions below 0 and above 1 lie on the bar's prolongation.
+    /// Two equations, each a length. Fractions below 0 and above 1 lie on the extension of the bar.
     ///
     /// ```
     /// use rattle::links::planar::Between;
@@ -95,8 +95,8 @@ constraint! {
 constraint! {
     /// Body c anywhere on the straight line through bodies a and b: a pin in the slot of a bar.
     ///
-    /// g is the distance of c from the line, a length, positive to the left of the way from a to b. The multiplier is
-    /// the force of the slot on c. Bodies a and b must not meet.
+    /// g is the distance of c from the line, a length, positive to the left of the direction from a to b. The
+    /// multiplier is the force of the slot on c. Bodies a and b must not meet.
     ///
     /// ```
     /// use rattle::links::planar::Collinear;
@@ -104,6 +104,8 @@ constraint! {
     ///
     /// assert_eq!(Collinear {}.value(&[0.0, 0.0, 2.0, 0.0, 7.0, 3.0].into())[0], 3.0);
     /// ```
+    #[doc(alias = "slot")]
+    #[doc(alias = "pin")]
     pub struct Collinear {}
     |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
         let u = b - a;
@@ -115,8 +117,8 @@ constraint! {
 constraint! {
     /// The angle at body b from the direction to a, counterclockwise, to the direction to c.
     ///
-    /// `angle` is in radians, of any size. g is the turn that is missing, between −π and π; the multiplier is the
-    /// torque that opens the angle. A straight angle is no exception in the plane.
+    /// `angle` is in radians, of any size. g is the present angle relative to `angle`, between −π and π; the multiplier
+    /// is the torque that opens the angle. Angles of 0 and π are allowed in the plane.
     ///
     /// ```
     /// use rattle::links::planar::Angle;
@@ -150,16 +152,18 @@ constraint! {
     /// let guide = Slider { point: [0.0, 1.0], direction: [2.0, 0.0] };
     /// assert_eq!(guide.value(&[7.0, 4.0].into())[0], 3.0);
     /// ```
+    #[doc(alias = "joint")]
+    #[doc(alias = "prismatic")]
     pub struct Slider { point: [f64; 2], direction: [f64; 2] }
     |x, y| (direction[0] * (y - point[1]) - direction[1] * (x - point[0])) / norm(direction)
 }
 
 constraint! {
-    /// A body carried around a circle at a steady rate: the end of a driven crank. It moves:
+    /// A body carried around a circle at a constant rate: the end of a driven crank. A moving constraint:
     /// `.link_moving(Crank { … }, [[0]])`.
     ///
-    /// Two equations, each a length. `omega` is an angle, in radians, over a time, counterclockwise; at t = 0 the crank
-    /// points at the angle `phase`.
+    /// Two equations, each a length. `omega` is the angular velocity in radians per time, counterclockwise; at t = 0
+    /// the crank points at the angle `phase`, in radians.
     ///
     /// ```
     /// use rattle::links::planar::Crank;
@@ -179,11 +183,11 @@ constraint! {
 }
 
 constraint! {
-    /// A body on a straight line through the origin that turns at a steady rate: a bead on a turning rod. It moves:
-    /// `.link_moving(TurningLine { … }, [[0]])`.
+    /// A body on a straight line through the origin that turns at a constant rate: a bead on a rotating rod. A moving
+    /// constraint: `.link_moving(TurningLine { … }, [[0]])`.
     ///
-    /// g is the distance from the line, a length. `omega` is an angle, in radians, over a time, counterclockwise; at t
-    /// = 0 the line is the x axis.
+    /// g is the distance from the line, a length. `omega` is the angular velocity in radians per time,
+    /// counterclockwise; at t = 0 the line is the x axis.
     ///
     /// ```
     /// use rattle::links::planar::TurningLine;

@@ -15,15 +15,16 @@ pair_potential! {
     ///
     /// assert_eq!(Coulomb { strength: 3.0 }.value(2.0), 1.5);
     /// ```
+    #[doc(alias = "electrostatic")]
     pub struct Coulomb { strength }
     |r| strength / r
 }
 
 pair_potential! {
-    /// The potential of Lennard-Jones: repels at short distance, attracts beyond 2^(1/6) `sigma` (Lennard-Jones 1931).
+    /// The Lennard-Jones potential (1931): repels at short distance, attracts beyond 2^(1/6) `sigma`.
     ///
     /// `sigma` is the distance of U = 0, and `epsilon` the depth of the well, an energy: U = −ε at r = 2^(1/6) σ, where
-    /// the force is zero. There is no cut-off: see `within`.
+    /// the force is zero. There is no cut-off; `.within(radius)` adds one.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
@@ -34,6 +35,8 @@ pair_potential! {
     /// assert!((pair.value(bottom) + 3.0).abs() < 1e-14);
     /// assert_eq!(pair.value(2.0), 0.0);
     /// ```
+    #[doc(alias = "LJ")]
+    #[doc(alias = "van der Waals")]
     pub struct LennardJones { epsilon, sigma }
     |r| 4 * epsilon * ((sigma / r)^12 - (sigma / r)^6)
 }
@@ -60,8 +63,7 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// The potential of a chemical bond of Morse (1929): repels within `length`, attracts beyond, fades to zero far
-    /// away.
+    /// Morse's potential of a chemical bond (1929): repels within `length`, attracts beyond, fades to zero far away.
     ///
     /// `depth` is an energy: U = −depth at r = `length`. `alpha` is one over a length: the stiffness at the bottom is 2
     /// depth α².
@@ -82,8 +84,8 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// A Coulomb potential screened over a length 1/`kappa`, of Yukawa (1935): repels for `strength` > 0, attracts for
-    /// `strength` < 0.
+    /// Yukawa's screened Coulomb potential (1935), with the screening length 1/`kappa`: repels for `strength` > 0,
+    /// attracts for `strength` < 0.
     ///
     /// `strength` is an energy times a length.
     ///
@@ -98,8 +100,8 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// Ricker's wavelet over the distance: repels within `radius`, attracts beyond, fades to zero, and is finite
-    /// everywhere.
+    /// Ricker's wavelet as a function of the distance: repels within `radius`, attracts beyond, fades to zero, and is
+    /// finite everywhere.
     ///
     /// `depth` is an energy: U = −depth at r = `radius`. At contact U = depth e^(3/2) / 2. U is even in r, so bodies
     /// may pass through each other.
@@ -138,7 +140,7 @@ pair_potential! {
 }
 
 pair_potential! {
-    /// A spring between every two bodies; between chosen ones it is [`Spring`](crate::potentials::Spring).
+    /// A spring between every two bodies. For chosen pairs use [`Spring`](crate::potentials::Spring).
     ///
     /// `stiffness` is a force over a length. Pushes within `length`, pulls beyond.
     ///

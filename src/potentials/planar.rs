@@ -21,8 +21,8 @@ use crate::ready_made::potential;
 potential! {
     /// Uniform gravity along −y, on a body of unit mass: y points up.
     ///
-    /// `g` is the acceleration. Potentials do not know masses: a body of mass m has `g` times m, and bodies of
-    /// different masses have [`weights`].
+    /// `g` is the acceleration. Potentials do not know masses: for a body of mass m give `g` times m, for bodies of
+    /// different masses use [`weights`].
     ///
     /// ```
     /// use rattle::potentials::planar::Gravity;
@@ -35,7 +35,7 @@ potential! {
 }
 
 potential! {
-    /// The same force on a body everywhere.
+    /// A force that is the same everywhere.
     ///
     /// ```
     /// use rattle::potentials::planar::ConstantForce;
@@ -64,7 +64,8 @@ potential! {
 }
 
 potential! {
-    /// A harmonic trap with a stiffness of its own along each axis; zero lets bodies move freely along it.
+    /// A harmonic trap with a stiffness for each axis, a force over a length; bodies move freely along an axis with
+    /// stiffness 0.
     ///
     /// ```
     /// use rattle::potentials::planar::AnisotropicHarmonic;
@@ -126,7 +127,8 @@ potential! {
     |a: [f64; 2], b: [f64; 2]| strength / norm(a - b)
 }
 
-/// Uniform gravity along −y on bodies of these masses in turn; see [`weights`](super::weights) in space.
+/// Uniform gravity along −y on bodies of these masses, in the order of the bodies; see [`weights`](super::weights) in
+/// space.
 pub fn weights(g: f64, masses: impl IntoIterator<Item = f64>) -> Over<Gravity, 1> {
     Over::each(masses.into_iter().enumerate().map(|(body, mass)| (Gravity { g: g * mass }, [body])))
 }

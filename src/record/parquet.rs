@@ -16,9 +16,12 @@ use std::sync::Arc;
 /// A group of rows is written when it has so many numbers: 8 MiB.
 const NUMBERS: usize = 1 << 20;
 
-/// A table with the columns `step`, `trajectory` and `t`, and one for each number that was recorded: `height`, or of a
-/// column with a shape `q_0_2`, the last index the coordinate. For long tables with few columns; of many bodies take
-/// [`NpzParts`](super::NpzParts). Readable after [`Stream::finish`](super::Stream::finish).
+/// A table with the columns `step`, `trajectory` and `t`, and one for each recorded number: `height`, or `q_0_2` for an
+/// entry of an array (for positions: body 0, coordinate 2). For long tables with few columns; for many bodies take
+/// [`NpzParts`](super::NpzParts). The file is readable after [`Stream::finish`](super::Stream::finish).
+#[doc(alias = "pandas")]
+#[doc(alias = "csv")]
+#[doc(alias = "table")]
 #[derive(Debug)]
 pub struct Parquet {
     begun: Begun,
@@ -35,10 +38,10 @@ enum Begun {
 }
 
 impl Parquet {
-    /// Into the file `path`; makes its folder where it is missing.
+    /// Creates the file `path`, and its folder where that is missing.
     ///
     /// # Errors
-    /// What the system says.
+    /// Those of the file system.
     pub fn create(path: impl AsRef<Path>) -> io::Result<Self> {
         if let Some(folder) = path.as_ref().parent() {
             fs::create_dir_all(folder)?;

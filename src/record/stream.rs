@@ -1,4 +1,4 @@
-//! A thread that writes rows, and what it writes.
+//! A thread that writes rows, and the formats of its files.
 
 use crate::data::{DataError, Npz};
 use crate::watch::{Rows, Sink};
@@ -12,12 +12,12 @@ use std::thread::{JoinHandle, spawn};
 /// So many blocks may wait for the thread that writes; then the run waits.
 const WAITING: usize = 16;
 
-/// Writes blocks of rows.
+/// A file format: writes blocks of rows.
 pub trait Writer: Send + 'static {
     /// Writes a block.
     ///
     /// # Errors
-    /// What the system says; nothing is written after that.
+    /// Those of the file system; after an error nothing more is written.
     fn write(&mut self, rows: &Rows) -> io::Result<()>;
     /// Completes the file.
     ///
@@ -67,17 +67,17 @@ impl Stream {
         Self { sender, why, thread }
     }
 
-    /// Where a recorder hands its rows.
+    /// A sink for a recorder, which passes its rows to this thread.
     #[must_use]
     pub fn sink(&self) -> Handed {
         Handed { sender: self.sender.clone(), why: self.why.clone() }
     }
 
-    /// Waits until all rows that were handed on are written, completes the file, and says how many there are. Recorders
-    /// are to be finished before.
+    /// Waits until all rows are written, completes the file, and returns the number of rows. Finish the recorders
+    /// first.
     ///
     /// # Errors
-    /// [`StreamError`], with the rows that were written before.
+    /// [`StreamError`], with the number of rows that were written.
     pub fn finish(self) -> Result<u64, StreamError> {
         let _ = self.sender.send(Told::End); // a thread that has ended needs no telling
         self.thread.join().unwrap_or_else(|_| {
@@ -100,7 +100,7 @@ fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, 
     Ok(written)
 }
 
-/// Hands rows to the thread that writes them.
+/// Passes rows to the thread that writes them.
 #[derive(Debug, Clone)]
 pub struct Handed {
     sender: SyncSender<Told>,
@@ -125,8 +125,10 @@ impl Sink for Handed {
     fn join(&mut self, _: Self) {} // the rows are where they go
 }
 
-/// A NumPy archive that is appended to in parts: of each block of rows the arrays `step`, `trajectory`, `t` and one for
-/// each column, with the number of the block behind its name. Readable after [`Stream::finish`].
+/// A NumPy archive written in parts: for each block of rows the arrays `step`, `trajectory`, `t` and one for each
+/// column, each with the number of the block after its name. The file is readable after [`Stream::finish`].
+#[doc(alias = "numpy")]
+#[doc(alias = "npz")]
 #[derive(Debug)]
 pub struct NpzParts {
     npz: Option<Npz>,
@@ -134,7 +136,7 @@ pub struct NpzParts {
 }
 
 impl NpzParts {
-    /// Starts the file, with its folder where that is missing.
+    /// Creates the file, and its folder where that is missing.
     ///
     /// # Errors
     /// [`DataError::Io`].
@@ -171,8 +173,11 @@ impl Writer for NpzParts {
     }
 }
 
-/// Extended XYZ: for each row a frame with the bodies' positions and, if they were recorded, momenta, in one to three
-/// coordinates (zeros for the rest); time, step, trajectory and the other numbers of the row in its second line.
+/// Extended XYZ: one frame for each row, with the positions of the bodies and, if they were recorded, their momenta.
+/// Bodies have one to three coordinates; missing ones are written as 0. The second line of a frame has the time, step,
+/// trajectory and the other numbers of the row.
+#[doc(alias = "ovito")]
+#[doc(alias = "dump")]
 #[derive(Debug)]
 pub struct Xyz<W: Write> {
     to: BufWriter<W>,
@@ -180,8 +185,7 @@ pub struct Xyz<W: Write> {
 }
 
 impl Xyz<File> {
-    /// Frames into the file `path`; makes its folder where it is missing. Each body is an atom of this species: "Ar",
-    /// "X".
+    /// Creates the file `path`, and its folder where that is missing. Each body is an atom of this species: "Ar", "X".
     ///
     /// # Errors
     /// What the system says.
@@ -194,7 +198,7 @@ impl Xyz<File> {
 }
 
 impl<W: Write> Xyz<W> {
-    /// Frames into a writer, such as a file that is open. Each body is an atom of this species: "Ar", "X".
+    /// Writes frames to a writer, such as an open file. Each body is an atom of this species: "Ar", "X".
     pub fn to(to: W, species: &str) -> Self {
         Self { to: BufWriter::new(to), species: species.into() }
     }

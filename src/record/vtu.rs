@@ -1,4 +1,4 @@
-//! Particles for ParaView: a `.vtu` for each row, and a `.pvd` that says when.
+//! Particles for ParaView: a `.vtu` file for each row, and a `.pvd` file with their times.
 
 use super::stream::{Writer, wrong};
 use crate::vtu::{Cells, Field, Series, text};
@@ -7,15 +7,17 @@ use std::io;
 use std::path::Path;
 
 /// Bodies as points, with momenta and constraint forces as vectors where they were recorded. `name.pvd` names the files
-/// `name_000000.vtu`, … beside it with their times; ParaView opens the former. Of one trajectory; few rows, since each
-/// is a file.
+/// `name_000000.vtu`, … beside it with their times; open `name.pvd` in ParaView. For one trajectory, and for few rows,
+/// since each row is a file.
+#[doc(alias = "paraview")]
+#[doc(alias = "vtk")]
 #[derive(Debug)]
 pub struct Vtu {
     series: Series,
 }
 
 impl Vtu {
-    /// Into `path`, which ends in `.pvd`, and files beside it; makes the folder where it is missing.
+    /// Creates `path`, which ends in `.pvd`, and its folder where that is missing.
     ///
     /// # Errors
     /// What the system says; a path without a file's name.
@@ -23,8 +25,8 @@ impl Vtu {
         Ok(Self { series: Series::create(path)? })
     }
 
-    /// And a grid that stands still, such as the surface: the text of its file, which will be `name_what.vtu`. Of a
-    /// mesh that is `mesh.to_vtu()` (feature `view`).
+    /// Adds a grid that does not move, such as the surface. `text` is the content of its file, `name_what.vtu`: for a
+    /// mesh, `mesh.to_vtu()` (feature `view`).
     ///
     /// # Errors
     /// What the system says.

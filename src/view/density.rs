@@ -1,14 +1,14 @@
-//! How densely points lie on a mesh.
+//! The density of points on a mesh.
 
 use super::mesh::Mesh;
 use std::collections::HashMap;
 
 impl Mesh {
-    /// Points per area around each vertex: those within `radius` of it, by the area of the mesh that is. For
-    /// [`Scene3::heat`](super::Scene3::heat).
+    /// Points per area around each vertex: the number of points within `radius` of the vertex, divided by the area of
+    /// the mesh within `radius`. For [`Scene3::heat`](super::Scene3::heat).
     ///
-    /// Distances are straight, so that the radius should be small against the thinnest part of the surface, and areas
-    /// are sums over vertices, so that it should be some edges long.
+    /// Distances are straight lines through space, so the radius should be small against the thinnest part of the
+    /// surface. Areas are sums over vertices, so the radius should be some edges long.
     ///
     /// ```
     /// use rattle::view::Mesh;

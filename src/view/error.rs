@@ -13,13 +13,13 @@ pub enum PageError {
     /// The page has no scene.
     #[error("the page has no scene")]
     NoScene,
-    /// A scene has neither body nor box nor surface that moves, or less than two times.
+    /// A scene has no body, box or surface that moves, or less than two times.
     #[error("scene `{scene}`: nothing moves; give at least one body and two times")]
     NoMotion {
         /// The scene.
         scene: String,
     },
-    /// Times must be finite and increase, also as f32.
+    /// Times are not finite, or do not increase, when rounded to f32.
     #[error("scene `{scene}`: time {frame} is {time}, which does not follow the one before")]
     Times {
         /// The scene.
@@ -29,7 +29,7 @@ pub enum PageError {
         /// The time.
         time: f64,
     },
-    /// A body has not as many positions as there are times.
+    /// The number of positions of a body is not the number of times.
     #[error("scene `{scene}`: body {body} has {positions} positions for {times} times")]
     Length {
         /// The scene.
@@ -61,19 +61,19 @@ pub enum PageError {
         /// Bodies × times.
         points: usize,
     },
-    /// A rod, a disc or a ring names a body that is not there.
+    /// A rod, a disc or a ring names a body that does not exist.
     #[error("scene `{scene}`: there is no body {body} for {what}; bodies are 0 … {bodies} − 1")]
     NoBody {
         /// The scene.
         scene: String,
-        /// What names the body.
+        /// The shape that names the body.
         what: &'static str,
         /// The body.
         body: usize,
         /// How many there are.
         bodies: usize,
     },
-    /// A list has another length than what it belongs to.
+    /// A list has the wrong length.
     #[error("scene `{scene}`: {found} {what} for {wanted}")]
     Count {
         /// The scene.
@@ -90,12 +90,12 @@ pub enum PageError {
     Number {
         /// The scene.
         scene: String,
-        /// What it is.
+        /// What the number means.
         what: String,
         /// The number.
         value: f64,
     },
-    /// The axes of a box are not three unit vectors at right angles, right-handed.
+    /// The axes of a box are not a right-handed system of three orthogonal unit vectors.
     #[error(
         "scene `{scene}`: the axes of box {number} at time {frame} are no rotation; give three columns of QᵀQ = 1, det Q = 1"
     )]
@@ -112,7 +112,7 @@ pub enum PageError {
     Io {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the file system.
         source: io::Error,
     },
 }

@@ -5,8 +5,9 @@
 //!                     ─Newton──────▶  x ← x − g ∇g / |∇g|²   until x lies on the surface
 //! ```
 //!
-//! Surface nets (Gibson 1998) and not marching cubes: the vertices are shared, so the mesh is closed without welding,
-//! and the triangles are even instead of slivers; `fast-surface-nets` does the net, Newton and ∇g the accuracy.
+//! Surface nets (Gibson 1998) instead of marching cubes: vertices are shared, so the mesh is closed without welding,
+//! and triangles are even instead of slivers. `fast-surface-nets` makes the net; Newton's method with ∇g makes it
+//! accurate.
 
 use crate::kernel::Constraint;
 use crate::vtu::{self, Cells, Field};
@@ -23,7 +24,7 @@ const COARSE: usize = 24;
 /// Boxes that are tried: from a thousandth of the point's coordinates to 10⁶ of them.
 const BOXES: usize = 30;
 
-/// g and ∇g of a constraint, as a [`Mesh`] takes them.
+/// The function x ↦ (g, ∇g) of a constraint, for [`Mesh::of`].
 ///
 /// ```
 /// use rattle::view::{Mesh, surface};
@@ -40,19 +41,22 @@ pub fn surface(constraint: &impl Constraint<3, 1>) -> impl Fn([f64; 3]) -> (f64,
 }
 
 /// Triangles with a normal at each vertex. Seen from the side where g > 0, triangles run counter-clockwise.
+#[doc(alias = "triangulation")]
+#[doc(alias = "isosurface")]
+#[doc(alias = "marching cubes")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// Points on the surface.
     pub vertices: Vec<[f64; 3]>,
     /// ∇g/|∇g| at each vertex.
     pub normals: Vec<[f64; 3]>,
-    /// Three vertices each.
+    /// The three vertices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl Mesh {
-    /// Meshes the closed surface near this point, such as the start of a motion, and what else there is in the box that
-    /// holds it; `cells` as for [`Mesh::of`]. The box is found by growing it where the surface leaves it.
+    /// Meshes the closed surface near this point, such as the start of a motion. A box is grown until the surface no
+    /// longer leaves it; all of {g = 0} inside the box is meshed, with `cells` as for [`Mesh::of`].
     ///
     /// # Errors
     /// As [`Mesh::of`]; [`MeshError::Endless`] where no box holds the surface.
@@ -75,8 +79,8 @@ impl Mesh {
 
     /// Meshes {g = 0} inside the box from `low` to `high` with `cells` grid cells along its longest side.
     ///
-    /// `g` returns the value and the gradient. It is evaluated on a grid of about `cells`³ points or fewer, and a few
-    /// times per vertex; about 100 cells make a smooth picture. Sheets nearer to each other than two cells may join.
+    /// `g` returns the value and the gradient. It is evaluated at up to about `cells`³ grid points, and a few times per
+    /// vertex; about 100 cells make a smooth picture. Parts of the surface that are less than two cells apart may join.
     ///
     /// # Errors
     /// [`MeshError::Empty`] when g does not change its sign in the box, [`MeshError::Cut`] when the surface leaves the
@@ -100,7 +104,7 @@ impl Mesh {
         Self::net(&g, low, high, cells, Border::Closed)
     }
 
-    /// The part of {g = 0} inside the box, as [`Mesh::of`] but open where the box cuts it: for surfaces without end.
+    /// As [`Mesh::of`], but open where the box cuts the surface: for infinite surfaces.
     ///
     /// # Errors
     /// As [`Mesh::of`], without [`MeshError::Cut`].
@@ -142,7 +146,7 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// V − E + F: 2 for a sphere, 0 for a torus, 2 − 2n for a surface with n holes.
+    /// V − E + F: 2 for a sphere, 0 for a torus, 2 − 2n for a surface of genus n.
     ///
     /// ```
     /// let ring = |[x, y, z]: [f64; 3]| {
@@ -164,8 +168,8 @@ impl Mesh {
         vertices as isize - edges.len() as isize + self.triangles.len() as isize
     }
 
-    /// Whether every edge belongs to exactly two triangles, which run along it in opposite directions: no hole, no
-    /// seam, one side everywhere.
+    /// Whether every edge belongs to exactly two triangles, which run along it in opposite directions: a closed,
+    /// oriented surface.
     ///
     /// ```
     /// use rattle::view::Mesh;

@@ -1,4 +1,4 @@
-//! One HTML file without a network: scenes to switch between, and what is needed to look at them.
+//! One HTML file that needs no network: scenes to switch between, and the program that shows them.
 //!
 //! ```text
 //! page.html  ◀── page.css, three.min.js (made by bundle.sh), the page's own script (the files of page/)
@@ -25,6 +25,10 @@ const SCRIPT: &str = concat!(
 );
 
 /// A page with scenes to switch between.
+#[doc(alias = "html")]
+#[doc(alias = "animation")]
+#[doc(alias = "viewer")]
+#[doc(alias = "movie")]
 #[derive(Clone, Debug)]
 pub struct Page {
     title: String,
@@ -42,7 +46,7 @@ impl Page {
         Self { title: title.into(), scenes: Vec::new() }
     }
 
-    /// Adds a scene; with two or more the page has a switch. Scenes on the same mesh share its data.
+    /// Adds a scene; with two or more, the page has a menu. Scenes on the same mesh share its data.
     ///
     /// ```
     /// use rattle::view::{Page, Scene3};

@@ -1,6 +1,6 @@
 //! Rods' ends, discs, boxes and charts, as a scene keeps them.
 
-/// Where a rod ends or a disc sits: at a body, or at a fixed place.
+/// The end of a rod or the centre of a disc: a body, or a fixed place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     /// The body of this number.

@@ -1,11 +1,11 @@
-//! A scene as it is put together; `shapes.rs` has what can be drawn besides bodies.
+//! Building a scene; `shapes.rs` has the shapes besides bodies.
 
 use super::error::{MAX_POINTS, PageError};
 use super::mesh::Mesh;
 use super::parts::{Disc, End, Moved, Strip};
 use crate::Trajectory;
 
-/// A scene of a [`Page`](super::Page): bodies, and the surface they move on if there is one.
+/// A scene of a [`Page`](super::Page): bodies, and the surface on which they move, if any.
 #[derive(Clone, Debug)]
 pub struct Scene3 {
     pub(super) title: String,
@@ -33,7 +33,7 @@ pub struct Scene3 {
 }
 
 impl Scene3 {
-    /// A scene that still lacks its bodies.
+    /// A scene without bodies.
     ///
     /// ```
     /// use rattle::view::{Page, PageError, Scene3};
@@ -78,7 +78,7 @@ impl Scene3 {
         self
     }
 
-    /// A surface that moves: each is shown from its time on, until the time of the next.
+    /// A moving surface: each mesh is shown from its time until the time of the next.
     ///
     /// ```
     /// use rattle::view::{Mesh, MeshError, Page, Scene3};
@@ -96,8 +96,8 @@ impl Scene3 {
         self
     }
 
-    /// Colours the surface by a number for each vertex of its mesh, with their scale: a curvature, a
-    /// [density](Mesh::density). Of a surface that moves, the vertices of all meshes one after the other.
+    /// Colours the surface by a number for each vertex of its mesh, with a colour scale: a curvature, a
+    /// [density](Mesh::density). For a moving surface, `values` has the vertices of all meshes one after the other.
     ///
     /// ```
     /// use rattle::view::{Mesh, Page, Scene3};
@@ -113,7 +113,7 @@ impl Scene3 {
         self
     }
 
-    /// The times, where there are no bodies that bring theirs.
+    /// The times of the motion, for a scene without [bodies](Scene3::bodies).
     ///
     /// ```
     /// let scene = rattle::view::Scene3::new("at rest").times(&[0.0, 1.0]);
@@ -124,9 +124,9 @@ impl Scene3 {
         self
     }
 
-    /// The motion: increasing times, and for each body its position at each of them (arrays or nalgebra's
-    /// vectors). Bodies get colours around the hue circle in their order, many of them also in several shades; who
-    /// points at one on the page sees its number or [name](Scene3::names).
+    /// The motion: increasing times, and for each body its position at each of them (arrays or nalgebra's vectors).
+    /// Bodies are coloured around the hue circle in their order, in several shades if they are many. Pointing at a body
+    /// on the page shows its number or [name](Scene3::names).
     ///
     /// ```
     /// use nalgebra::{Vector3, vector};
@@ -145,8 +145,8 @@ impl Scene3 {
         self
     }
 
-    /// The bodies of a trajectory, after those there are: a run of many bodies, or several runs with the same times.
-    /// Those in the plane move at z = 0.
+    /// Adds the bodies of a trajectory: of one run, or of several runs with the same times in turn. Bodies in the plane
+    /// move at z = 0.
     ///
     /// ```
     /// use rattle::prelude::*;
@@ -177,7 +177,7 @@ impl Scene3 {
         self
     }
 
-    /// Length of the trails in samples, at most the whole motion; none unless told.
+    /// Length of the trails in samples, at most the whole motion; by default 0, no trails.
     ///
     /// ```
     /// let times: Vec<f64> = (0..60).map(f64::from).collect();
@@ -191,7 +191,7 @@ impl Scene3 {
         self
     }
 
-    /// How many seconds the whole motion takes on the page at speed 1; 30 unless told.
+    /// How many seconds the whole motion takes on the page at speed 1; by default 30.
     ///
     /// ```
     /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]).seconds(10.0);
@@ -208,8 +208,9 @@ impl Scene3 {
         self
     }
 
-    /// Periods of space along the axes, 0 along one without: bodies glide, and trails and rods lead, to the nearest
-    /// image of a place, so that who leaves on one side comes in on the other without a streak across the picture.
+    /// Periods of space along the axes; 0 for an axis without. Between two samples a body moves to the nearest image of
+    /// its next place, and trails and rods end at nearest images. So a body that leaves on one side enters on the other
+    /// without a streak across the picture.
     ///
     /// ```
     /// let out_and_in = [[0.9, 0.0, 0.0], [0.1, 0.0, 0.0]];
@@ -228,7 +229,7 @@ impl Scene3 {
         self
     }
 
-    /// Another title, for a scene that is made from one there is.
+    /// Changes the title, for a copy of a scene.
     ///
     /// ```
     /// let scene = rattle::view::Scene3::new("flight").bodies(&[0.0, 1.0], &[[[0.0; 3], [1.0; 3]]]);
@@ -254,8 +255,8 @@ impl Scene3 {
         self
     }
 
-    /// Radii of the bodies in the scene's unit: one number for all, `&[[0.1]]`; one for each; or a list for each, one
-    /// number for each time. Unless told bodies are small and stay visible from afar.
+    /// Radii of the bodies in the scene's unit: one number for all, `&[[0.1]]`; one for each; or for each a list with
+    /// one number for each time. By default bodies are small, and stay visible from afar.
     ///
     /// ```
     /// # use rattle::view::{Page, Scene3};
@@ -269,7 +270,7 @@ impl Scene3 {
         self
     }
 
-    /// Colours bodies by a number, with their scale: for each body one number, or one for each time.
+    /// Colours bodies by a number, with a colour scale: for each body one number, or one for each time.
     ///
     /// ```
     /// # use rattle::view::{Page, Scene3};
@@ -283,7 +284,7 @@ impl Scene3 {
         self
     }
 
-    /// Words beside the bodies, in their order; those that are empty, and bodies after the last, have none.
+    /// Labels beside the bodies, in their order. An empty name shows no label; nor do bodies after the last name.
     ///
     /// ```
     /// # use rattle::view::{Page, Scene3};

@@ -1,4 +1,4 @@
-//! What a scene has besides bodies: rods, discs, walls, boxes that turn, axes, and charts beside the motion.
+//! Shapes besides bodies: rods, discs, walls, boxes that turn, axes, and charts beside the motion.
 
 use super::error::PageError;
 use super::parts::{Disc, End, Moved, Strip};
@@ -58,7 +58,7 @@ impl Scene3 {
         self
     }
 
-    /// A wall, drawn as glass: a corner, and the sides that begin there.
+    /// A wall, drawn as glass: a corner, and the two sides that begin there, as vectors.
     ///
     /// ```
     /// # use rattle::view::{Page, Scene3};
@@ -71,8 +71,9 @@ impl Scene3 {
         self
     }
 
-    /// A box that moves, with its axes (red, green, blue): lengths of its sides; for each time, or once, its centre;
-    /// and its attitude as three unit vectors in space, the columns of a rotation (nalgebra's `Matrix3`, or arrays).
+    /// A moving box, with its axes (red, green, blue). Given are the lengths of its sides, and, for each time or once,
+    /// its centre and its attitude: three unit vectors in space, the columns of a rotation (nalgebra's `Matrix3`, or
+    /// arrays).
     ///
     /// ```
     /// use nalgebra::{Rotation3, Vector3};

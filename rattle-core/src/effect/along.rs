@@ -1,18 +1,17 @@
-//! A potential between near bodies by their distance along the surface g = 0 that they are on.
+//! A potential between near bodies, as a function of their distance along the surface g = 0 on which they move.
 //!
 //! ```text
 //! d² = |Δ|² − ⅓ (nᵢ·Δ)(nⱼ·Δ)        Δ = qⱼ − qᵢ,  n = ∇g/|∇g|
 //! ```
 //!
-//! This is the first term of the square of the geodesic distance beyond |Δ|²: on a sphere of radius R, what it is off
-//! by is d⁶/(90 R⁴), where |Δ|² is off by d⁴/(12 R²). Forces are the gradient of the energy that it gives, so that
-//! energy is kept:
+//! This is the square of the geodesic distance to the first order beyond |Δ|². On a sphere of radius R its error is
+//! d⁶/(90 R⁴), and that of |Δ|² is d⁴/(12 R²). Forces are the exact gradient of U(d), so energy is conserved:
 //!
 //! ```text
 //! ∂d²/∂qⱼ = 2Δ − ⅓ [(nᵢ·Δ) nⱼ + (nⱼ·Δ) nᵢ + (nᵢ·Δ) Dnⱼᵀ Δ]        Dnᵀ = ∇²g (1 − n nᵀ)/|∇g|
 //! ```
 //!
-//! The last term is linear in Δ and summed over partners first, so that each body takes one product with ∇²g.
+//! The last term is linear in Δ and is summed over partners first, so that each body needs one product with ∇²g.
 
 use crate::effect::between_near::check_within;
 use crate::effect::moment::Moment;
@@ -28,11 +27,11 @@ use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, scaled};
 use std::array::from_fn;
 
-/// The kind of effect that acts by distances along a surface: every [`Along`].
+/// The kind of effect of every [`Along`]: a potential of distances along a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct AlongSurface;
 
-/// A potential by distances along a surface, over a scalar.
+/// [`Along`] over a scalar: a potential of distances along a surface.
 #[derive(Debug, Clone)]
 pub struct ActsAlong<X, C, B> {
     law: X,
@@ -67,7 +66,7 @@ impl<P: PairPotential, C: Constraint<D, 1>, B: Space<D>, const D: usize> Effect<
     }
 }
 
-/// Room for the list of near pairs, and for what each body has on the surface.
+/// Memory for the list of near pairs, and for the normals and other quantities of each body.
 #[derive(Debug, Clone)]
 pub struct Upright<T, const D: usize> {
     list: Neighbours<D>,

@@ -1,12 +1,12 @@
-//! A potential between near bodies by the length of the geodesic between them, on the surface g = 0 that they are on.
+//! A potential between near bodies, as a function of the length of the geodesic between them on the surface g = 0.
 //!
 //! ```text
 //! U(d),   −∂U/∂qᵢ = U′(d) uᵢ,   −∂U/∂qⱼ = −U′(d) uⱼ        u: unit vectors along the geodesic from i to j, at its ends
 //! ```
 //!
-//! By the first variation of length the unit vectors are the gradient of the distance, so that energy is kept as
-//! exactly as the distance is known, to rounding. Each pair within reach takes some [shots](crate::kernel::geodesic),
-//! 30 µs: for few bodies, or to compare with the [expansion](crate::effect::along).
+//! By the first variation of length the unit vectors are the gradient of the distance, so energy is conserved as
+//! exactly as the distance is known: to rounding. Each pair within reach takes some 30 µs for
+//! [shooting](crate::kernel::geodesic): for few bodies, or to compare with the [expansion](crate::effect::along).
 
 use crate::effect::between_near::check_within;
 use crate::effect::moment::Moment;
@@ -23,11 +23,11 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
 use std::array::from_fn;
 
-/// The kind of effect that acts by lengths of geodesics: every [`AlongGeodesics`].
+/// The kind of effect of every [`AlongGeodesics`]: a potential of lengths of geodesics.
 #[derive(Debug, Clone, Copy)]
 pub struct ByGeodesics;
 
-/// A potential by lengths of geodesics.
+/// [`AlongGeodesics`] over a scalar: a potential of lengths of geodesics.
 #[derive(Debug, Clone)]
 pub struct ActsByGeodesics<X, C, B> {
     law: X,

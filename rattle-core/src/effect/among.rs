@@ -10,7 +10,7 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// The kind of effect that acts among chosen bodies, A at a time: [`Over`] them, a potential of K = A·D variables.
+/// The kind of effect of a potential [`Over`] chosen bodies, A at a time, of K = A·D variables.
 #[derive(Debug, Clone, Copy)]
 pub struct Among<const K: usize, const A: usize>;
 

@@ -1,4 +1,4 @@
-//! Heat by collisions with a bath: now and then a momentum is drawn anew.
+//! A thermostat by collisions with a heat bath: at random times a body gets a new random momentum.
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Interval, Rule};
@@ -6,11 +6,11 @@ use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::add_scaled;
 
-/// Collisions with a bath (H. Andersen 1980): in a time h, with the probability 1 − exp(−νh), a momentum is drawn anew
-/// from Maxwell's distribution.
+/// Collisions with a heat bath (H. Andersen 1980): within a time h, with the probability 1 − exp(−νh), a body gets a
+/// new momentum from the Maxwell–Boltzmann distribution.
 ///
-/// Bodies collide one by one on surfaces and where nothing links them. In a scene with links all collide at once, since
-/// new momenta of one body, made tangent together with the old ones of the others, would be of another temperature.
+/// Bodies without links collide one by one. In a scene with links all collide at once: a new momentum of one body,
+/// projected together with the old momenta of the others, would have another temperature.
 ///
 /// Source: J. Chem. Phys. 72 (1980) 2384.
 ///
@@ -34,7 +34,7 @@ pub struct Andersen {
     pub rate: f64,
     /// kT, an energy.
     pub temperature: f64,
-    /// What random numbers are made from.
+    /// The seed of the random numbers.
     pub seed: u64,
 }
 

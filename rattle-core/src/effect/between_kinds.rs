@@ -12,8 +12,7 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// The kind of effect that acts between every two bodies, by their kinds, however far: [`Kinds`] of a
-/// [`PairPotential`].
+/// The kind of effect of [`Kinds`] of a [`PairPotential`]: between every two bodies, by their kinds, at any distance.
 #[derive(Debug, Clone, Copy)]
 pub struct BetweenKinds;
 

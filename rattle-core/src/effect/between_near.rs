@@ -19,18 +19,18 @@ use crate::number::real::Real;
 use std::array::from_fn;
 use std::marker::PhantomData;
 
-/// The kind of effect that acts between every two bodies within a reach: every [`Within`].
+/// The kind of effect of every [`Within`]: between every two bodies within a cut-off distance.
 #[derive(Debug, Clone, Copy)]
 pub struct BetweenNear;
 
-/// The kind of effect that acts between every two bodies within a reach, by their kinds: [`Kinds`] of [`Within`].
+/// The kind of effect of [`Kinds`] of [`Within`]: between every two bodies within a cut-off distance, by their kinds.
 #[derive(Debug, Clone, Copy)]
 pub struct BetweenNearKinds;
 
 /// Potentials with cut-offs between every two bodies, over a scalar.
 ///
-/// Doubles go by a [list of near pairs](Neighbours), [several at a time](InstructionSet) where the processor has fused
-/// multiply-add; other scalars go by all pairs.
+/// For `f64` they use a [list of near pairs](Neighbours), several pairs [at a time](InstructionSet) where the processor
+/// has fused multiply-add; for other scalars they go through all pairs.
 #[derive(Debug, Clone)]
 pub struct ActsBetweenNear<L, F, B> {
     laws: L,

@@ -13,15 +13,15 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, sum};
 use std::array::from_fn;
 
-/// The kind of effect that acts between every two bodies: every [`PairPotential`].
+/// The kind of effect of every [`PairPotential`]: between every two bodies.
 #[derive(Debug, Clone, Copy)]
 pub struct BetweenPairs;
 
 /// A potential between every two bodies, over a scalar.
 ///
-/// Doubles go [several pairs at a time](InstructionSet), with [functions](crate::number::lanes) of their own, where
-/// there are some bodies and the processor has fused multiply-add. Forces then differ by rounding from those of few
-/// bodies, or of a processor without it.
+/// In `f64`, pairs are computed [several at a time](InstructionSet), with [functions for lanes](crate::number::lanes),
+/// unless there are only few bodies or the processor lacks fused multiply-add. Results of the two ways differ by
+/// rounding.
 #[derive(Debug, Clone, Copy)]
 pub struct ActsBetweenPairs<K, L> {
     kernel: K,

@@ -1,12 +1,12 @@
-//! Forces of coordinates, velocities and time, as flows of momenta: on each body by itself, and over chosen bodies.
+//! Forces of coordinates, velocities and time, as flows of momenta: on each body, or on chosen bodies.
 //!
 //! ```text
 //! δ = h f(q, v + M⁻¹δ/2, t)        the change of p in a time h: the implicit midpoint rule for ṗ = f(q, M⁻¹p, t) at fixed q and t
 //! ```
 //!
-//! It is symmetric, and stable for any friction however stiff. Newton's method solves it, with the ∂f/∂v that the macro
-//! differentiates; its corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly.
-//! Members that share a body take turns, with h/2 each, forth and back.
+//! The rule is symmetric, and stable for friction of any stiffness. Newton's method solves it with ∂f/∂v from the
+//! macro; corrections are halved until the residual falls. Where f does not depend on v, δ = h f exactly. Members that
+//! share a body act one after the other for h/2 each, in this order and then in the opposite one.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, II.5.
 
@@ -22,20 +22,19 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, largest, scaled, sum};
 use std::array::from_fn;
 
-/// The kind of effect that is a force on each body by itself: every [`ForceLaw`].
+/// The kind of effect of every [`ForceLaw`]: a force on each body.
 #[derive(Debug, Clone, Copy)]
 pub struct ByForce;
 
-/// The kind of effect that is a force on chosen bodies, A at a time: [`Over`] them, a [`ForceLaw`] of K = A·D
-/// components.
+/// The kind of effect of a [`ForceLaw`] [`Over`] chosen bodies, A at a time, of K = A·D components.
 #[derive(Debug, Clone, Copy)]
 pub struct ByForceAmong<const K: usize, const A: usize>;
 
 /// A [`ForceLaw`] of K = A·D components on members of A bodies, or on each body: half of its flow before each step,
 /// half after.
 ///
-/// Each half goes by the time that positions have then, t and t + h: with f(q, t) alone the two are kicks by f at both
-/// ends of the step, of second order.
+/// The halves use the times t and t + h of the positions. So a force f(q, t) gives kicks at both ends of the step,
+/// which are of second order.
 #[derive(Debug, Clone)]
 pub struct ActsByForce<X, const K: usize, const A: usize> {
     kernels: Vec<X>,

@@ -1,9 +1,9 @@
-//! Bodies in the order of cells of space, so that what is near is found near by.
+//! Cell lists: bodies sorted by cells of space, to find near pairs.
 //!
-//! Cells are cubes, of up to three coordinates, at least as wide as what is looked for reaches. Each has a number, made
-//! of its place along each coordinate, and bodies are sorted by it: memory is that of the bodies, however wide they
-//! lie. Cells that follow each other along the last coordinate follow each other in that order too, so that the cells
-//! beside one are few stretches of bodies, which a loop goes along.
+//! Cells are cubes of up to three coordinates, at least as wide as the search distance. Each has a number, computed
+//! from its position along each coordinate, and bodies are sorted by this number: so memory is proportional to the
+//! number of bodies, however far apart they are. Neighbouring cells along the last coordinate have successive numbers,
+//! so the cells next to a cell are a few contiguous ranges of bodies.
 //!
 //! Source: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 5.3.2, with sorted bodies
 //! for linked lists.

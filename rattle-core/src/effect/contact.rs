@@ -1,6 +1,5 @@
-//! Contacts: what bodies meet in an instant, hard particles and walls. A contact is no force: it changes momenta at
-//! once, at the instant at which its gap closes, see
-//! [`Simulation::collide`](crate::run::simulation::Simulation::collide).
+//! Contacts: collisions of hard particles with each other and with walls. A contact is not a force: it changes momenta
+//! at the instant at which its gap closes, see [`Simulation::collide`](crate::run::simulation::Simulation::collide).
 //!
 //! ```text
 //! gap(q) ≥ 0                                positive while apart
@@ -8,37 +7,37 @@
 //! J  = −(1 + e) (w·M⁻¹p) / (w·M⁻¹w)         the rate of the gap turns round, times the restitution e
 //! ```
 //!
-//! With e = 1 this is a reflection in the metric M⁻¹, so that kinetic energy is kept; with e = 0 the gap no longer
-//! closes. Source: B. Brogliato, *Nonsmooth Mechanics*, 2016, chapter 4.
+//! With e = 1 this is a reflection in the metric M⁻¹, which conserves kinetic energy; with e = 0 the gap stops closing.
+//! Source: B. Brogliato, *Nonsmooth Mechanics*, 2016, chapter 4.
 
 use crate::error::{Error, NetworkMistake};
 use std::fmt::Debug;
 
-/// The parts of ∇gap: a body, and ∂gap/∂q of that body.
+/// ∇gap as a list of bodies, each with ∂gap/∂q of this body.
 pub type Gradient<const D: usize> = Vec<(usize, [f64; D])>;
 
 /// Contacts of one kind among bodies with D coordinates: ready-made are [`HardSpheres`](crate::effect::HardSpheres) and
 /// [`Stop`](crate::effect::Stop).
 ///
-/// Contacts are numbered. A gap is a smooth function of positions, in any unit; where bodies go straight on, it
-/// should bend upwards (|qᵢ − qⱼ|² − d², not |qᵢ − qⱼ| − d), because a step in which the gap falls first and rises
-/// then is searched only where the tangents at its two ends meet below zero: what bends upwards lies above its
-/// tangents, and is never missed.
+/// Contacts are numbered. A gap is a smooth function of positions, in any unit. It should be convex along straight
+/// lines (take |qᵢ − qⱼ|² − d², not |qᵢ − qⱼ| − d): a step in which the gap first falls and then rises is searched for
+/// a contact only where the tangents at its two ends meet below zero. A convex gap lies above its tangents, so none of
+/// its contacts is missed.
 pub trait Contacts<const D: usize>: Debug + Send + Sync + 'static {
-    /// The name of the contacts in messages.
+    /// The name of the contacts in error messages.
     fn name(&self) -> &'static str;
-    /// The restitution e: the speed of parting over that of meeting, 0 to 1.
+    /// The coefficient of restitution e: the speed of separation divided by the speed of approach, 0 to 1.
     fn restitution(&self) -> f64;
-    /// Whether the contacts make sense among so many bodies.
+    /// Checks that the contacts make sense for this number of bodies.
     ///
     /// # Errors
-    /// A body that there is not, a restitution that is none.
+    /// For example a body that does not exist, or a restitution outside of 0 to 1.
     fn check(&self, bodies: usize) -> Result<(), Error>;
-    /// Writes the numbers of all contacts that can have been closed on the way to these positions, if no body went
-    /// farther than `way`; more may be written. `room` is kept from call to call. Neither panics nor, but for the
-    /// growth of the lists, allocates.
+    /// Writes the numbers of all contacts that may have been closed on the way to these positions, if no body moved
+    /// farther than `way`; further contacts may be written too. `room` is working memory, kept between calls. Does not
+    /// panic, and allocates only where lists grow.
     fn near(&self, positions: &[[f64; D]], way: f64, room: &mut Vec<usize>, found: &mut Vec<usize>);
-    /// The gap of this contact, and ∇gap, which is written into an empty list.
+    /// Returns the gap of this contact, and writes ∇gap into an empty list.
     fn gap(&self, contact: usize, positions: &[[f64; D]], gradient: &mut Gradient<D>) -> f64;
 }
 

@@ -1,4 +1,4 @@
-//! Drag: what slows bodies down in proportion to their velocity, or to its square.
+//! Drag in proportion to the velocity, or to its square.
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Inertia, Interval, inverse_mass};
@@ -14,8 +14,8 @@ use std::array::from_fn;
 /// ṗ = −C v,  C = diag(c₁ … c_D)      in the unit of force over velocity, mass over time
 /// ```
 ///
-/// The flow is exact where masses are numbers, of second order where they are matrices. Of a rigid body the
-/// coefficients are those about its three axes.
+/// The flow is exact where masses are numbers, of second order where they are matrices. For a rigid body, the
+/// coefficients c₁, c₂, c₃ are those of rotation about its principal axes.
 ///
 /// ```
 /// use rattle::effect::LinearDrag;
@@ -27,6 +27,8 @@ use std::array::from_fn;
 /// assert!((simulation.velocity().x - (-1.0_f64).exp()).abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Stokes")]
+#[doc(alias = "viscous")]
 #[doc(alias = "friction")]
 #[doc(alias = "damping")]
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +50,7 @@ impl<const D: usize> LinearDrag<D> {
         Self { along: coefficients, of_bodies: Vec::new() }
     }
 
-    /// The same, times a factor for each body.
+    /// The same drag, times a factor for each body.
     #[must_use]
     pub fn times(mut self, factors: impl IntoIterator<Item = f64>) -> Self {
         self.of_bodies = factors.into_iter().collect();
@@ -83,7 +85,7 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// ṗ = −c |v| v        c in the unit of mass over length
 /// ```
 ///
-/// The flow is exact where the mass of a body is one number, of second order elsewhere.
+/// The flow is exact where the mass of a body is a number, of second order where it is a matrix.
 ///
 /// ```
 /// use rattle::effect::QuadraticDrag;
@@ -95,6 +97,8 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
 /// assert!((simulation.velocity().x - 0.2).abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "air resistance")]
+#[doc(alias = "drag")]
 #[doc(alias = "friction")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QuadraticDrag {

@@ -1,4 +1,4 @@
-//! Potentials that change with time: on each body by itself, and over chosen bodies.
+//! Potentials that change with time: on each body, or on chosen bodies.
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
@@ -9,12 +9,11 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// The kind of effect that acts on each body by itself and changes with time: every [`DrivenPotential`].
+/// The kind of effect of every [`DrivenPotential`]: on each body, and changing with time.
 #[derive(Debug, Clone, Copy)]
 pub struct Driven;
 
-/// The kind of effect that acts among chosen bodies, A at a time, and changes with time: [`Over`] them, a
-/// [`DrivenPotential`] of K = A·D coordinates.
+/// The kind of effect of a [`DrivenPotential`] [`Over`] chosen bodies, A at a time, of K = A·D coordinates.
 #[derive(Debug, Clone, Copy)]
 pub struct DrivenAmong<const K: usize, const A: usize>;
 

@@ -6,21 +6,21 @@ use crate::error::EffectMistake;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, scaled, sum};
 
-/// Dry friction of bodies that slide on their surface (C. Coulomb 1785).
+/// Coulomb's dry friction of bodies that slide on their surface (1785).
 ///
 /// ```text
-/// ṗ = −μ N v/|v|   where the body slides       N = |∇g λ|, what holds it on the surface
+/// ṗ = −μ N v/|v|   where the body slides       N = |∇g λ|, the normal force
 /// ṗ = 0            where it rests and the force along the surface is at most μ N
 /// ```
 ///
-/// N and the force along the surface are those of potentials and of other flows, such as a
-/// [`force!`](crate::effect::Flow) and [`SelfPropulsion`](crate::effect::SelfPropulsion), in whatever order a scene
-/// names them; but for random ones, which shake a body loose.
+/// N and the force along the surface include potentials and other flows, such as a [`force!`](crate::effect::Flow) and
+/// [`SelfPropulsion`](crate::effect::SelfPropulsion), whatever their order in the scene. They do not include random
+/// flows, which shake a body loose.
 ///
-/// A body that is brought to rest stays where it is, to the last bit: friction then takes just what the forces of the
-/// next step would give. Of second order while a body slides. The surface holds a body from both sides, so N does not
-/// know a sign; it is that of forces and of the curvature of the path, N = |f·n + κv²|. Of linked bodies N is the pull
-/// of all links on the body. For bodies whose mass is one number.
+/// A body that comes to rest stays at its place, to the last bit: friction then cancels exactly the forces of the next
+/// step. Of second order while a body slides. The surface holds a body from both sides, so N has no sign: N = |f·n +
+/// κv²|, with the force f and the curvature κ of the path. For linked bodies N is the size of the force of all links on
+/// the body. The mass of each body must be a number.
 ///
 /// ```
 /// use rattle::effect::DryFriction;
@@ -36,11 +36,13 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 /// assert_eq!(simulation.position().norm(), 0.0);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "sliding")]
+#[doc(alias = "stick-slip")]
 #[doc(alias = "friction")]
 #[doc(alias = "Coulomb")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DryFriction {
-    /// μ, a number.
+    /// The coefficient of friction μ.
     pub coefficient: f64,
 }
 

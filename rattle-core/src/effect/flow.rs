@@ -1,4 +1,4 @@
-//! What momenta decide: drag, magnetic fields, heat.
+//! Flows of momenta: effects that depend on momenta, such as drag, magnetic fields and thermostats.
 
 use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
@@ -8,21 +8,20 @@ use crate::number::lanes::Lane;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// A flow of momenta p ← Φₕ(p; q, t) while positions and time stand still: an effect that is no force of positions
-/// alone.
+/// A flow of momenta p ← Φₕ(p; q, t) at fixed positions and time: an effect that depends on momenta.
 ///
 /// ```text
 /// linear drag     ṗ = −γ p        Φₕ(p) = exp(−γh) p
 /// magnetic field  ṗ = b v × B     Φₕ(p) = p turned about B
 /// ```
 ///
-/// Half of it acts before each step of the method and half after (G. Strang 1968), which is of second order whatever
-/// the order of the method; methods that say so, such as [`Baoab`](crate::methods::baoab::Baoab), have it act in the
-/// middle of their step. Momenta are then made those of motion along the constraints again, by a [rule](Rule) that
-/// keeps second order. The work that flows do is part of
-/// [`Simulation::work`](crate::run::simulation::Simulation::work), so that the energy error is that of the method. Only
-/// methods with a symmetric step and momenta at the time of the positions can be divided so; others are refused before
-/// a run. Trajectories of an ensemble go one by one.
+/// Half of the flow acts before each step of the method and half after it (Strang splitting), which is of second order
+/// whatever the order of the method. Some methods, such as [`Baoab`](crate::methods::baoab::Baoab), apply the flow in
+/// the middle of their step instead. Momenta are then made tangent to the constraints again, by a [rule](Rule) that
+/// keeps second order. The work of flows is part of [`Simulation::work`](crate::run::simulation::Simulation::work), so
+/// the energy error is that of the method. Only methods with a symmetric step, and with momenta at the time of the
+/// positions, can be split like this; others are refused before a run. Trajectories of an ensemble with flows are
+/// computed one by one, not in lanes.
 ///
 /// ```
 /// use rattle::effect::{Flow, Interval};
@@ -50,17 +49,21 @@ use std::array::from_fn;
 /// assert!(simulation.energy_error().abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "velocity-dependent force")]
+#[doc(alias = "dissipation")]
+#[doc(alias = "thermostat")]
 #[diagnostic::on_unimplemented(message = "`{Self}` is no flow of momenta with {D} components")]
 pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
-    /// How the flow is kept along the constraints.
+    /// How momenta are kept tangent to the constraints.
     const RULE: Rule = Rule::Symmetric;
-    /// Whether the flow looks at [`Interval::rates`] and [`Interval::holding`], which take an evaluation of the
+    /// Whether the flow uses [`Interval::rates`] and [`Interval::holding`], which take an evaluation of the
     /// multipliers.
     const FEELS_FORCES: bool = false;
 
-    /// Writes what the momentum of every body changes by in a time h, Φₕ(p; q, t) − p, in the unit of momentum: a
-    /// change, so that it is rounded to its own size. What would move a pinned body, or take momenta off the
-    /// constraints, is taken away again. Of a rigid body the first three momenta count. Neither allocates nor panics.
+    /// Writes the change Φₕ(p; q, t) − p of the momentum of every body in a time h, in the unit of momentum. (A change
+    /// has smaller rounding errors than a new momentum.) Parts that would move a pinned body, or violate the
+    /// constraints, are removed afterwards. For a rigid body only the first three components count. Neither allocates
+    /// nor panics.
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]);
 
     /// Whether the flow changes with time.
@@ -68,16 +71,16 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
         false
     }
 
-    /// Looks at the parameters, before a run with so many bodies.
+    /// Checks the parameters, before a run with this number of bodies.
     ///
     /// # Errors
-    /// Says which parameter makes no sense.
+    /// Which parameter makes no sense.
     fn check(&self, _bodies: usize) -> Result<(), EffectMistake> {
         Ok(())
     }
 }
 
-/// The kind of effect that is a [`Flow`].
+/// The kind of effect of every [`Flow`].
 #[derive(Debug, Clone, Copy)]
 pub struct Flowing;
 

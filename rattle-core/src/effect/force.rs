@@ -6,7 +6,7 @@ use std::fmt::Debug;
 
 /// The force on one body, or its absence.
 pub trait Force<T: Real, const D: usize>: Copy + Debug + Send + Sync + 'static {
-    /// Whether there can be one.
+    /// Whether there can be a force.
     const ACTS: bool = true;
 
     /// No force.

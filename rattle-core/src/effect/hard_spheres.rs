@@ -1,11 +1,11 @@
-//! Balls that cannot overlap: every two bodies, by the distance of their centres in space.
+//! Balls that cannot overlap: contacts between every two bodies, by the distance of their centres.
 
 use crate::effect::contact::{Contacts, Gradient, check_restitution};
 use crate::error::Error;
 use crate::number::vector::{add_scaled, dot, scaled};
 
-/// Bodies as balls of one diameter d, every two of them: disks in the plane, beads on a surface. Distances are
-/// straight ones through space.
+/// All bodies as balls of one diameter d that collide: disks in the plane, beads on a surface. Distances are straight
+/// lines through space.
 ///
 /// ```text
 /// gap = (|qᵢ − qⱼ|² − d²) / 2d        a length, near contact the distance of the surfaces
@@ -37,7 +37,7 @@ impl HardSpheres {
         Self { diameter, restitution: 1.0 }
     }
 
-    /// The same with this restitution, 0 to 1.
+    /// The same with this coefficient of restitution, 0 to 1.
     #[must_use]
     pub fn restitution(self, restitution: f64) -> Self {
         Self { restitution, ..self }

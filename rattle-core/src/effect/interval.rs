@@ -1,4 +1,4 @@
-//! What a flow of momenta is handed, and how it is kept along constraints.
+//! The input of a flow of momenta, and how it is combined with constraints.
 
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
@@ -6,37 +6,37 @@ use crate::number::real::Real;
 use std::array::from_fn;
 use std::fmt::Debug;
 
-/// What a flow is handed: the bodies, and a time in which only their momenta change.
+/// The input of a flow: the bodies, and a time interval in which only their momenta change.
 #[derive(Debug)]
 pub struct Interval<'a, T, const D: usize> {
-    /// How long: a time, negative where a method runs backwards.
+    /// The length of the interval, a time; negative where a method runs backwards.
     pub h: f64,
-    /// Whether this is the half before a step of the method; else it is that after it.
+    /// Whether this is the half before a step of the method; otherwise the half after it.
     pub before: bool,
-    /// When and where.
+    /// Time and positions.
     pub at: Moment<'a, T, D>,
-    /// The momenta p of all bodies in turn.
+    /// The momenta p of all bodies.
     pub momenta: &'a [[T; D]],
-    /// M⁻¹p of all bodies in turn, in the coordinates of the momenta: of a rigid body its angular velocity in the
-    /// body's frame.
+    /// The velocities M⁻¹p of all bodies, in the coordinates of the momenta: for a rigid body, its angular velocity in
+    /// the body's frame.
     pub velocities: &'a [[T; D]],
-    /// ṗ of all bodies by forces, other flows that are not random, and constraints, for a flow that
-    /// [feels](crate::effect::Flow::FEELS_FORCES) it.
+    /// ṗ of all bodies by forces, other flows that are not random, and constraints; only with
+    /// [`FEELS_FORCES`](crate::effect::Flow::FEELS_FORCES).
     pub rates: &'a [[T; D]],
-    /// The part Gᵀλ of ṗ that holds the bodies on their constraints, likewise.
+    /// The constraint forces Gᵀλ in ṗ; only with `FEELS_FORCES`.
     pub holding: &'a [[T; D]],
-    /// What of ṗ h, from this half of a step, is still to come before places move again, or before the step is over,
-    /// likewise.
+    /// The part of ṗ h, for this half of a step, that momenta do not yet contain but will receive before positions move
+    /// again or the step ends; only with `FEELS_FORCES`.
     pub coming: &'a [[T; D]],
-    /// The kinetic energy that links which move impose on bodies, part of that of their momenta.
+    /// The part of the kinetic energy that moving links impose on the bodies.
     pub imposed: T,
-    /// Masses.
+    /// The masses.
     pub inertia: &'a dyn Inertia<T, D>,
-    /// The surfaces that bodies are on, each on one; none in other scenes.
+    /// The surfaces, one for each body; `None` in other scenes.
     pub surface: Option<&'a dyn Normals<T, D>>,
-    /// What the flow [remembers](crate::effect::Acting::marks).
+    /// The [memory](crate::effect::Acting::marks) of the flow.
     pub marks: &'a [T],
-    /// Whether constraints tie bodies to one another, so that momenta are made tangent together.
+    /// Whether constraints couple bodies, so that their momenta are projected together.
     pub tied: bool,
     /// The number of independent momenta.
     pub freedom: usize,
@@ -51,13 +51,13 @@ impl<T: Real, const D: usize> Interval<'_, T, D> {
         products.fold(T::from_f64(0.0), |sum, (&p, &v)| sum + T::from_f64(0.5) * p * v)
     }
 
-    /// The kinetic energy of all bodies beside what links that move impose on them: what has a temperature.
+    /// The kinetic energy of all bodies without the part imposed by moving links: the energy that has a temperature.
     pub fn thermal_energy(&self) -> T {
         self.kinetic_energy() - self.imposed
     }
 
-    /// A random momentum of this body, normal with mean 0 and covariance `variance` M: with the variance kT that of
-    /// Maxwell's distribution, before it is made one along the constraints. See [`Noise::normal`].
+    /// A random momentum of this body, normal with mean 0 and covariance `variance` M. With the variance kT that is the
+    /// Maxwell–Boltzmann distribution, before the projection onto the constraints. See [`Noise::normal`].
     pub fn normal(&self, seed: u64, body: usize, variance: f64) -> [T; D] {
         let numbers = self.noise.normal(seed, body).map(|x: f64| T::from_f64(variance.sqrt() * x));
         self.inertia.root(body, &numbers)
@@ -66,18 +66,18 @@ impl<T: Real, const D: usize> Interval<'_, T, D> {
 
 /// Masses, in the coordinates of the momenta.
 pub trait Inertia<T, const D: usize>: Debug {
-    /// M⁻¹p of a momentum of this body; 0 for one that is pinned.
+    /// The velocity M⁻¹p of this body for a momentum p; 0 for a pinned body.
     fn velocity(&self, body: usize, p: &[T; D]) -> [T; D];
-    /// L u with M = L Lᵀ: of independent normal numbers u of variance 1, a momentum of covariance M. 0 for a body that
-    /// is pinned.
+    /// L u, with M = L Lᵀ: for independent normal numbers u of variance 1, a momentum of covariance M. 0 for a pinned
+    /// body.
     fn root(&self, body: usize, u: &[T; D]) -> [T; D];
-    /// Whether the body is held at its place.
+    /// Whether the body is pinned.
     fn is_pinned(&self, body: usize) -> bool;
 }
 
-/// The surfaces that bodies are on, each on one.
+/// The normals of the surfaces, one for each body.
 pub trait Normals<T, const D: usize>: Debug {
-    /// ∇g/|∇g| at the place of this body.
+    /// ∇g/|∇g| at the position of this body.
     fn normal(&self, body: usize) -> [T; D];
 }
 
@@ -102,30 +102,30 @@ impl<T: Copy, const D: usize> Inertia<T, D> for UnitMasses {
     }
 }
 
-/// How a [flow](crate::effect::Flow) is kept along the constraints. Φₕ is what
-/// [`Flow::flow`](crate::effect::Flow::flow) says.
+/// How a [flow](crate::effect::Flow) is combined with the constraints. Φₕ is the map of
+/// [`Flow::flow`](crate::effect::Flow::flow).
 ///
-/// To make momenta those of motion along the constraints after Φₕ alone would be of first order where Φₕ leads off the
-/// constraints and back, as drag does that differs by direction.
+/// A single projection after Φₕ would be of first order only, where Φₕ leads off the constraints and back, as a drag
+/// that depends on direction does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
-    /// Φₕ is symmetric, Φ₋ₕ Φₕ = 1, and of second order or exact. What the constraints give meanwhile, N = Gᵀμ, is
-    /// added half before it and half after it: p′ = Φₕ(p + N/2) + N/2, with N such that p′ is along the constraints,
-    /// found by iteration. Symmetric, and as stable as Φₕ is: where that takes no energy away nor adds any, p′ has that
-    /// of p (E. Hairer, BIT 40 (2000) 726).
+    /// For symmetric flows, Φ₋ₕ Φₕ = 1, of second order or exact. Half of the impulse N = Gᵀμ of the constraints is
+    /// added before the flow and half after it: p′ = Φₕ(p + N/2) + N/2, with N, found by iteration, such that p′ is
+    /// tangent. This is symmetric and as stable as Φₕ; where Φₕ conserves energy, so does this (E. Hairer, BIT 40
+    /// (2000) 726).
     Symmetric,
-    /// Φₕ draws random numbers. All of N comes after it: exact where Φₕ is a multiple of p, the same for bodies that
-    /// constraints tie together, and a normal number of covariance proportional to M. Such a flow does not run
-    /// backwards.
+    /// For flows that draw random numbers. All of N is added after Φₕ. This is exact where Φₕ(p) is a multiple of p,
+    /// with one factor for bodies that constraints couple, plus a normal number of covariance proportional to M. Such a
+    /// flow does not run backwards.
     Random,
 }
 
-/// What a flow is like.
+/// The properties of a flow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Manner {
-    /// How it is kept along the constraints.
+    /// How the flow is combined with the constraints.
     pub rule: Rule,
-    /// Whether it [feels](crate::effect::Flow::FEELS_FORCES) forces.
+    /// Whether it depends on [forces](crate::effect::Flow::FEELS_FORCES).
     pub feels: bool,
     /// Whether it is a [push](crate::effect::Acting::PUSHES).
     pub pushes: bool,

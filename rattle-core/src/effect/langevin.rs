@@ -1,4 +1,4 @@
-//! Heat by friction and noise: Langevin's equation.
+//! A thermostat by friction and noise: Langevin's equation.
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Interval, Rule};
@@ -6,21 +6,22 @@ use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::{scaled, sum};
 
-/// Friction and noise that hold bodies at a temperature (P. Langevin 1908).
+/// Friction and noise that keep bodies at a temperature (P. Langevin 1908).
 ///
 /// ```text
 /// dp = −γ p dt + √(2γ kT) Π L dW       M = L Lᵀ, Π onto momenta along the constraints
 /// Φₕ(p) = c p + √((1 − c²) kT) Π L ξ   c = exp(−γh), ξ normal: exact
 /// ```
 ///
-/// All momenta then are of Maxwell's distribution in the tangent space, ½kT for each of the
-/// [independent ones](crate::run::simulation::Simulation::freedom), whatever the masses; places are of the density
-/// exp(−U/kT) over the surface, in the measure that masses give it: without forces uniform in area.
+/// In equilibrium momenta have the Maxwell–Boltzmann distribution in the tangent space: ½kT for each [independent
+/// momentum](crate::run::simulation::Simulation::freedom), whatever the masses. Positions have the density exp(−U/kT)
+/// with respect to the area of the constraint surface in the metric of the masses; without forces they are uniform in
+/// that area.
 ///
-/// By [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O; by
-/// [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B, whose errors in averages over places are far smaller at the
-/// same cost: use that. Heat counts as [work](crate::run::simulation::Simulation::work), so that the energy error is
-/// that of the method.
+/// With [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O (A: drift, B: kick, O: friction
+/// and noise); with [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B. The latter has far smaller errors in
+/// averages over positions at the same cost: use it. Heat counts as [work](crate::run::simulation::Simulation::work),
+/// so the energy error is that of the method.
 ///
 /// Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 ///
@@ -38,16 +39,19 @@ use crate::number::vector::{scaled, sum};
 /// assert!((sum / 500.0 - 0.5).abs() < 0.02);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "stochastic")]
+#[doc(alias = "heat bath")]
+#[doc(alias = "canonical")]
 #[doc(alias = "friction")]
 #[doc(alias = "thermostat")]
 #[doc(alias = "noise")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Langevin {
-    /// γ: a rate, in the unit of 1/time; after 1/γ a momentum has forgotten half of itself and more.
+    /// The friction γ, in the unit of 1/time: without forces, momenta are correlated like exp(−γt).
     pub friction: f64,
     /// kT, an energy.
     pub temperature: f64,
-    /// What random numbers are made from: the same seed, the same noise.
+    /// The seed of the random numbers: the same seed gives the same noise.
     pub seed: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Which law is between two bodies: the same for all, or one by their kinds.
+//! The pair potential between two bodies: the same for all, or one by their kinds.
 
 use crate::kernel::functions::PairKernel;
 use crate::number::real::Real;
@@ -6,17 +6,17 @@ use crate::number::vectors::LANES;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-/// The laws between bodies, over a scalar.
+/// The pair potentials between bodies, over a scalar.
 pub trait Laws<T: Real>: Clone + Send + Sync + 'static {
-    /// One of them.
+    /// The type of a potential.
     type Law: PairKernel<T>;
-    /// The law between two bodies.
+    /// The potential between two bodies.
     fn between(&self, i: usize, j: usize) -> &Self::Law;
-    /// dU/ds in place of each s; pair k is of the bodies `pairs[k]`. What is beyond the last pair is anything.
+    /// Replaces each s by dU/ds; pair k has the bodies `pairs[k]`. Entries beyond the last pair are undefined.
     fn slopes(&self, pairs: &[[u32; 2]], s: &mut [[T; LANES]]);
 }
 
-/// The same law for all.
+/// The same potential for all pairs.
 #[derive(Debug, Clone)]
 pub struct Alike<X>(pub(crate) X);
 
@@ -35,7 +35,7 @@ impl<T: Real, X: PairKernel<T>> Laws<T> for Alike<X> {
     }
 }
 
-/// A law for every two kinds.
+/// A potential for every two kinds.
 #[derive(Debug, Clone)]
 pub struct ByKind<T, X> {
     of: Arc<[u32]>,

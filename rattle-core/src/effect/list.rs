@@ -1,6 +1,5 @@
-//! All effects of a scene: a list in its type. `()` is none, [`With`] adds one as users name it, [`Superposed`] the
-//! same over a scalar. The list without effects has a force of size zero, so the force phase of a step vanishes when
-//! compiling.
+//! All effects of a scene, as a list in its type. `()` is the empty list; [`With`] adds an effect, and [`Superposed`]
+//! the same over a scalar. The empty list has a force of size zero, so the compiler removes the force phase of a step.
 
 use crate::effect::force::{Absent, Force};
 use crate::effect::interval::{Interval, Manner, Rule};
@@ -16,21 +15,21 @@ use crate::number::real::Real;
 use std::fmt::Debug;
 use std::marker::PhantomData;
 
-/// All effects of a scene, as users name them.
+/// All effects of a scene, as the scene is given them.
 pub trait Effects<const D: usize> {
     /// The effects over the scalar `T`.
     type Forces<T: Real>: Forces<T, D>;
-    /// The effects with these values' parameters.
+    /// The effects over the scalar `T`, with the parameters of this value.
     fn forces<T: Real>(&self) -> Self::Forces<T>;
 
-    /// The list in L lanes, each with parameters of its own.
+    /// The list in L SIMD lanes, each with parameters of its own.
     type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Forces<S>>;
-    /// Lane i with the parameters of `lane(i)`.
+    /// The list in lanes, lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
         Self: 'a;
 
-    /// Says what is wrong with the effects in a scene of so many bodies.
+    /// Checks the effects in a scene of this number of bodies.
     ///
     /// # Errors
     /// Those of [`Effect::check`], of the first effect that is wrong.
@@ -39,35 +38,33 @@ pub trait Effects<const D: usize> {
     }
 }
 
-/// All effects of a scene over the scalar `T`: the sum of what each of them, an [`Acting`], does.
+/// All effects of a scene over the scalar `T`: the sum of its [`Acting`] members.
 pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
-    /// What is stored per body: `[T; D]`, or [`Absent`].
+    /// The force stored for each body: `[T; D]`, or [`Absent`].
     type Force: Force<T, D>;
-    /// The [room](Acting::Room) of all effects.
+    /// The [working memory](Acting::Room) of all effects.
     type Room: Clone + Debug + Send + Sync + 'static;
-    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    /// The number of effects that are [flows](crate::effect::Flow) of momenta.
     const FLOWS: usize;
-    /// How many effects there are.
+    /// The number of effects.
     const EFFECTS: usize;
-    /// Whether one of the effects [remembers](Acting::REMEMBERS) anything.
+    /// Whether one of the effects has a [memory](Acting::REMEMBERS).
     const REMEMBERS: bool;
     /// Whether all flows are [pushes](Acting::PUSHES).
     const PUSHES: bool;
-    /// Whether the forces on each of several bodies are those on a body which is the only one, see
-    /// [`Acting::ON_EACH`].
+    /// Whether the force on each body is independent of the other bodies, see [`Acting::ON_EACH`].
     const ON_EACH: bool;
-    /// Room for so many bodies, made before the first step.
+    /// Working memory for `bodies` bodies, made before the first step.
     fn room(&self, bodies: usize) -> Self::Room;
 
-    /// How many numbers the effects remember, see [`Acting::marks`]. Those of an effect come after those of the effects
-    /// named before.
+    /// The number of numbers in the memory of the effects, see [`Acting::marks`], in the order of the effects.
     fn marks(&self, _bodies: usize) -> usize {
         0
     }
-    /// Writes what the effects remember at the start of a run.
+    /// Writes the memory of the effects at the start of a run.
     ///
     /// # Errors
-    /// Of the first effect that cannot act, with the name of its type.
+    /// That of the first effect that cannot act, with the name of its type.
     fn first_marks(
         &self,
         _during: &Interval<'_, T, D>,
@@ -75,16 +72,16 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     ) -> Result<(), (&'static str, EffectMistake)> {
         Ok(())
     }
-    /// Has the flow of this number take note, see [`Acting::take_note`].
+    /// Lets flow number `number` update its memory, see [`Acting::take_note`].
     fn take_note(&self, _number: usize, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
-    /// Whether forces at the same positions change with time.
+    /// Whether forces at fixed positions change with time.
     fn changes_with_time(&self) -> bool;
-    /// What the flow of this number is like, the first of which has number 0, and the name of its type.
+    /// The properties of flow number `number`, counted from 0, and the name of its type.
     fn manner(&self, _number: usize) -> (Manner, &'static str) {
         (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
     }
-    /// Writes what the momenta change by by the flow of this number.
+    /// Writes the changes of the momenta by flow number `number`.
     fn flow(
         &self,
         _number: usize,
@@ -94,7 +91,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     ) {
         changes.fill([T::from_f64(0.0); D]);
     }
-    /// Whether the effects can act in the lanes of an ensemble: at any time the same forces, without room of their own.
+    /// Whether the effects can act in the lanes of an ensemble: forces that do not depend on time and need no working
+    /// memory.
     #[inline(always)]
     fn in_lanes(&self) -> bool {
         size_of::<Self::Room>() == 0 && !self.changes_with_time() && Self::FLOWS == 0
@@ -104,10 +102,10 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [Self::Force]);
     /// Adds the force on every body.
     fn contribute(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
-    /// p + c f, with the force f on a body that is the only one; see [`Acting::kick`].
+    /// p + c f, with the force f on a body without others; see [`Acting::kick`].
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D];
-    /// Adds the force of the effect of this number alone, the first of which has number 0, and tells the name of its
-    /// type; none of a flow.
+    /// Adds the force of effect number `number` alone, counted from 0, and returns the name of its type; `None` for a
+    /// flow.
     fn contribute_alone(
         &self,
         _number: usize,
@@ -119,16 +117,17 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// U, summed over the effects. May allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
-    /// Appends U of each effect that is no flow, in the order in which they were named. May allocate.
+    /// Appends U of each effect that is not a flow, in the order of the scene. May allocate.
     fn energies(&self, _at: Moment<'_, T, D>, _to: &mut Vec<T>) {}
     /// ∂U/∂t, summed over the effects. Neither allocates nor panics.
     fn power(&self, at: Moment<'_, T, D>) -> T;
-    /// The first effect whose force on `body` is not finite, by the name of its type, and that force. Allocates.
+    /// The name of the type of the first effect whose force on `body` is not finite, and that force. Allocates.
     fn culprit(&self, at: Moment<'_, T, D>, body: usize) -> Option<(&'static str, [T; D])>;
 
-    /// Blocks of products that a coefficient of all forces takes; none if one has no power series.
+    /// The number of blocks of [products](crate::kernel::series) for a coefficient of all forces; `None` if one of them
+    /// has no power series.
     fn series_blocks(&self, bodies: usize) -> Option<usize>;
-    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions.
+    /// Adds the next coefficient of the power series of the forces in time, from that of the positions.
     fn contribute_series<const FIRST: bool>(
         &self,
         positions: &[[T; D]],
@@ -137,7 +136,7 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     );
 }
 
-/// The effects `E` and one more, `P`, of this [kind](Effect).
+/// The effects `E` and a further effect `P` of this [kind](Effect).
 #[derive(Debug, Clone, Copy)]
 pub struct With<E, P, Kind> {
     pub(crate) others: E,
@@ -221,7 +220,7 @@ impl<E: Effects<D>, P: Effect<D, Kind>, Kind, const D: usize> Effects<D> for Wit
     }
 }
 
-/// The effects `F` and one more, `A`, over a scalar: the sum of their forces.
+/// The effects `F` and a further effect `A`, over a scalar: the sum of their forces.
 #[derive(Debug, Clone)]
 pub struct Superposed<A, F> {
     effect: A,

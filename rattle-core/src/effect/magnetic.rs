@@ -1,4 +1,4 @@
-//! A magnetic field: what turns momenta and does no work.
+//! A magnetic field, which turns momenta and does no work.
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Inertia, Interval, inverse_mass};
@@ -14,15 +14,15 @@ use std::array::from_fn;
 /// ṗ = e v × B       e a charge, B in the unit of momentum over charge and length
 /// ```
 ///
-/// Each half turns the momentum by the implicit rule of the midpoint: kinetic energy is kept to rounding, along
-/// constraints too, and steps reverse. On free bodies RATTLE with it is the method of J. Boris (1970), which is
-/// symplectic: its positions are those of a discrete action with the vector potential B′ × q/2, B′ = tan(4 arctan(ω
-/// h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints momenta are turned while places stand still, which is reversible
-/// and keeps volume and energy, but symplectic to second order only, as the motion is
-/// (`cargo test --release --test effects flows::`). Accurate steps resolve the turning: h ω below ½.
+/// Each half of the flow turns the momentum by the implicit midpoint rule. So kinetic energy is conserved to rounding,
+/// with constraints too, and steps are reversible. For free bodies RATTLE with this field is the method of J. Boris
+/// (1970), which is symplectic: its positions are those of a discrete action with the vector potential B′ × q/2, B′ =
+/// tan(4 arctan(ω h/4)/2) 2/(ω h) B with ω = e|B|/m. With constraints, momenta are turned at fixed positions. This is
+/// reversible and conserves volume and energy, but is symplectic only to second order
+/// (`cargo test --release --test effects flows::`). Accurate steps resolve the rotation: h ω below ½.
 ///
-/// A field that changes with place is a [`Flow`] of one's own, by the same formula. In the plane, of two coordinates,
-/// only the third component of B counts.
+/// A field that depends on position is a [`Flow`] of your own, with the same formula. For bodies in the plane only the
+/// third component of B counts.
 ///
 /// ```
 /// use rattle::effect::MagneticField;
@@ -37,6 +37,10 @@ use std::array::from_fn;
 /// assert!(simulation.work().abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Lorentz force")]
+#[doc(alias = "Boris")]
+#[doc(alias = "charge")]
+#[doc(alias = "cyclotron")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct MagneticField {
     field: [f64; 3],

@@ -1,5 +1,6 @@
-//! Effects: what acts on the bodies besides the constraint. What a scene does not name costs nothing. An effect knows
-//! no system.
+//! Effects: everything that acts on the bodies besides constraints. Effects that a scene does not name cost nothing. To
+//! the user an effect is a value given to `Scene::with`; the rest of this page is for writing effects of your own. Each
+//! trait exists for all effects of a scene and for one of them:
 //!
 //! | | of a scene | one of them |
 //! |---|---|---|
@@ -7,8 +8,8 @@
 //! | over a scalar | [`Forces`]: `()`, [`Superposed`] | [`Acting`]: [`ActsOnEach`], [`ActsBetweenPairs`], [`ActsBetweenNear`], [`ActsBetweenKinds`], [`ActsAlong`], [`ActsByGeodesics`], [`ActsAmong`], [`ActsDriven`], [`ActsByFlow`], [`ActsByForce`], [`ActsBySelf`] |
 //! | in lanes of a sweep | [`Swept`] | [`Swept`] |
 //!
-//! The vector on one body is its [`Force`]. What momenta decide is a [`Flow`]. What bodies meet in an instant are
-//! [`Contacts`], which a simulation takes and a scene does not know.
+//! The force on one body is a [`Force`]. Effects that depend on momenta are [`Flow`]s. Collisions are [`Contacts`],
+//! which are given to a simulation, not to a scene.
 
 pub mod along;
 pub mod along_geodesics;

@@ -1,10 +1,10 @@
-//! When and where: what an effect sees of the bodies.
+//! Time and positions: the input of an effect.
 
-/// The bodies at one moment.
+/// The positions of the bodies at one time.
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a, T, const D: usize> {
     /// The time t.
     pub time: f64,
-    /// The positions q of all bodies in turn.
+    /// The positions q of all bodies.
     pub positions: &'a [[T; D]],
 }

@@ -1,9 +1,8 @@
 //! Forces between near pairs, several at a time.
 //!
-//! Pairs within reach are gathered from the rows of a list, in their order, until there are enough; the slopes of the
-//! potential are then formed side by side, and forces are added pair by pair, again in that order. So the force on a
-//! body is the sum over partners in the order of their numbers, of products that are not rounded where the processor
-//! can: that of a loop over all pairs.
+//! Pairs within reach are gathered from the rows of a list, in order, until a batch is full. Then the slopes of the
+//! potential are computed for the batch, and forces are added pair by pair in the same order. So the force on a body is
+//! the sum over partners in the order of their numbers, with fused multiply-adds: that of a loop over all pairs.
 
 use crate::effect::laws::Laws;
 use crate::effect::neighbours::Neighbours;

@@ -1,16 +1,16 @@
-//! Which bodies are near each other: a list that lasts some steps.
+//! Neighbour lists: which bodies are near each other, valid for some steps.
 //!
 //! ```text
 //! |qᵢ − qⱼ| ≤ reach + skin        where bodies were when the list was made
 //! ```
 //!
-//! As long as no body has moved by more than half of the skin since, every two bodies within reach are in the list (L.
-//! Verlet 1967). It is made anew before it is too short, from cells, in as many operations as
-//! there are near pairs.
+//! As long as no body has moved by more than half of the skin since then, all pairs within reach are in the list (L.
+//! Verlet 1967). The list is made again in time, from cells, in a number of operations proportional to the number of
+//! near pairs.
 //!
-//! The row of body i holds its partners j < i in the order of their numbers. A loop over rows, and over partners within
-//! reach in each, goes through the same pairs in the same order whatever the list: sums do not depend on it, not in the
-//! last bit.
+//! The row of body i holds its partners j < i in the order of their numbers. A loop over all rows, and over the
+//! partners within reach in each, goes through the same pairs in the same order for every valid list. So sums do not
+//! depend on the list, not even in the last bit.
 
 use crate::effect::cells::{BLOCK, Cells, STRETCHES};
 use crate::kernel::space::Space;
@@ -22,7 +22,9 @@ const FEW: usize = 32;
 /// Of so many parts of all pairs a list is made at most: where more are near, all are partners.
 const MOST: usize = 4;
 
-/// The list of near pairs, with all that is needed to make it.
+/// The list of near pairs, with the memory needed to make it.
+#[doc(alias = "cell list")]
+#[doc(alias = "Verlet list")]
 #[derive(Debug, Clone)]
 pub struct Neighbours<const D: usize> {
     /// Where bodies were when the list was made; NaN where there is none.
@@ -74,7 +76,7 @@ impl<const D: usize> Neighbours<D> {
         self.all = true;
     }
 
-    /// How many pairs are listed.
+    /// The number of pairs in the list.
     #[must_use]
     pub fn pairs(&self) -> usize {
         (0..self.made_at.len()).map(|body| self.row(body).len()).sum()

@@ -2,17 +2,21 @@
 
 use crate::number::philox::{normal, philox, unit};
 
-/// Where random numbers come from: a function of a seed and of *when* they are drawn, so that they are the same for any
-/// number of threads, in any company, and after a restart.
+/// The source of random numbers: a function of a seed and of *when* they are drawn. So they are the same for any number
+/// of threads, with any other trajectories, and after a restart.
 ///
 /// ```text
 /// words = Philox4x64-10(key = (seed, 0), counter = (trajectory, step, effect, draw))
 /// draw  = place within the step · 2⁴⁰ + number of the draw
 /// ```
 ///
-/// `trajectory` is the number in an ensemble, 0 of a simulation, or that of
-/// [`State::numbered`](crate::motion::state::State::numbered); `step` counts from the first start, over restarts;
-/// `effect` is the number of the flow in its scene. Words are those of NumPy's `Philox`.
+/// `trajectory` is the index in an ensemble, 0 in a simulation, or the number given to
+/// [`State::numbered`](crate::motion::state::State::numbered). `step` counts from the first start, across restarts.
+/// `effect` is the number of the flow in its scene. The words are those of NumPy's `Philox`.
+#[doc(alias = "random number generator")]
+#[doc(alias = "rng")]
+#[doc(alias = "Philox")]
+#[doc(alias = "seed")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Noise {
     /// The number of the trajectory.
@@ -21,25 +25,28 @@ pub struct Noise {
     pub step: u64,
     /// The number of the flow among those of the scene.
     pub effect: u64,
-    /// How many flows went before in this step.
+    /// The number of flows that acted earlier in this step.
     pub place: u64,
 }
 
 impl Noise {
-    /// The four words of this draw; a flow numbers its draws as it likes, below 2⁴⁰.
+    /// The four words of this draw; a flow may number its draws in any way, below 2⁴⁰.
     #[must_use]
     pub fn words(&self, seed: u64, draw: u64) -> [u64; 4] {
         philox([seed, 0], [self.trajectory, self.step, self.effect, (self.place << 40) | draw])
     }
 
     /// Four independent numbers, uniform in (0, 1].
+    #[doc(alias = "random")]
     #[must_use]
     pub fn uniform(&self, seed: u64, draw: u64) -> [f64; 4] {
         self.words(seed, draw).map(unit)
     }
 
-    /// D independent normal numbers of mean 0 and variance 1 for the body of this number. Uses the draws from
-    /// body · ⌈D/4⌉ on.
+    /// D independent normal numbers of mean 0 and variance 1 for body number `body`. Uses the draws from body · ⌈D/4⌉
+    /// on.
+    #[doc(alias = "random")]
+    #[doc(alias = "Gaussian")]
     #[must_use]
     pub fn normal<const D: usize>(&self, seed: u64, body: usize) -> [f64; D] {
         let mut numbers = [0.0; D];

@@ -1,4 +1,4 @@
-//! A potential on each body by itself.
+//! A potential on each body.
 
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
@@ -10,11 +10,11 @@ use crate::number::real::Real;
 use crate::number::vector::add_scaled;
 use std::array::from_fn;
 
-/// The kind of effect that acts on each body by itself: every [`Potential`].
+/// The kind of effect of every [`Potential`]: on each body.
 #[derive(Debug, Clone, Copy)]
 pub struct OnEach;
 
-/// A potential that acts on each body by itself, over a scalar.
+/// A potential that acts on each body, over a scalar.
 #[derive(Debug, Clone, Copy)]
 pub struct ActsOnEach<K>(K);
 
@@ -69,7 +69,7 @@ impl<T: Real, K: PotentialKernel<T, D>, const D: usize> Acting<T, D> for ActsOnE
     }
 }
 
-/// A potential on the body of each lane: the kernel whose numbers are lanes.
+/// A potential on the body of each lane: a kernel whose numbers are arrays with one entry for each lane.
 #[derive(Debug)]
 pub struct SweptOnEach<P: Potential<D>, S: Lane, const L: usize, const D: usize>(P::Kernel<Lanes<S, L>>);
 

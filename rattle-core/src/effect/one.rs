@@ -1,4 +1,4 @@
-//! One effect: as a user names it, and over a scalar.
+//! One effect: as the scene is given it, and over a scalar.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Manner, Rule};
@@ -11,37 +11,40 @@ use crate::number::real::Real;
 use crate::number::vector::add_scaled;
 use std::fmt::Debug;
 
-/// One effect as users name it: what a scene takes in `with`.
+/// An effect: the argument of `Scene::with`.
 ///
-/// `Kind` says on which bodies it acts, and is found by inference: a [`Potential`](crate::kernel::Potential) acts on
-/// each body ([`OnEach`](crate::effect::OnEach)), a [`PairPotential`](crate::kernel::PairPotential) between every two
-/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a reach
-/// ([`BetweenNear`](crate::effect::BetweenNear)), and a potential `over` chosen bodies among them
-/// ([`Among`](crate::effect::Among)); a potential that changes with time is [`Driven`](crate::effect::Driven). An
-/// effect written by hand is of a kind of its own.
+/// `Kind` says on which bodies the effect acts, and is inferred by the compiler: a
+/// [`Potential`](crate::kernel::Potential) acts on each body ([`OnEach`](crate::effect::OnEach)), a
+/// [`PairPotential`](crate::kernel::PairPotential) between every two bodies
+/// ([`BetweenPairs`](crate::effect::BetweenPairs)) or those `within` a distance
+/// ([`BetweenNear`](crate::effect::BetweenNear)), a potential `over` chosen bodies among these
+/// ([`Among`](crate::effect::Among)); a potential that changes with time is [`Driven`](crate::effect::Driven). For an
+/// effect of your own define a kind of its own, an empty struct.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no effect on bodies with {D} coordinates",
     note = "an effect is made by `potential!` with {D} variables, and perhaps the time `t`, by `force!` with {D} components, by `pair_potential!`, from a potential of several bodies by `.over(members)`, or is a `Flow<{D}>` of momenta or an `Effect` written by hand"
 )]
+#[doc(alias = "force")]
+#[doc(alias = "interaction")]
 pub trait Effect<const D: usize, Kind> {
     /// The effect over the scalar `T`.
     type Acting<T: Real>: Acting<T, D>;
-    /// The effect with this value's parameters.
+    /// The effect over the scalar `T`, with the parameters of this value.
     fn acting<T: Real>(&self) -> Self::Acting<T>;
 
-    /// The effect in L lanes, each with parameters of its own.
+    /// The effect in L SIMD lanes, each with parameters of its own.
     type Swept<S: Lane, const L: usize>: Swept<S, D, Lane = Self::Acting<S>>;
-    /// Lane i with the parameters of `lane(i)`.
+    /// The effect in lanes, lane i with the parameters of `lane(i)`.
     fn swept<'a, S: Lane, const L: usize>(lane: impl Fn(usize) -> &'a Self) -> Self::Swept<S, L>
     where
         Self: 'a;
 
-    /// Says what is wrong with the effect in a scene of so many bodies; `what` is the name of its type. Asked before a
-    /// run.
+    /// Checks the effect in a scene of this number of bodies, before a run; `what` is the name of its type, for the
+    /// error message.
     ///
     /// # Errors
-    /// [`Error::Network`] for bodies that there are not, [`Error::Pairs`] for a cut-off or a table that makes no sense,
-    /// [`Error::Effect`] for another parameter that makes none.
+    /// [`Error::Network`] for bodies that do not exist, [`Error::Pairs`] for a cut-off or a table that makes no sense,
+    /// [`Error::Effect`] for any other parameter that makes no sense.
     fn check(&self, _what: &'static str, _bodies: usize) -> Result<(), Error> {
         Ok(())
     }
@@ -53,21 +56,22 @@ pub trait Effect<const D: usize, Kind> {
 /// fᵢ = −∂U/∂qᵢ        in the unit of energy over that of the coordinates, D numbers for each body
 /// ```
 ///
-/// A force depends on positions and time. What depends on momenta is a flow of them: see [`Flow`](crate::effect::Flow).
+/// A force depends on positions and time. An effect that depends on momenta is a [`Flow`](crate::effect::Flow).
 ///
-/// **Room.** What an effect needs besides its parameters, such as a list of near pairs, is its [`Room`](Self::Room):
-/// made before the first step, kept by the system, cloned with the simulation. Steps that fail, restarts and
-/// observations leave it as it happens to be, and it may have been used at other positions. So forces must not depend
-/// on it, not in the last bit: room saves work, and decides nothing.
+/// **Room.** The working memory of an effect, such as a list of near pairs, is its [`Room`](Self::Room): made before
+/// the first step, kept by the system, and cloned with the simulation. It is not restored after failed steps, restarts
+/// and observations, and may have been used at other positions. So forces must not depend on it, not even in the last
+/// bit: it only saves work.
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
-    /// Room of the effect's own; `()` for none.
+    /// The working memory of the effect; `()` for none.
     type Room: Clone + Debug + Send + Sync + 'static;
-    /// Whether the effect moves momenta by a [`Flow`](crate::effect::Flow). Such an effect goes in no lanes.
+    /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta. Such an effect is not computed in lanes.
     const FLOWS: bool = false;
-    /// Room for so many bodies. All that is allocated is allocated here.
+    /// Working memory for `bodies` bodies. Everything must be allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
 
-    /// Whether forces at the same positions change with time. Such an effect goes in no lanes, and has no power series.
+    /// Whether forces at fixed positions change with time. Such an effect is not computed in lanes, and has no power
+    /// series.
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         false
@@ -75,63 +79,65 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// Adds the force on every body. Neither allocates nor panics.
     fn add_forces(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]);
-    /// p + c f, for a body that is the only one: the way in lanes, where an effect has no room and does not change with
-    /// time.
+    /// p + c f, with the force f on a body without others. Used in lanes, for effects without working memory that do
+    /// not change with time.
     #[inline(always)]
     fn kick(&self, q: &[T; D], c: T, p: [T; D]) -> [T; D] {
         let mut force = [Force::zero()];
         self.add_forces(Moment { time: 0.0, positions: &[*q] }, &mut self.room(1), &mut force);
         add_scaled(&p, c, &force[0])
     }
-    /// U. Called by observations, not in a step; may allocate.
+    /// The potential energy U. Called by observations, not in a step; may allocate.
     fn energy(&self, at: Moment<'_, T, D>) -> T;
-    /// ∂U/∂t: the power that comes with a change of U itself. Asked in a step where [time](Self::changes_with_time)
-    /// changes forces, which neither allocates nor panics; none for forces without U.
+    /// The power ∂U/∂t of a potential that changes with time. Called in steps, if
+    /// [`changes_with_time`](Self::changes_with_time); must neither allocate nor panic. 0 for forces without a
+    /// potential.
     #[inline(always)]
     fn power(&self, _at: Moment<'_, T, D>) -> T {
         T::from_f64(0.0)
     }
 
-    /// Whether the effect, which is a flow, remembers anything from step to step.
+    /// Whether the effect, a flow, keeps a memory from step to step.
     const REMEMBERS: bool = false;
-    /// Whether the flow is a push, in proportion to h and the same for all momenta: such a flow acts where there are
-    /// [no momenta](crate::methods::brownian::Brownian) too.
+    /// Whether the flow is a push: a change in proportion to h that does not depend on momenta. Such a flow also acts
+    /// in [Brownian motion](crate::methods::brownian::Brownian), which has no momenta.
     const PUSHES: bool = false;
-    /// Whether the force on each of several bodies is that on a body which is the only one.
+    /// Whether the force on each body is independent of the other bodies.
     const ON_EACH: bool = false;
-    /// How many numbers the effect remembers from step to step in a scene of so many bodies. They decide what it does:
-    /// they are put back with the places when a step fails, and a [`State`](crate::motion::state::State) takes them
-    /// along.
+    /// The number of numbers in the memory of the effect, in a scene of `bodies` bodies. The effect may depend on this
+    /// memory: it is restored with the positions when a step fails, and is part of a
+    /// [`State`](crate::motion::state::State).
     fn marks(&self, _bodies: usize) -> usize {
         0
     }
-    /// Writes what is remembered at the start of a run; what is there are zeros.
+    /// Writes the memory at the start of a run; `marks` holds zeros before.
     ///
     /// # Errors
     /// Where the effect cannot act.
     fn first_marks(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) -> Result<(), EffectMistake> {
         Ok(())
     }
-    /// Changes what is remembered, which is also that of the interval, as a time h passes at the present places: asked
-    /// once before each flow that comes before a step, and once after each that comes after it. Neither allocates nor
-    /// panics.
+    /// Updates the memory `marks`, whose old values are also in the interval, as a time h passes at the present
+    /// positions. Called before each flow that precedes a step, and after each flow that follows it. Neither allocates
+    /// nor panics.
     fn take_note(&self, _during: &Interval<'_, T, D>, _marks: &mut [T]) {}
 
-    /// What a flow of momenta is like.
+    /// The properties of the flow.
     fn manner(&self) -> Manner {
         Manner { rule: Rule::Symmetric, feels: false, pushes: Self::PUSHES }
     }
-    /// Writes what the momenta change by, as [`Flow::flow`](crate::effect::Flow::flow) does.
+    /// Writes the changes of the momenta, as [`Flow::flow`](crate::effect::Flow::flow).
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {
         changes.fill([T::from_f64(0.0); D]);
     }
 
-    /// Blocks of products that a coefficient of the forces takes; none if they have no power series.
+    /// The number of blocks of [products](crate::kernel::series) for a coefficient of the forces; `None` without a
+    /// power series.
     fn series_blocks(&self, _bodies: usize) -> Option<usize> {
         None
     }
-    /// Adds the next coefficient of the forces along the motion, a power series in time, from that of the positions.
-    /// Not called where there is none.
+    /// Adds the next coefficient of the power series of the forces in time, from that of the positions. Not called
+    /// without a power series.
     fn add_series<const FIRST: bool>(
         &self,
         _positions: &[[T; D]],

@@ -1,4 +1,4 @@
-//! Heat by rescaling all momenta at random, so that the kinetic energy has the canonical distribution.
+//! A thermostat that rescales all momenta at random, so that the kinetic energy has the canonical distribution.
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Interval, Rule};
@@ -15,12 +15,12 @@ use crate::number::vector::scaled;
 /// Φₕ(p) = α p,  α² = c + (1 − c) (K̄/(N K)) Σᵢ₌₁ᴺ Rᵢ² + 2 R₁ √(c (1 − c) K̄/(N K)),  c = exp(−h/τ): exact
 /// ```
 ///
-/// All momenta are multiplied by one factor, so that directions, and a total momentum in proportion, stay: motion is
-/// disturbed less than by [`Langevin`](crate::effect::Langevin), and each body alone is not made to forget. For many
-/// bodies that exchange energy; one particle by itself gets the right energies and keeps to its path.
+/// All momenta are multiplied by one factor, so their directions are unchanged: motion is disturbed less than by
+/// [`Langevin`](crate::effect::Langevin), and single bodies are not randomised. For many bodies that exchange energy. A
+/// single particle gets the right distribution of energies, but keeps to its path.
 ///
-/// Bodies at rest stay at rest: a start needs momenta, as of [`Scene::maxwell`](crate::scene::Scene::maxwell). What
-/// links that move impose on bodies is no heat, and stays: K is that of the other momenta.
+/// Bodies at rest stay at rest: a start needs momenta, for example by [`Scene::maxwell`](crate::scene::Scene::maxwell).
+/// Motion imposed by moving links is not heat: it is not in K and not rescaled.
 ///
 /// Source: J. Chem. Phys. 126 (2007) 014101, Appendix A.
 ///
@@ -37,14 +37,17 @@ use crate::number::vector::scaled;
 /// assert!((sum / 10_000.0 - 2.0).abs() < 0.1);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Bussi")]
+#[doc(alias = "v-rescale")]
+#[doc(alias = "CSVR")]
 #[doc(alias = "thermostat")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityRescaling {
-    /// τ, the time in which the kinetic energy forgets.
+    /// τ, the relaxation time of the kinetic energy.
     pub time: f64,
     /// kT, an energy.
     pub temperature: f64,
-    /// What random numbers are made from.
+    /// The seed of the random numbers.
     pub seed: u64,
 }
 

@@ -1,4 +1,4 @@
-//! Active particles: bodies that push themselves along a heading of their own.
+//! Active particles: bodies that propel themselves along a heading.
 
 use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
@@ -11,24 +11,23 @@ use crate::number::vector::{add_scaled, dot, scaled, sum};
 use nalgebra::SVector;
 use std::array::from_fn;
 
-/// Self-propulsion: a force of constant size along a heading u, a unit vector of the tangent plane that rotational
-/// noise turns.
+/// Self-propulsion: a force of constant size along a heading u, a unit tangent vector that rotational noise turns.
 ///
 /// ```text
 /// ṗ = F u
 /// du = √(2D_r) (n × u) dW along the path, between turns parallel to the surface      ⟨u(t)·u(0)⟩ = exp(−D_r t) in the plane
 /// ```
 ///
-/// By [`Brownian`](crate::methods::brownian::Brownian) with the friction γ bodies are active Brownian particles, of the
-/// speed v = F/(γm); with [`Langevin`](crate::effect::Langevin) or [`LinearDrag`](crate::effect::LinearDrag) the same
-/// with inertia. For bodies each on a surface in space, and for free bodies in the plane.
+/// With [`Brownian`](crate::methods::brownian::Brownian) and the friction γ bodies are active Brownian particles of the
+/// speed v = F/(γm); with [`Langevin`](crate::effect::Langevin) or [`LinearDrag`](crate::effect::LinearDrag) they have
+/// inertia too. For bodies on surfaces in space, and for free bodies in the plane.
 ///
-/// A heading is carried along as a unit vector that lies parallel in the surface (T. Levi-Civita 1917): from place to
-/// place by the smallest rotation that takes the one normal to the other, exact where normals go along a great circle,
-/// of second order elsewhere. Half of a step's noise turns it before the step and half after it; the push is of second
-/// order like all flows, its work booked. Headings are among the
-/// [marks](crate::run::simulation::Simulation::marks) of a simulation, and go on with its
-/// [state](crate::run::simulation::Simulation::state); at the start they are random, or as given.
+/// Headings move with the bodies by parallel transport (T. Levi-Civita 1917): in each step by the smallest rotation
+/// that takes the old normal to the new one. This is exact where normals move along a great circle, and of second order
+/// elsewhere. Half of the noise of a step turns a heading before the step and half after it. The force is of second
+/// order like all flows, and its work counts as [work](crate::run::simulation::Simulation::work). Headings are part of
+/// the [marks](crate::run::simulation::Simulation::marks) and the [state](crate::run::simulation::Simulation::state) of
+/// a simulation. At the start they are random, or as given.
 ///
 /// Source: C. Bechinger, R. Di Leonardo, H. Löwen, C. Reichhardt, G. Volpe, G. Volpe, Rev. Mod. Phys. 88 (2016) 045006,
 /// section II; on surfaces: R. Sknepnek, S. Henkes, Phys. Rev. E 91 (2015) 022306.
@@ -47,6 +46,9 @@ use std::array::from_fn;
 /// assert!((mean - 2.0 / 0.25 * (x - 1.0 + (-x).exp())).abs() < 0.1);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "active matter")]
+#[doc(alias = "active Brownian particle")]
+#[doc(alias = "motor")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfPropulsion<const D: usize> {
     force: f64,
@@ -63,15 +65,15 @@ impl<const D: usize> SelfPropulsion<D> {
         Self { force, turning, seed, headings: Vec::new() }
     }
 
-    /// The same with these headings at the start, one for each body: of each the direction of its part along the
-    /// surface.
+    /// The same with these headings at the start, one for each body. Each is projected onto the tangent plane and
+    /// scaled to length 1.
     #[must_use]
     pub fn headed(mut self, headings: impl IntoIterator<Item = [f64; D]>) -> Self {
         self.headings = headings.into_iter().collect();
         self
     }
 
-    /// The headings, of the [marks](crate::run::simulation::Simulation::marks) of this effect.
+    /// The headings in the [marks](crate::run::simulation::Simulation::marks) of this effect.
     pub fn headings(marks: &[f64]) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         marks.chunks_exact(2 * D).map(|mark| SVector::from_fn(|d, _| mark[d]))
     }
@@ -85,7 +87,7 @@ impl<const D: usize> SelfPropulsion<D> {
     }
 }
 
-/// The kind of effect that is self-propulsion.
+/// The kind of effect of [`SelfPropulsion`].
 #[derive(Debug, Clone, Copy)]
 pub struct Propelled;
 

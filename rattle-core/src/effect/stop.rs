@@ -1,4 +1,4 @@
-//! Walls, slack strings, joint limits: an inequality instead of an equation, by any function that `constraint!` makes.
+//! Walls, strings and joint limits: an inequality instead of an equation, with any function made by `constraint!`.
 
 use crate::effect::contact::{Contacts, Gradient, check_members, check_restitution};
 use crate::error::{Error, expect_variables};
@@ -30,6 +30,9 @@ use std::fmt;
 /// assert!((ball.work() + 0.375).abs() < 1e-14); // three quarters of the energy went into the floor
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "inequality")]
+#[doc(alias = "unilateral")]
+#[doc(alias = "string")]
 #[doc(alias = "contact")]
 #[doc(alias = "wall")]
 #[doc(alias = "joint limit")]
@@ -61,13 +64,13 @@ fn of<C: Constraint<K, 1>, const K: usize>(constraint: &C, side: f64) -> Stop<C:
 }
 
 impl<X, const K: usize, const A: usize> Stop<X, K, A> {
-    /// The same over these members: g is a function of the coordinates of their bodies in turn.
+    /// The same for these members: g is a function of the coordinates of a member's bodies, one after the other.
     pub fn over<const B: usize>(self, members: impl IntoIterator<Item = [usize; B]>) -> Stop<X, K, B> {
         let Self { name, kernel, side, restitution, .. } = self;
         Stop { name, kernel, side, members: Some(members.into_iter().collect()), restitution }
     }
 
-    /// The same with this restitution, 0 to 1.
+    /// The same with this coefficient of restitution, 0 to 1.
     #[must_use]
     pub fn restitution(self, restitution: f64) -> Self {
         Self { restitution, ..self }

@@ -1,14 +1,14 @@
 //! Forces between all pairs of bodies, several pairs at a time.
 //!
-//! Bodies are taken in tiles, coordinate by coordinate. Those of a tile meet each other in a ring: body l meets body
-//! l + k, for all l at once, k = 1, 2, … up to half of the tile. Every body beyond meets all of the tile at once. Each
-//! pair is evaluated once: the force on one is the opposite of that on the other.
+//! Bodies are processed in tiles, coordinate by coordinate. Pairs within a tile are formed in a ring: body l with body
+//! l + k, for all l at once, k = 1, 2, … up to half of the tile. Every later body is paired with all bodies of the tile
+//! at once. Each pair is evaluated once: the force on one body is the opposite of that on the other.
 //!
-//! Distances, slopes of the potential, and forces have a loop each, which a compiler vectorises. In one loop, with its
-//! long way from the distance to the force, a processor would have too few pairs in flight.
+//! Distances, slopes of the potential, and forces have a loop each, which compilers vectorise. In a single loop, with
+//! its long chain from the distance to the force, a processor would have too few pairs in flight.
 //!
-//! Sums are taken in an order that depends on the number of bodies alone, of products that are not rounded, so that
-//! every instruction set that fuses gives the same forces.
+//! Sums use fused multiply-adds in an order that depends on the number of bodies alone, so every instruction set with
+//! fused multiply-add gives the same forces.
 
 use crate::kernel::functions::PairKernel;
 use crate::number::instructions::{Fusing, Work};

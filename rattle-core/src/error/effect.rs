@@ -11,29 +11,29 @@ pub enum EffectMistake {
     Parameter {
         /// Its name.
         name: &'static str,
-        /// What it may be.
+        /// The allowed range.
         range: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// Something is listed for each body, and the scene has another number of bodies.
+    /// A list with one entry for each body has another length than the number of bodies.
     #[error("{} given for {}", many(*listed, "number was", "numbers were"), many(*bodies, "body", "bodies"))]
     Count {
-        /// How many are listed.
+        /// The length of the list.
         listed: usize,
         /// Bodies of the scene.
         bodies: usize,
     },
-    /// Momenta that no masses belong to.
+    /// The effect needs masses, which this system does not have.
     #[error("{system} has no masses, and so no temperature")]
     NoMasses {
         /// The kind of system.
         system: &'static str,
     },
-    /// What goes along a surface, and bodies that are on none.
+    /// The effect acts along a surface, and bodies are on none.
     #[error("it is for bodies each on a surface in space, or for bodies in the plane that are on no curve")]
     NoSurface,
-    /// A direction without a part along the surface.
+    /// A heading is normal to the surface.
     #[error("the heading {heading:?} of body {body} has no part along the surface")]
     NoHeading {
         /// Which body.
@@ -41,7 +41,7 @@ pub enum EffectMistake {
         /// The heading that was given.
         heading: Vec<f64>,
     },
-    /// Random forces do not run backwards.
+    /// A negative step size, with random forces, which do not run backwards.
     #[error(
         "what is random is not undone by a step of −h: a positive step size is needed, and no check of reversal"
     )]
@@ -49,7 +49,7 @@ pub enum EffectMistake {
 }
 
 impl EffectMistake {
-    /// Looks whether a parameter is at least 0 and finite.
+    /// Checks that a parameter is at least 0 and finite.
     ///
     /// # Errors
     /// [`EffectMistake::Parameter`].
@@ -58,7 +58,7 @@ impl EffectMistake {
         if fine { Ok(()) } else { Err(Self::Parameter { name, range: "0 or positive, and finite", value }) }
     }
 
-    /// Looks whether a parameter is above 0 and finite.
+    /// Checks that a parameter is above 0 and finite.
     ///
     /// # Errors
     /// [`EffectMistake::Parameter`].
@@ -67,7 +67,7 @@ impl EffectMistake {
         if fine { Ok(()) } else { Err(Self::Parameter { name, range: "positive and finite", value }) }
     }
 
-    /// Looks whether nothing is listed, or one number for each body.
+    /// Checks that a list is empty, or has one number for each body.
     ///
     /// # Errors
     /// [`EffectMistake::Count`].
@@ -75,7 +75,7 @@ impl EffectMistake {
         if listed == 0 || listed == bodies { Ok(()) } else { Err(Self::Count { listed, bodies }) }
     }
 
-    /// Looks whether a parameter is a number.
+    /// Checks that a parameter is finite.
     ///
     /// # Errors
     /// [`EffectMistake::Parameter`].

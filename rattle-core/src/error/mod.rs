@@ -1,4 +1,4 @@
-//! What can go wrong, with the numbers that explain it.
+//! Errors, with the numbers that explain them.
 
 mod effect;
 mod network;
@@ -27,9 +27,9 @@ use std::fmt;
 
 /// Why a scene could not be set up or a step could not be taken.
 ///
-/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation
-/// as it was before the step, bit for bit. `Debug` prints the same sentence as `Display`, because that is what a `main`
-/// that returns this error shows.
+/// Distances and residuals are in the unit of the coordinates. A failed step leaves the simulation as it was before the
+/// step, bit for bit. `Debug` prints the same sentence as `Display`, since a `main` that returns this error shows it by
+/// `Debug`.
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -49,22 +49,22 @@ pub enum Error {
         state: usize,
     },
 
-    /// The time of variable steps is not positive, or not finite.
+    /// The time scale τ of [variable steps](crate::methods::variable) is not positive, or not finite.
     #[error("the time tau within which steps change must be positive and finite, found {0}")]
     ChangeTime(f64),
 
-    /// A method that is not symmetric, where one must be: in a composition, in variable steps, in a check of reversal.
+    /// A method that is not symmetric where it must be: in a composition, in variable steps, in a check of reversal.
     #[error(
         "{what} needs a symmetric method, and {method} is not symmetric: a step of −h does not undo one of h"
     )]
     NeedsSymmetricMethod {
-        /// What needs one.
+        /// What needs a symmetric method.
         what: &'static str,
         /// The method.
         method: &'static str,
     },
 
-    /// A method was given a system that has not what the method needs.
+    /// The method cannot move this kind of system.
     #[error(
         "{method} cannot move {system}; {} can, and compositions of those that are symmetric",
         listed(others)
@@ -94,16 +94,16 @@ pub enum Error {
     #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
-    /// Bins of a histogram that hold nothing, or more bins than there is memory for.
+    /// A histogram without bins, with an empty or infinite range, or with more bins than there is memory for.
     #[error(
         "a histogram has one bin or more, as memory allows, between two finite numbers; found {bins} from {from} to {to}"
     )]
     Bins {
-        /// Where the first begins.
+        /// Where the first bin begins.
         from: f64,
-        /// Where the last ends.
+        /// Where the last bin ends.
         to: f64,
-        /// How many.
+        /// The number of bins.
         bins: usize,
     },
 
@@ -115,7 +115,7 @@ pub enum Error {
     #[error("a diameter is a positive number, found {0}")]
     Diameter(f64),
 
-    /// Bodies that overlap where contacts are named.
+    /// Bodies overlap when contacts are added.
     #[error(
         "bodies {bodies:?} are beyond the contact `{contact}` by {:.1e} when it is named; start where its gap is positive", -gap
     )]
@@ -128,7 +128,7 @@ pub enum Error {
         gap: f64,
     },
 
-    /// Events asked of a method or system whose steps cannot be taken apart at them.
+    /// Events (collisions, crossing of edges) with a method or system whose steps cannot be divided.
     #[error("{who} cannot be stopped at events: {why}; see `Simulation::collide`")]
     NoEvents {
         /// The method or the kind of system.
@@ -183,7 +183,7 @@ pub enum Error {
         /// What is wrong with it.
         mistake: EffectMistake,
     },
-    /// Accuracy that could not be priced, or cannot be had.
+    /// The cost of accuracy could not be measured, or the accuracy cannot be reached.
     #[error(transparent)]
     Price(PriceMistake),
     /// Forces between pairs of bodies that make no sense.
@@ -209,22 +209,22 @@ pub enum Error {
         error: Box<Error>,
     },
 
-    /// A checkpoint that is not gone on from.
+    /// A checkpoint from which the run cannot continue.
     #[error(transparent)]
     Record(RecordMistake),
 
-    /// Rows of a recorder that could not be kept.
+    /// Rows of a recorder that could not be written.
     #[error(
         "rows could not be kept, after {rows} that were handed on: {why}; the run is as it was at its last step"
     )]
     Recorder {
-        /// How many were handed on before.
+        /// The number of rows passed on before.
         rows: u64,
-        /// Why not these.
+        /// The reason.
         why: String,
     },
 
-    /// What stopped a trajectory before a checkpoint, in the words of then.
+    /// The error of a trajectory that failed before a checkpoint, as text.
     #[error("{0}")]
     Before(String),
 
@@ -241,8 +241,7 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that cannot be taken, not even in parts: see
-    /// [`Simulation::retry`](crate::run::simulation::Simulation::retry).
+    /// A step that cannot be taken even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
     #[error(
         "step {step} (t = {time}), body {body}: halved {halvings} times, and its parts still fail: {cause}"
     )]
@@ -259,7 +258,7 @@ pub enum Error {
         cause: StepFailure,
     },
 
-    /// A step that does not lead back: see
+    /// A step that is not reversible: see
     /// [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
     #[error(
         "step {step} (t = {time}), body {body}: {}; try a smaller step",
@@ -272,9 +271,9 @@ pub enum Error {
         time: f64,
         /// Which body, counted from 0.
         body: usize,
-        /// By how much, relative to the largest coordinate or momentum; NaN if there is no way back.
+        /// The difference, relative to the largest coordinate or momentum; NaN if the step back failed.
         off: f64,
-        /// What is allowed.
+        /// The tolerance.
         tolerance: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Links, masses and pins, and how messages name an equation.
+//! Errors of links, masses and pins, and how messages name an equation.
 
 use crate::error::numbers::many;
 use std::fmt;
@@ -14,7 +14,7 @@ pub enum NetworkMistake {
         what: &'static str,
         /// Which of its members.
         member: usize,
-        /// The body it names.
+        /// The body that it names.
         body: usize,
         /// Bodies of the scene.
         bodies: usize,
@@ -39,7 +39,7 @@ pub enum NetworkMistake {
         /// The other.
         second: Vec<f64>,
     },
-    /// As many masses as bodies are needed.
+    /// The number of masses is not the number of bodies.
     #[error("{} given for {}", many(*masses, "mass was", "masses were"), many(*bodies, "body", "bodies"))]
     MassCount {
         /// Masses given.
@@ -55,7 +55,7 @@ pub enum NetworkMistake {
         /// Which body.
         body: usize,
     },
-    /// Moments of inertia that no body has.
+    /// Moments of inertia that no body can have.
     #[error(
         "moments of inertia must be positive, none larger than the sum of the others, their sum and inverses finite; found \
          {moments:?}"
@@ -64,18 +64,18 @@ pub enum NetworkMistake {
         /// I₁, I₂, I₃.
         moments: [f64; 3],
     },
-    /// An orthonormal basis for more equations than it serves.
+    /// Too many equations for `LinearAlgebra::Orthogonal`.
     #[error(
         "an orthonormal basis costs the cube of the equations that are tied together, and serves up to {most}; here are \
          {equations}: leave out those that depend on others, and have the rest solved by `LinearAlgebra::Automatic`"
     )]
     TooManyForBasis {
-        /// Equations of the largest component.
+        /// Equations of the largest connected component.
         equations: usize,
-        /// As many as are served.
+        /// The largest number of equations allowed.
         most: usize,
     },
-    /// Multipliers that act on chosen coordinates, between bodies whose mass couples coordinates.
+    /// Multipliers that act on chosen coordinates only, on bodies whose mass matrix couples coordinates.
     #[error("{what} acts on chosen coordinates; its bodies need masses that do not couple coordinates")]
     ActingNeedsDiagonalMass {
         /// The type of the constraint.
@@ -90,11 +90,11 @@ pub struct EquationAt {
     pub link: &'static str,
     /// Which member of its list, counted from 0.
     pub member: usize,
-    /// Which of the member's equations …
+    /// Which equation of the member, counted from 0.
     pub equation: usize,
-    /// … of so many.
+    /// The number of equations of the member.
     pub of: usize,
-    /// The bodies that it ties together.
+    /// The bodies that it links.
     pub bodies: Vec<usize>,
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// A step size that would pass where one failed, found by trying.
+/// A step size that works where a longer one failed, found by trying; `None` if none was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passing(pub Option<f64>);
 
@@ -15,22 +15,22 @@ impl fmt::Display for Passing {
     }
 }
 
-/// Numbers in turn; the first eight are printed.
+/// A list of numbers; the first eight are printed.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct History(Vec<f64>);
 
 impl History {
-    /// The numbers, first one first.
+    /// The numbers in order.
     #[must_use]
     pub fn as_slice(&self) -> &[f64] {
         &self.0
     }
-    /// How many there are.
+    /// The number of numbers.
     #[must_use]
     pub fn len(&self) -> usize {
         self.0.len()
     }
-    /// Whether there is none.
+    /// Whether the list is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

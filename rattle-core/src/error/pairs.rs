@@ -6,7 +6,7 @@ use crate::error::numbers::many;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PairMistake {
-    /// A reach that is no length.
+    /// A reach (cut-off distance) that is not a positive length.
     #[error(
         "the reach of {what} is {reach}, and must be positive, with a square that is neither 0 nor infinite"
     )]
@@ -16,7 +16,7 @@ pub enum PairMistake {
         /// The reach.
         reach: f64,
     },
-    /// A potential that is no number where it is cut off.
+    /// A potential that is not finite at its cut-off.
     #[error("{what} is {value} at its reach {reach}: nothing can be taken from it there")]
     Value {
         /// The type of the potential.
@@ -26,7 +26,7 @@ pub enum PairMistake {
         /// U or U′ there.
         value: f64,
     },
-    /// A switch that does not begin between contact and the reach.
+    /// A switch that does not begin between 0 and the reach.
     #[error("{what} is switched off from {from} on, which must be 0 or more and less than its reach {reach}")]
     Switch {
         /// The type of the potential.
@@ -36,7 +36,7 @@ pub enum PairMistake {
         /// The reach.
         reach: f64,
     },
-    /// A skin that is no length.
+    /// A skin that is negative or not finite.
     #[error("the skin of {what} is {skin}, and must be 0 or more and finite; 0.3 of the reach serves most")]
     Skin {
         /// The type of the potential.
@@ -44,7 +44,7 @@ pub enum PairMistake {
         /// The skin.
         skin: f64,
     },
-    /// A box too small for its reach, or of no size.
+    /// A periodic box that is too small for the reach, or has no size.
     #[error(
         "{what} reaches as far as {reach}, and its box repeats itself after {period} along coordinate {coordinate}: a period \
          must be at least twice the reach, or infinite where there is none"
@@ -59,7 +59,7 @@ pub enum PairMistake {
         /// The reach.
         reach: f64,
     },
-    /// A table that is not of every two kinds.
+    /// A table that does not have one potential for every two kinds.
     #[error("{what}: a table of k kinds has k (k + 1)/2 potentials, that is 1, 3, 6, 10, …; found {size}")]
     Table {
         /// The type of the potential.
@@ -79,10 +79,10 @@ pub enum PairMistake {
         body: usize,
         /// Its kind.
         kind: usize,
-        /// Kinds that there are.
+        /// The number of kinds.
         kinds: usize,
     },
-    /// Kinds of another number of bodies.
+    /// The number of kinds given is not the number of bodies.
     #[error("{what}: {} given for {}", many(*kinds, "kind was", "kinds were"), many(*bodies, "body", "bodies"))]
     KindCount {
         /// The type of the potential.
@@ -105,7 +105,7 @@ pub enum PairMistake {
         what: &'static str,
         /// Bodies of the scene.
         bodies: usize,
-        /// As many as can be numbered.
+        /// The largest number allowed.
         most: usize,
     },
 }

@@ -1,8 +1,9 @@
-//! Starts in phase space.
+//! Errors of starts in phase space.
 
 use crate::error::numbers::History;
 
-/// What is wrong with a start in phase space. Equations are counted from 0, and compared with the sizes of their terms.
+/// What is wrong with a start in phase space. Equations are counted from 0; residuals are compared with the sizes of
+/// their terms.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhaseMistake {
@@ -31,7 +32,7 @@ pub enum PhaseMistake {
         /// ∂H/∂q, then ∂H/∂p.
         gradient: Vec<f64>,
     },
-    /// The hidden constraint does not hold.
+    /// The hidden constraint {g, H} = 0 does not hold.
     #[error(
         "equation {equation} would not stay: {{g, H}} = {rate:.3e}, a slide by {share:.1e} of the coordinates off, allowed {tolerance:.1e}; \
          `scene.project(state)` slides the start to where it is zero"
@@ -41,12 +42,12 @@ pub enum PhaseMistake {
         equation: usize,
         /// {g, H}.
         rate: f64,
-        /// How far along the fibre it would hold, relative to the coordinates.
+        /// The distance along the fibre to a point where it holds, relative to the coordinates.
         share: f64,
         /// The largest share allowed.
         tolerance: f64,
     },
-    /// Two equations do not commute.
+    /// Two equations do not commute: {gᵢ, gⱼ} ≠ 0.
     #[error(
         "equations {first} and {second} are not coisotropic: {{g{first}, g{second}}} = {bracket:.3e}, {share:.1e} of its terms, \
          must vanish where both hold; equations that do not commute take away a degree of freedom instead: solve one for a variable"
@@ -61,7 +62,7 @@ pub enum PhaseMistake {
         /// |{gᵢ, gⱼ}| relative to the sizes of its terms.
         share: f64,
     },
-    /// The motion is not determined.
+    /// The motion is not determined: the matrix N = {g, {g, H}} is singular.
     #[error("the motion is not determined here: {{g, {{g, H}}}} = {slopes:?} is singular; start elsewhere")]
     Undetermined {
         /// Nᵢⱼ, row by row.
@@ -75,7 +76,7 @@ pub enum PhaseMistake {
     NoSlide {
         /// Which.
         equation: usize,
-        /// The largest residual before each correction, in roundings of its terms.
+        /// The largest residual before each correction, in units of the rounding of its terms.
         residuals: History,
     },
 }

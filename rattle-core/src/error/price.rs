@@ -1,20 +1,20 @@
-//! Prices of accuracy that cannot be told, and wishes that cannot be met.
+//! Errors of measuring the cost of accuracy.
 
 use std::fmt;
 
-/// Why accuracy could not be priced, or not be had.
+/// Why the cost of accuracy could not be measured, or the accuracy not be reached.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PriceMistake {
-    /// A duration, a budget or a wish that is not a positive number.
+    /// A duration, a budget or a wanted error that is not a positive number.
     #[error("the {what} must be positive and finite, found {value}")]
     NotPositive {
         /// Which number.
         what: &'static str,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// The budget is spent before there is a reference to compare with.
+    /// The budget was spent before the reference motion was known.
     #[error(
         "a budget of {budget:.3e} s is too short for a reference in this scene; `.budget(seconds)` gives more"
     )]
@@ -25,7 +25,7 @@ pub enum PriceMistake {
     /// Trajectories of this scene do not go side by side by this method: an ensemble moves them one by one.
     #[error("trajectories go one by one here, and take as long as simulations")]
     OneByOne,
-    /// Momenta that are pushed at random: another step is another path.
+    /// Random forces: another step size gives another path, so there is no error to measure.
     #[error(
         "random forces of `{effect}` make another path with every step size, and there is no error of one path to price"
     )]
@@ -33,18 +33,18 @@ pub enum PriceMistake {
         /// The effect.
         effect: &'static str,
     },
-    /// No method is as exact as was wished.
+    /// No method reaches the wanted error.
     #[error("an error of {wish:.1e} {what} cannot be had: the best is {best:.1e}, by {method}; {limit}")]
     Unreachable {
-        /// The wish.
+        /// The wanted error.
         wish: f64,
-        /// "in position", …
+        /// The quantity: "in position", …
         what: String,
         /// The least error that was measured, on the whole duration.
         best: f64,
-        /// By which method.
+        /// The method of this error.
         method: String,
-        /// What stands in the way.
+        /// What limits the accuracy.
         limit: Limit,
     },
 }
@@ -53,26 +53,26 @@ pub enum PriceMistake {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Limit {
-    /// Shorter steps give nothing: double precision ends there.
+    /// The rounding of double precision: shorter steps are no more exact.
     Rounding,
-    /// Close motions part exponentially, so that positions cannot be told for so long.
+    /// Chaos: close motions separate exponentially, so positions are not predictable for so long.
     Chaos {
-        /// The time in which their distance grows by e.
+        /// The time in which their distance grows by the factor e.
         lyapunov_time: f64,
-        /// Until when positions can be told.
+        /// The time until which positions are predictable.
         predictable: f64,
     },
-    /// An average over so short a time is not more certain, as the motion is chaotic.
+    /// The statistical uncertainty of an average over so short a time of chaotic motion.
     Statistics {
-        /// Its uncertainty.
+        /// The uncertainty of the average.
         uncertainty: f64,
     },
-    /// Forces or constraints have a kink: methods of high order are of low order there.
+    /// Kinks of forces or constraints, at which methods of high order have a low order.
     Kink {
-        /// The order that methods of order 8 and more showed.
+        /// The observed order of methods of order 8 and more.
         order: f64,
     },
-    /// Shorter steps would be more exact, and the budget had no time for them.
+    /// The budget: shorter steps would be more exact, but there was no time to measure them.
     Budget {
         /// The budget in seconds.
         seconds: f64,

@@ -1,10 +1,10 @@
-//! Why a checkpoint is not gone on from.
+//! Errors of checkpoints.
 
-/// What is wrong with a checkpoint, for what is to go on from it.
+/// Why a run cannot continue from a checkpoint.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordMistake {
-    /// It was written by another scene, method or ensemble: the first part that differs.
+    /// It was written by another scene, method or ensemble. This is the first part that differs.
     #[error(
         "the checkpoint is of another run ({part}): it was written by {file}, and here is {here}; \
          go on with what it was written by, or start anew"
@@ -12,18 +12,18 @@ pub enum RecordMistake {
     Another {
         /// Which part.
         part: String,
-        /// What it is in the checkpoint.
+        /// The part in the checkpoint.
         file: String,
-        /// What it is here.
+        /// The part here.
         here: String,
     },
 
-    /// A field is not there, or of another kind or shape than it must be.
+    /// A field is missing, or has the wrong kind or shape.
     #[error("the checkpoint does not fit: {wanted} is wanted, and {found} is there")]
     Field {
-        /// The field that is wanted.
+        /// The expected field.
         wanted: String,
-        /// What is there.
+        /// The field found.
         found: String,
     },
 }

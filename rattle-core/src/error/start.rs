@@ -1,4 +1,4 @@
-//! Starts.
+//! Errors of starts.
 
 use crate::error::network::EquationAt;
 use crate::error::numbers::History;
@@ -69,7 +69,7 @@ pub enum StartFailure {
         /// g(q, t).
         value: f64,
     },
-    /// The momenta break an equation between linked bodies.
+    /// The momenta violate an equation between linked bodies.
     #[error(
         "the momenta break {equation}: it would change at the rate {rate:.3e}, {sine:.3e} of |∇g||v|, allowed \
          {tolerance:.1e}; `scene.project(state)` makes them fit"
@@ -84,7 +84,7 @@ pub enum StartFailure {
         /// The largest relative rate allowed.
         tolerance: f64,
     },
-    /// A constraint whose gradient is zero wherever it holds, as z² instead of z.
+    /// A constraint whose gradient is zero wherever it holds, such as z² instead of z.
     #[error(
         "{equation} vanishes to second order: its gradient is {gradient:.1e} where it holds (singular point about \
          {distance:.1e} away); write a constraint whose gradient is not zero there, as z instead of z²"
@@ -97,7 +97,7 @@ pub enum StartFailure {
         /// To first order the distance to the point where ∇g = 0.
         distance: f64,
     },
-    /// Equations that depend on each other, where elimination was asked for or the component is large.
+    /// Equations that depend on each other, where elimination was asked for or too many equations are coupled.
     #[error(
         "{equation} depends on the others (sine of the angle between normals {sine:.1e}); leave it out{}",
         if equations <= most {
@@ -112,21 +112,21 @@ pub enum StartFailure {
     Dependent {
         /// Which equation.
         equation: Box<EquationAt>,
-        /// The sine of the angle of its normal to the span of the others.
+        /// The sine of the angle between its normal and the span of the others.
         sine: f64,
-        /// Equations that are tied together with it, itself included.
+        /// The number of coupled equations, including this one.
         equations: usize,
-        /// As many of them as `LinearAlgebra::Orthogonal` serves.
+        /// The largest number for which `LinearAlgebra::Orthogonal` can be used.
         most: usize,
     },
-    /// Equations that cannot hold together near the start.
+    /// Equations that contradict each other near the start.
     #[error(
         "{equation} contradicts the others: near the start it stays off by {distance:.3e} where they hold"
     )]
     Contradictory {
         /// Which equation.
         equation: Box<EquationAt>,
-        /// |g|/|∇g| that remains.
+        /// The remaining |g|/|∇g|.
         distance: f64,
     },
     /// No place where linked bodies satisfy their equations was found near the start.
@@ -136,19 +136,19 @@ pub enum StartFailure {
         distances.len()
     )]
     NoPlace {
-        /// The equation that was furthest off at last.
+        /// The equation with the largest residual at the end.
         equation: Box<EquationAt>,
         /// The largest |g|/|∇g| before every Newton step.
         distances: History,
     },
-    /// No momenta satisfy all velocity conditions: links move apart.
+    /// No momenta satisfy all velocity conditions: moving links contradict each other.
     #[error(
         "no momenta fit: {equation} would change at the rate {rate:.3e} where the others are kept; the links move apart"
     )]
     RatesContradict {
         /// Which equation.
         equation: Box<EquationAt>,
-        /// G v + ∂g/∂t that remains.
+        /// The remaining G v + ∂g/∂t.
         rate: f64,
     },
     /// A link between pinned bodies does not hold, or moves.
@@ -164,13 +164,13 @@ pub enum StartFailure {
         /// Whether it changes with time.
         moving: bool,
     },
-    /// The multiplier of an equation acts only on coordinates that do not change it here.
+    /// The multiplier of an equation acts only on coordinates on which the equation does not depend here.
     #[error("the multiplier of {equation} acts on coordinates along which g does not change here")]
     CannotAct {
         /// Which equation.
         equation: Box<EquationAt>,
     },
-    /// Nine numbers that are no attitude of a rigid body.
+    /// Nine numbers that are not a rotation matrix.
     #[error(
         "no attitude: QᵀQ is off from 1 by {deviation:.1e} (allowed 1e-10), det Q = {determinant:.3}; it must be a rotation; \
          `scene.project(state)` straightens what is nearly one"
@@ -181,10 +181,10 @@ pub enum StartFailure {
         /// The largest entry of QᵀQ − 1.
         deviation: f64,
     },
-    /// A rigid body's momenta are more than an angular momentum.
+    /// The momenta of a rigid body are more than an angular momentum: only the first three may be nonzero.
     #[error("momenta of a rigid body are its angular momentum and six zeros; see `Rigid::start`")]
     NoAngularMomentum,
-    /// A pinned body is elsewhere, or moves.
+    /// A pinned body starts at another position, or with a momentum.
     #[error(
         "the body is pinned at {at:?} and starts at {position:?} with momentum {momentum:?}; `scene.project(state)` puts it there"
     )]
@@ -196,10 +196,10 @@ pub enum StartFailure {
         /// Its momentum.
         momentum: Vec<f64>,
     },
-    /// A start in phase space.
+    /// An error of a start in phase space.
     #[error(transparent)]
     Phase(PhaseMistake),
-    /// The gradient is zero here or so near that it has no direction in floating point.
+    /// The gradient is zero here, or so near that its direction is lost to rounding.
     #[error(
         "the gradient vanishes here (|∇g| = {gradient:.3e}, singular point about {distance:.1e} away); \
          start elsewhere, or write a constraint whose gradient is not zero on the surface"
@@ -210,13 +210,13 @@ pub enum StartFailure {
         /// |∇g|/|∇²g n| with n = ∇g/|∇g|, to first order the distance to the point where ∇g = 0.
         distance: f64,
     },
-    /// The gradient is so long or so short that its square, by which steps divide, is beyond the numbers.
+    /// The gradient is so long or so short that its square overflows or underflows.
     #[error(
         "the gradient of {} has the length {gradient:.1e}, and its square is beyond the numbers; multiply the constraint by about {:.0e}, \
          which does not change where it holds", equation.as_ref().map_or("the constraint".into(), ToString::to_string), 1.0 / gradient
     )]
     OutOfScale {
-        /// Which equation, of linked bodies; else none.
+        /// Which equation, for linked bodies.
         equation: Option<Box<EquationAt>>,
         /// |∇g|.
         gradient: f64,

@@ -1,14 +1,14 @@
-//! Steps.
+//! Errors of steps.
 
 use crate::error::network::EquationAt;
 use crate::error::numbers::{Digits, History, Passing};
 
-/// What stopped a step.
+/// Why a step could not be taken.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepFailure {
-    /// h·κ·|v| > 1: the surface curves away within one step, so that the position equation has no
-    /// solution that the motion could follow.
+    /// h·κ·|v| > 1: the surface curves away within one step, so the position equation has no solution that continues
+    /// the motion.
     #[error(
         "step too long for the curvature: h·κ·|v| = {} must be below 1 (h = {h:.3e}, κ = {}, \
          |v| = {}); that needs |h| < {longest:.3e} here, and accurate runs stay below a fifth of it",
@@ -23,10 +23,10 @@ pub enum StepFailure {
         curvature: f64,
         /// |v|.
         speed: f64,
-        /// 1/(κ·|v|), which |h| must be below; the curvature on the way may ask for less.
+        /// 1/(κ·|v|), an upper limit of |h|; the curvature on the way may require less.
         longest: f64,
     },
-    /// h·κ·|v| is below 1, but what it is compared by is beyond the numbers.
+    /// h·κ·|v| is below 1, but numbers in its computation overflow or underflow.
     #[error(
         "products of curvature and speed are beyond the numbers: κ = {curvature:.1e}, |v| = {speed:.1e}, h·κ·|v| = {reach:.3}; \
          choose units in which lengths and speeds are nearer to 1"
@@ -39,15 +39,16 @@ pub enum StepFailure {
         /// |v|.
         speed: f64,
     },
-    /// The position equation was not solved to the rounding floor.
+    /// The position equation was not solved to rounding.
     #[error(
         "projection onto the surface did not converge on a path of {path:.1e}: corrections {corrections}, floor \
          {floor:.1e}, |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
     )]
     NoConvergence {
-        /// How far the body would have moved without the constraint; far where a force is too strong for the step.
+        /// How far the body would have moved without the constraint. It is large where a force is too strong for the
+        /// step.
         path: f64,
-        /// Length of every correction in turn.
+        /// The lengths of the corrections, in order.
         corrections: History,
         /// Corrections shorter than this count as converged.
         floor: f64,
@@ -56,7 +57,7 @@ pub enum StepFailure {
         /// h·κ·|v|.
         reach: f64,
     },
-    /// The density of reversible variable steps is no longer near the one that is wanted.
+    /// The step density ρ of [variable steps](crate::methods::variable) is no longer near its target R.
     #[error(
         "steps have gone astray: their density is {ratio:.3} times what the momenta's change asks for, and must stay within 0.5 \
          and 1.5; try a longest step below {longest:.3e}"
@@ -64,11 +65,11 @@ pub enum StepFailure {
     Astray {
         /// ρ/R.
         ratio: f64,
-        /// The longest step, ε.
+        /// The longest step ε.
         longest: f64,
     },
-    /// The position equation has a solution, but it cannot be told that the motion leads there: followed from h = 0,
-    /// the root ends or turns too sharply.
+    /// The position equation has a solution, but maybe not the one that continues the motion: followed from h = 0, the
+    /// root ends or turns too sharply.
     #[error(
         "the motion cannot be followed through this step: the solution found would move {correction:.3e} along the \
          normal on a path of {path:.3e}, normals at cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
@@ -83,28 +84,28 @@ pub enum StepFailure {
         /// h·κ·|v|.
         reach: f64,
     },
-    /// The position equations of linked bodies were not solved, or not on the root that the motion leads to.
+    /// The position equations of linked bodies were not solved, or not at the root that continues the motion.
     #[error(
         "{equation} cannot be kept on a path of {path:.1e}: residuals as lengths {residuals}, |∇g| = {gradient:.3e}, \
          h·|∇²g v|/|∇g| = {turn:.3} (accurate below about 0.2); {passing} (h = {h:.3e})"
     )]
     NotSolved {
-        /// The equation that is furthest off.
+        /// The equation with the largest residual.
         equation: Box<EquationAt>,
-        /// The longest way of a body of the component without the constraints.
+        /// The longest path of a body of the connected component without constraints.
         path: f64,
         /// The largest |gᵢ|/|∇gᵢ| before each correction.
         residuals: History,
         /// |∇g| of the equation at the start of the step.
         gradient: f64,
-        /// The largest relative change of a normal within the step, for a surface h·κ·|v|.
+        /// The largest relative change of a normal within the step; on a surface, h·κ·|v|.
         turn: f64,
         /// The step size: in a composition, that of the stage.
         h: f64,
-        /// What would pass.
+        /// A step size that would work.
         passing: Passing,
     },
-    /// The stages of a collocation method were not solved to the rounding floor.
+    /// The stages of a collocation method were not solved to rounding.
     #[error(
         "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
          {left:.1e} roundings; try a smaller step"
@@ -116,10 +117,10 @@ pub enum StepFailure {
         stages: usize,
         /// Iterations made.
         iterations: usize,
-        /// The last displacement, in roundings of the position.
+        /// The last displacement, in units of the rounding of the position.
         left: f64,
     },
-    /// A step without structure ended too far from the constraints to be brought back to them.
+    /// A step of a projected method (`Taylor`, `Dop853`) ended too far from the constraints to be projected onto them.
     #[error(
         "the step leads {distance:.3e} off the constraint, on a way of {path:.3e}, and cannot be brought back; try a smaller \
          step or tolerance"
@@ -127,10 +128,10 @@ pub enum StepFailure {
     NotProjected {
         /// The distance, to first order.
         distance: f64,
-        /// The way h|v|.
+        /// The path h|v|.
         path: f64,
     },
-    /// The equations of an implicit step were not solved to the rounding floor.
+    /// The equations of an implicit step were not solved to rounding.
     #[error(
         "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
          move by {left:.1e} roundings; try a smaller step"
@@ -140,10 +141,10 @@ pub enum StepFailure {
         h: f64,
         /// Iterations made.
         iterations: usize,
-        /// The last displacement, in roundings of the position.
+        /// The last displacement, in units of the rounding of the position.
         left: f64,
     },
-    /// A stage of an explicit method came to where a force, a normal or λ is not finite.
+    /// In a stage of an explicit method a force, a normal or λ is not finite.
     #[error(
         "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}, or, of a power series, has a \
          kink where it begins; try a smaller step"
@@ -152,7 +153,7 @@ pub enum StepFailure {
         /// The step size.
         h: f64,
     },
-    /// Inner steps that keep the tolerance have become too short.
+    /// The inner steps needed for the tolerance have become too short.
     #[error(
         "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
          {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
@@ -167,7 +168,7 @@ pub enum StepFailure {
         /// The tolerance.
         tolerance: f64,
     },
-    /// Normals of successive stages are turned over: the step jumps over a bend.
+    /// Normals of successive stages point in opposite directions: the step jumps over a bend.
     #[error(
         "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
     )]
@@ -187,10 +188,10 @@ pub enum StepFailure {
         turn: f64,
         /// The step size: in a composition, that of the stage.
         h: f64,
-        /// What would pass.
+        /// A step size that would work.
         passing: Passing,
     },
-    /// In phase space, no slide along the fibre was found that satisfies an equation.
+    /// In phase space, no point along the fibre was found that satisfies an equation.
     #[error(
         "no slide along the fibre satisfies equation {equation}: residuals in roundings {residuals} (h = {h:.3e}); try a \
          smaller step; if none helps, the motion ends here"
@@ -198,26 +199,26 @@ pub enum StepFailure {
     NoSlide {
         /// Which, counted from 0.
         equation: usize,
-        /// The largest residual before each correction, in roundings of its terms; none where a slide would lead out of
-        /// the domain of g, or many times around.
+        /// The largest residual before each correction, in units of the rounding of its terms; empty where the motion
+        /// along the fibre would leave the domain of g, or go many times around.
         residuals: History,
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
-    /// In phase space, a point of g = 0 was found, but it cannot be told that the motion leads there: followed from
-    /// h = 0, the root ends or turns too sharply.
+    /// In phase space, a point of g = 0 was found, but maybe not the one that continues the motion: followed from h =
+    /// 0, the root ends or turns too sharply.
     #[error(
         "the motion can be followed through {share:.3} of this step only: what satisfies g = 0 at its end may be \
          another sheet (h = {h:.3e}); try a smaller step; if none helps, the motion ends here"
     )]
     SheetLost {
-        /// The share of the step through which the motion was followed.
+        /// The fraction of the step through which the motion was followed.
         share: f64,
         /// The step size: in a composition, that of the stage.
         h: f64,
     },
-    /// In phase space, {g, {g, H}} changes so much within the step that the motion may come to where it is not
-    /// determined.
+    /// In phase space, N = {g, {g, H}} changes so much within the step that the motion may reach a point where it is
+    /// not determined.
     #[error(
         "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
          the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
@@ -236,7 +237,7 @@ pub enum StepFailure {
         /// The position at the start of the step.
         position: Vec<f64>,
     },
-    /// Normals that were independent at the start are no longer.
+    /// Normals that were independent at the start have become dependent.
     #[error(
         "{equation} has come to depend on the others: the sine of the angle between normals is {sine:.1e}; the \
          mechanism branches here, or an equation is too many (`LinearAlgebra::Orthogonal` bears small angles, of up to 1000 equations)"
@@ -247,7 +248,7 @@ pub enum StepFailure {
         /// The sine of the angle of its normal to the span of the others.
         sine: f64,
     },
-    /// Dependent equations that no longer agree.
+    /// Dependent equations that contradict each other now.
     #[error("{equation} contradicts the others: residuals as lengths {residuals} remain where they hold")]
     Contradictory {
         /// Which equation.
@@ -255,7 +256,7 @@ pub enum StepFailure {
         /// The largest |gᵢ|/|∇gᵢ| before each correction.
         residuals: History,
     },
-    /// The multiplier of an equation acts on chosen coordinates only, and these no longer change it.
+    /// The multiplier of an equation acts on chosen coordinates only, on which the equation no longer depends.
     #[error(
         "the multiplier of {equation} can no longer hold it: the coordinates that it acts on have a share of {share:.1e} \
          in its gradient; let it act on the others too"
@@ -263,7 +264,7 @@ pub enum StepFailure {
     CannotAct {
         /// Which equation.
         equation: Box<EquationAt>,
-        /// Length of the gradient along these coordinates, relative to all of it.
+        /// The length of the gradient along these coordinates, relative to its whole length.
         share: f64,
     },
     /// The gradient of the constraint is zero, NaN or infinite at the new point.
@@ -288,8 +289,7 @@ pub enum StepFailure {
         /// Where.
         position: Vec<f64>,
     },
-    /// The implicit equation of a force that depends on velocities has no solution that is found, or the force is not
-    /// finite.
+    /// The implicit equation of a force that depends on velocities was not solved, or the force is not finite.
     #[error(
         "no change of the momentum by `{effect}` is found, in a time {h:.3e} from p = {momentum:?} at q = {position:?}: check where \
          the force is a number, and whether it jumps, or try a smaller step"
@@ -297,22 +297,21 @@ pub enum StepFailure {
     FlowNotFound {
         /// The type of the effect.
         effect: &'static str,
-        /// For what time.
+        /// The time for which it acts.
         h: f64,
         /// The momentum before.
         momentum: Vec<f64>,
         /// Where.
         position: Vec<f64>,
     },
-    /// A flow of momenta for which no impulse of the constraints is found that keeps momenta along them: it changes
-    /// momenta by too much in one step.
+    /// A flow changes momenta by too much in one step: no constraint impulse was found that keeps them tangent.
     #[error(
         "the flow of `{effect}` for a time of {h:.3e} is not found together with the impulse of the constraints: it changes momenta by more than themselves; try a smaller step"
     )]
     FlowTooLong {
         /// The type of the effect.
         effect: &'static str,
-        /// For what time.
+        /// The time for which it acts.
         h: f64,
     },
     /// A Nosé–Hoover bath changes momenta by more than a thousand times within half a step.
@@ -322,28 +321,28 @@ pub enum StepFailure {
          longer time, or start near the temperature (`scene.maxwell`)"
     )]
     BathTooFast {
-        /// What momenta are multiplied by.
+        /// The factor of the momenta.
         factor: f64,
         /// The step size.
         h: f64,
-        /// The time within which the bath swings.
+        /// The period τ of the bath.
         time: f64,
-        /// The kinetic energy before, over that of the temperature.
+        /// The kinetic energy before, divided by its mean at the temperature.
         hot: f64,
     },
-    /// The momentum is beyond what can be squared, about 1e154.
+    /// The momentum is NaN, infinite, or so large (about 1e154) that its square overflows.
     #[error("the momentum is no longer finite at q = {position:?}; try a smaller step, or other units")]
     MomentumNotFinite {
         /// Where.
         position: Vec<f64>,
     },
-    /// A body has come to where coordinates can no longer be squared, about 1e154.
+    /// A coordinate of a body is so large (about 1e154) that its square overflows.
     #[error("the body has run away to q = {position:?}; end the run before, or try other units")]
     RanAway {
         /// Where.
         position: Vec<f64>,
     },
-    /// In phase space, the Hamiltonian has no finite derivatives where the step leads.
+    /// In phase space, the Hamiltonian has no finite derivatives where the step ends.
     #[error(
         "the Hamiltonian has no finite derivatives near q = {position:?}, p = {momentum:?}; check its domain, or try a smaller step"
     )]
@@ -353,7 +352,7 @@ pub enum StepFailure {
         /// The momentum there.
         momentum: Vec<f64>,
     },
-    /// A step that did not follow its root has ended on another sheet of the constraint, which lies close by.
+    /// A step of a method that does not follow the root of the constraint has ended on another sheet close by.
     #[error(
         "a step h = {h:.3e} ends at q = {position:?}, {off:.1e} beside the sheet that it began on; try a smaller step, or Rattle, \
          which follows its sheet"
@@ -361,13 +360,13 @@ pub enum StepFailure {
     OtherSheet {
         /// The step size.
         h: f64,
-        /// How far beside it.
+        /// The distance from the sheet on which the motion continues.
         off: f64,
         /// Where.
         position: Vec<f64>,
     },
-    /// The kinetic energy after a step without structure comes from nowhere: the step has leapt where it knew nothing
-    /// of the constraint.
+    /// The energy jumped in a step of a method without geometric structure (`Taylor`, `Dop853`, `Bdf2`): the step has
+    /// leapt across a place that it could not see, such as a singular point.
     #[error(
         "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
          it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"
@@ -379,30 +378,31 @@ pub enum StepFailure {
         before: f64,
         /// The kinetic energy after.
         after: f64,
-        /// The change of potential energy, and the work of constraints.
+        /// The energy given by the change of potential energy and the work of constraints.
         given: f64,
     },
-    /// The normal of a constraint jumps on the way: what the momentum becomes there Newton's laws do not say.
+    /// The normal of a constraint jumps on the way, and Newton's laws do not determine the momentum after it; see
+    /// [`over_kinks`](crate::run::simulation::Simulation::over_kinks).
     #[error(
         "{} has a kink where `{argument}` changes its sign, after {share:.3} of the step at q = {position:?}: {}; a smooth form \
          has none, such as sqrt(x^2 + eps^2) for abs(x), go around it, or let \
          `over_kinks` take the momentum over the edge", constraint(equation.as_deref()), jumps(*angle, *gap)
     )]
     Kink {
-        /// What changes its sign, as in the constraint's expression.
+        /// The term of the constraint's expression that changes its sign.
         argument: &'static str,
-        /// Which equation, of linked bodies; else none.
+        /// Which equation, for linked bodies.
         equation: Option<Box<EquationAt>>,
-        /// The coordinates of the constraint there; of a link those of its bodies in turn.
+        /// The coordinates there; for a link, those of its bodies one after the other.
         position: Vec<f64>,
-        /// The part of the step that lies before it.
+        /// The fraction of the step before the kink.
         share: f64,
         /// The angle by which the normal jumps.
         angle: f64,
         /// How far the surface jumps, to first order.
         gap: f64,
     },
-    /// There is no end of impacts within a step: bodies have come to rest on each other, or on a wall.
+    /// Impacts within a step do not end: bodies have come to rest on each other, or on a wall.
     #[error(
         "the contact `{contact}` of bodies {bodies:?} stays closed after {impacts} more impacts within the step (restitution {restitution}): what rests \
          there must be held by a link from here on, or be left out"

@@ -1,4 +1,4 @@
-//! How a constraint surface bends, in any dimension, and [integrals](crate::geometry::integral) over closed ones.
+//! Curvatures of constraint surfaces, in any dimension.
 //!
 //! ```text
 //! n = ∇g/|∇g|     S = P ∇²g P/|∇g|,  P = 1 − n nᵀ            S v: the change of n along v
@@ -14,21 +14,21 @@
 //! λ |∇g| = −(κ |v|² + n·f)
 //! ```
 //!
-//! so that the multiplier of a free particle is the normal curvature along its path, and a force adds the part with
-//! which it presses on the surface. A RATTLE step needs h·|κ|·|v| < 1.
+//! so the multiplier of a free particle is given by the normal curvature along its path, and that of a force by the
+//! component normal to the surface. A RATTLE step needs h·|κ|·|v| < 1.
 //!
 //! Formulas: Goldman 2005, “Curvature formulas for implicit curves and surfaces”.
 
 use crate::kernel::functions::Constraint;
 use nalgebra::{DMatrix, SVector, SymmetricEigen};
 
-/// Curvatures of the level set of g through q: every [`Constraint`] of one equation has them.
+/// Curvatures of the level set of g through q, for every [`Constraint`] of one equation.
 ///
-/// q need not lie on g = 0; the surface meant is the one on which g has the value g(q). Where the surface
-/// has no normal, ∇g = 0, everything is NaN; where ∇²g is not finite, NaN or infinite.
+/// q need not lie on g = 0: the surface is the one on which g has the value g(q). Where ∇g = 0, everything is NaN;
+/// where ∇²g is not finite, NaN or infinite.
 pub trait Curvature<const D: usize>: Constraint<D, 1> {
-    /// κ along v: curvature of the section through q that n and v span. Of v only the direction of its tangential part
-    /// counts; without one κ is NaN.
+    /// κ along v: the curvature of the section through q spanned by n and v. Only the direction of the tangential part
+    /// of v counts; if that is zero, κ is NaN.
     fn normal_curvature(&self, q: &SVector<f64, D>, v: &SVector<f64, D>) -> f64 {
         let gradient = self.jacobian(q).transpose();
         let steepness = gradient.norm();
@@ -38,7 +38,7 @@ pub trait Curvature<const D: usize>: Constraint<D, 1> {
     }
 
     /// The D − 1 principal curvatures, smallest first, each with its direction: orthogonal unit vectors of the tangent
-    /// space. Where curvatures are equal, so that no direction is preferred, any such vectors.
+    /// space. Where curvatures are equal, these are not unique.
     fn principal_curvatures(&self, q: &SVector<f64, D>) -> Vec<(f64, SVector<f64, D>)> {
         let (frame, shape) = shape_operator(self, q);
         if frame.is_empty() {
@@ -60,8 +60,8 @@ pub trait Curvature<const D: usize>: Constraint<D, 1> {
         shape.trace() / frame.len() as f64
     }
 
-    /// K, the product of the principal curvatures: for D = 3 Gauss's, which depends on lengths in the surface alone; in
-    /// other dimensions also named after Kronecker.
+    /// K, the product of the principal curvatures: for D = 3 the Gaussian curvature, in other dimensions the
+    /// Gauss–Kronecker curvature.
     fn gaussian_curvature(&self, q: &SVector<f64, D>) -> f64 {
         shape_operator(self, q).1.determinant()
     }

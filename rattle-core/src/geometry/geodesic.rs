@@ -1,18 +1,18 @@
-//! The distance between two places along a surface.
+//! The distance between two points along a surface.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::geodesic::{Missed, Shot, shoot};
 use crate::number::vector::{dot, largest};
 use nalgebra::SVector;
 
-/// A geodesic between two places.
+/// A geodesic between two points a and b.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geodesic<const D: usize> {
     /// Its length d, in the unit of the coordinates.
     pub distance: f64,
-    /// Its direction at a, a unit vector along the surface: ∂d/∂a is its opposite. Zero where a is b.
+    /// Its direction at a, a unit tangent vector: −∂d/∂a. Zero where a = b.
     pub from: SVector<f64, D>,
-    /// Its direction at b, going on: ∂d/∂b. Zero where a is b.
+    /// Its direction at b, a unit tangent vector: ∂d/∂b. Zero where a = b.
     pub to: SVector<f64, D>,
 }
 
@@ -22,9 +22,9 @@ pub struct Geodesic<const D: usize> {
 /// d = min ∫ |dq| over paths on g = 0 from a to b        ∂d/∂a = −from, ∂d/∂b = to (the first variation)
 /// ```
 ///
-/// It is the shortest as long as b is nearer to a than the surface's injectivity radius: the lesser of π/√K for the
-/// largest Gaussian curvature K, and half of the shortest geodesic loop. Beyond that what is found is *a* geodesic, or
-/// an error; nothing more is claimed. Takes some hundred evaluations of ∇g and ∇²g.
+/// It is the shortest one as long as b is nearer to a than the injectivity radius of the surface: the lesser of π/√K,
+/// for the largest Gaussian curvature K, and half of the shortest geodesic loop. Beyond that the result is some
+/// geodesic, or an error. Takes some hundred evaluations of ∇g and ∇²g.
 ///
 /// ```
 /// use rattle::curvature::geodesic_distance;
@@ -40,7 +40,9 @@ pub struct Geodesic<const D: usize> {
 /// ```
 ///
 /// # Errors
-/// [`GeodesicError::NotOnSurface`] for a place off g = 0, [`GeodesicError::NotFound`] where no try ends at b.
+/// [`GeodesicError::NotOnSurface`] for a point off g = 0, [`GeodesicError::NotFound`] where no try ends at b.
+#[doc(alias = "shortest path")]
+#[doc(alias = "arc length")]
 pub fn geodesic_distance<C: Constraint<D, 1>, const D: usize>(
     surface: &C,
     a: &SVector<f64, D>,
@@ -72,16 +74,16 @@ fn off<K: ConstraintKernel<f64, D, 1>, const D: usize>(kernel: &K, q: &[f64; D])
     value.abs() / dot(&gradient, &gradient).sqrt()
 }
 
-/// Why no geodesic is found.
+/// Why no geodesic was found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeodesicError {
-    /// A place off the surface, or where that has no normal.
+    /// A point off the surface, or where the surface has no normal.
     #[error("{place} = {position:?} is off the surface by {off:.3e}")]
     NotOnSurface {
         /// `a` or `b`.
         place: &'static str,
-        /// Where it is.
+        /// The point.
         position: Vec<f64>,
         /// |g|/|∇g| there.
         off: f64,
@@ -97,9 +99,9 @@ pub enum GeodesicError {
         chord: f64,
         /// The length of the best try.
         length: f64,
-        /// What it misses b by.
+        /// Its distance from b at the end.
         by: f64,
-        /// How many tries there were.
+        /// The number of tries.
         tries: usize,
     },
 }

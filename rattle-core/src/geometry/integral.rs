@@ -5,18 +5,17 @@
 //!          k = x, y, z;  the inner sum is over the points where a line along axis k meets the surface
 //! ```
 //!
-//! A piece dA of the surface has the shadow dA_k = |n_k| dA on the plane across axis k, so that Σ w_k dA_k = dA.
-//! Nothing is divided by |n_k|, which is 0 at the rim of a shadow. Powers 1 and 2 in place of 5 and 6 would be exact
-//! too, but then the sum under ∬ ends at the rim like √d, d the distance from it, and the rule of equal weights loses
-//! its order; so it ends like d^(5/2).
+//! A piece dA of the surface has the projection dA_k = |n_k| dA onto the plane across axis k, so Σ w_k dA_k = dA.
+//! Nothing is divided by |n_k|, which is 0 at the rim of a projection. Powers 1 and 2 instead of 5 and 6 would be exact
+//! too. But then the integrand would go to zero at the rim like √d, with d the distance from the rim, and a rule of
+//! equal weights would lose its order. With 5 and 6 it goes to zero like d^(5/2).
 //!
-//! The lines are those of a grid, so that one value of g per grid point serves all three directions. A change of sign
-//! between neighbours is a meeting point, found by Newton's method inside its bracket.
+//! The lines are those of a grid, so that one value of g per grid point serves all three directions. Between two
+//! neighbours with different signs of g lies a point of the surface, found by Newton's method inside this bracket.
 //!
-//! **Error**: of order c⁴ in the distance c between lines, c^(7/2) where the rim is straight along the grid. What
-//! counts is how many lines a bend gets: two to the smallest radius are right to about 1 %, six to a few 1e-4. Two
-//! sheets nearer than c can be missed. The integral of K checks itself: the measured genus is near an integer, or the
-//! lines are too few.
+//! **Error**: of order c⁴ in the distance c between lines, c^(7/2) where the rim is straight along the grid. The number
+//! of lines per smallest radius of curvature matters: two give about 1 %, six a few 1e-4. Two sheets nearer than c can
+//! be missed. The integral of K checks itself: if the measured genus is not near an integer, the lines are too few.
 
 use crate::geometry::curvature::Curvature;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
@@ -39,7 +38,7 @@ const MOST_LINES: usize = 8192;
 pub struct Measure {
     /// ∫ dA.
     pub area: f64,
-    /// ∫ K dA, with K Gauss's curvature.
+    /// ∫ K dA, with the Gaussian curvature K.
     pub total_curvature: f64,
 }
 
@@ -50,8 +49,8 @@ impl Measure {
         self.total_curvature / TAU
     }
 
-    /// 1 − ∫ K dA/4π: for a connected surface the number of its handles, up to the error of the integral. A surface of
-    /// several pieces has Σ(genus − 1) + 1.
+    /// 1 − ∫ K dA/4π: for a connected surface its genus, the number of handles, up to the error of the integral. A
+    /// surface of several pieces has Σ(genus − 1) + 1.
     #[must_use]
     pub fn genus(&self) -> f64 {
         1.0 - self.total_curvature / (2.0 * TAU)
@@ -64,6 +63,8 @@ impl Measure {
 ///
 /// # Errors
 /// Those of [`integrate`].
+#[doc(alias = "surface area")]
+#[doc(alias = "genus")]
 pub fn measure<C: Constraint<3, 1>>(
     surface: &C,
     low: [f64; 3],
@@ -81,9 +82,11 @@ pub fn measure<C: Constraint<3, 1>>(
 /// 3/2 times for each c² of the area, c being the side of a cell.
 ///
 /// # Errors
-/// [`IntegralError::Box`] and [`IntegralError::Lines`] for a grid that can't be laid, [`IntegralError::Cut`] when the
-/// surface leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or
-/// f is not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
+/// [`IntegralError::Box`] and [`IntegralError::Lines`] for an invalid grid, [`IntegralError::Cut`] when the surface
+/// leaves the box, [`IntegralError::Empty`] when no line meets it, [`IntegralError::NotFinite`] where g, ∇g or f is
+/// not, [`IntegralError::Jump`] where g changes sign without being zero, [`IntegralError::Singular`] where ∇g = 0.
+#[doc(alias = "quadrature")]
+#[doc(alias = "surface integral")]
 pub fn integrate<C: Constraint<3, 1>, const N: usize>(
     surface: &C,
     low: [f64; 3],

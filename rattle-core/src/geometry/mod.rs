@@ -1,4 +1,4 @@
-//! Curvature of constraints, distances along them, integrals over closed ones, and points on them.
+//! Geometry of constraint surfaces: curvatures, distances along them, integrals over closed ones, and random points.
 
 pub mod curvature;
 pub mod geodesic;

@@ -1,11 +1,12 @@
-//! Points on a surface g(q) = 0: uniform in area, spread evenly, or kept apart. For starts.
+//! Random points on a surface g(q) = 0, for starts: uniform in area, spread evenly, or kept apart.
 //!
-//! A line that is uniform in direction and place meets a piece of surface with a chance that goes with its area alone,
-//! however it is turned (M. Crofton 1868). So of k points in which a random line meets the surface one is taken, with
-//! the chance k/K: that point is uniform in area, exactly, in any dimension. No mesh and no parametrisation is needed.
+//! A random line, uniform in direction and position, meets a piece of surface with a probability proportional to its
+//! area, whatever its orientation (M. Crofton 1868). So of the k points in which a random line meets the surface one is
+//! taken, with the probability k/K, K being an upper bound of k: this point is uniform in area, exactly, in any
+//! dimension. No mesh and no parametrisation is needed.
 //!
-//! The points of a line are found between places where g or its slope along the line changes sign, `CELLS` of them in
-//! the longest line: two sheets, or a bend, nearer to each other than that can be missed.
+//! The longest line is divided into `CELLS` cells; the points are found where g or its slope along the line changes
+//! sign in a cell. Two sheets nearer to each other than a cell can be missed.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::philox::{normal, philox, unit};
@@ -43,6 +44,8 @@ const CANDIDATES: usize = 10;
 ///
 /// # Errors
 /// [`PointsError::Box`] for a box without volume; [`PointsError::NotMet`] where too few lines meet the surface.
+#[doc(alias = "seed")]
+#[doc(alias = "initial condition")]
 #[doc(alias = "sample")]
 #[doc(alias = "random")]
 pub fn uniform<C: Constraint<D, 1>, const D: usize>(
@@ -55,9 +58,9 @@ pub fn uniform<C: Constraint<D, 1>, const D: usize>(
     Lines::new(surface, low, high)?.points(number, |line, k| random(seed, line, k), |_, _| true)
 }
 
-/// The same, spread more evenly than independent points are: each is the farthest of ten random ones from all before
-/// (best candidates, D. Mitchell 1991). For averages over starts, whose errors are then some times smaller. Takes a
-/// time of `number` squared, a second for 10 000.
+/// As [`uniform`], but spread more evenly than independent points: each point is, of ten random ones, the farthest from
+/// all before (best candidates, D. Mitchell 1991). For averages over starts, whose errors are then several times
+/// smaller. The time is proportional to `number` squared: a second for 10 000.
 ///
 /// # Errors
 /// As [`uniform`].
@@ -84,11 +87,11 @@ pub fn even<C: Constraint<D, 1>, const D: usize>(
     Ok(points)
 }
 
-/// The same as [`uniform`], but no two points nearer than `distance` in space: each that falls too near to one before
-/// is drawn anew (random sequential addition).
+/// As [`uniform`], but no two points nearer than `distance` in space: a point too near to an earlier one is drawn again
+/// (random sequential addition).
 ///
 /// # Errors
-/// As [`uniform`]; [`PointsError::Full`] where no room is left for the next point.
+/// As [`uniform`]; [`PointsError::Full`] where there is no space for another point.
 #[doc(alias = "sample")]
 #[doc(alias = "uniform")]
 pub fn apart<C: Constraint<D, 1>, const D: usize>(
@@ -119,7 +122,7 @@ pub fn apart<C: Constraint<D, 1>, const D: usize>(
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PointsError {
-    /// A box that is empty, turned or not finite.
+    /// A box that is empty, reversed or not finite.
     #[error("the box from {low:?} to {high:?} has no volume; every side must be finite and longer than 0")]
     Box {
         /// Its least coordinates.
@@ -127,10 +130,10 @@ pub enum PointsError {
         /// Its greatest coordinates.
         high: Vec<f64>,
     },
-    /// A distance that is no length.
+    /// A distance that is negative or not finite.
     #[error("a least distance is 0 or positive, and finite; found {0}")]
     Distance(f64),
-    /// Lines do not meet the surface, or hardly.
+    /// Too few lines meet the surface.
     #[error(
         "{lines} lines through the box met the surface in {found} points of {number}; try a box that fits the surface"
     )]
@@ -142,7 +145,7 @@ pub enum PointsError {
         /// Lines tried.
         lines: usize,
     },
-    /// No room is left.
+    /// There is no space for another point.
     #[error(
         "{found} points of {number} are on the surface at a distance of {distance:e}, and {lines} lines found no room for more; try a smaller distance"
     )]

@@ -1,6 +1,6 @@
-//! Products side by side.
+//! The number of products in a block.
 
-/// Products side by side: a cache line of doubles.
+/// The number of products in a block: the doubles in a cache line.
 pub const WIDTH: usize = 8;
 
 /// One coefficient of a factor of eight products.

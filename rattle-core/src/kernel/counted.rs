@@ -1,4 +1,4 @@
-//! Counting evaluations, to see what a run really evaluates.
+//! Counting the evaluations of a function in a run.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel, Potential, PotentialKernel};
 use crate::kernel::series::Order;
@@ -25,14 +25,17 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 /// Potential::gradient(&potential, &[2.0].into());
 /// assert_eq!((counts.values(), counts.gradients()), (0, 1));
 /// ```
+#[doc(alias = "profile")]
+#[doc(alias = "evaluations")]
 #[derive(Debug, Clone)]
 pub struct Counted<X> {
     inner: X,
     counts: Counts,
 }
 
-/// How often each function was evaluated, for however many copies of a kernel; of power series, how many coefficients.
-/// Where lanes have parameters of their own, all count for the first lane of a group.
+/// How often each function was evaluated, by all copies of a kernel together; for power series, the number of
+/// coefficients. Where lanes have parameters of their own, evaluations of all lanes of a group count for the function
+/// of the first.
 #[derive(Debug, Clone, Default)]
 pub struct Counts(Arc<[AtomicU64; 4]>);
 
@@ -42,7 +45,7 @@ impl<X> Counted<X> {
         Self { inner, counts: Counts::default() }
     }
 
-    /// The counts, which go on while `self` is in use.
+    /// The counts, which continue while `self` is in use.
     pub fn counts(&self) -> Counts {
         self.counts.clone()
     }

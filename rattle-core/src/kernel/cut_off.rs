@@ -1,10 +1,10 @@
-//! The kernel of a pair potential that ends at a distance.
+//! The kernel of a pair potential with a cut-off.
 
 use crate::kernel::functions::{PairKernel, PairPotential};
 use crate::kernel::within::{Ending, Within};
 use crate::number::real::Real;
 
-/// A pair potential [within](Within) a distance, over a scalar; zero from there on.
+/// A pair potential with a [cut-off](Within), over a scalar; zero beyond.
 #[derive(Debug, Clone)]
 pub struct CutOff<K, T> {
     kernel: K,

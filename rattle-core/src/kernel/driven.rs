@@ -5,14 +5,13 @@ use crate::number::real::Real;
 use nalgebra::SVector;
 
 /// A potential energy U(q, t) of one body with D coordinates that changes with time. Written by `potential!` where the
-/// last variable is called `t`.
+/// last variable is named `t`.
 ///
-/// The energy that the change brings, ∫ ∂U/∂t dt along the motion, is part of
-/// [`Simulation::work`](crate::run::simulation::Simulation::work): T + U − work stays. Each kick of a length c adds c
-/// ∂U/∂t(q, t) where it takes place, and Lobatto methods and `Dop853` add it by their own weights: that is what each
-/// method makes of −dE/dt = ∂U/∂t with t and −E as one more pair of conjugate variables, so that the energy error is of
-/// the order of the method, and has no drift where the method is symplectic. Methods that do not know time, `Taylor`
-/// and `Bdf2`, are refused.
+/// The work ∫ ∂U/∂t dt along the motion is part of [`Simulation::work`](crate::run::simulation::Simulation::work), so
+/// K + U − work is conserved. Each kick of a length c adds c ∂U/∂t(q, t) at its position and time; Lobatto methods and
+/// `Dop853` add it with their own weights. This is the method applied to dE/dt = ∂U/∂t, with t and −E as a further pair
+/// of conjugate variables. So the energy error has the order of the method, and does not drift where the method is
+/// symplectic. `Taylor` and `Bdf2`, which cannot treat forces that depend on time, are refused.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -35,7 +34,7 @@ pub trait DrivenPotential<const D: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: DrivenPotentialKernel<T, D>;
 
-    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    /// The kernel for lanes, with the parameters of `lane(i)` in lane i: for a parameter sweep.
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
         Self: 'a;

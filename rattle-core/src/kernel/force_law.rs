@@ -1,4 +1,4 @@
-//! Forces that are no gradients: of coordinates, velocities and time.
+//! Forces that are not gradients: functions of coordinates, velocities and time.
 
 use crate::kernel::over::Over;
 use crate::number::real::Real;
@@ -11,7 +11,8 @@ use nalgebra::{SMatrix, SVector};
 /// ```
 ///
 /// In a scene it acts as a [`Flow`](crate::effect::Flow) of momenta, see [`ActsByForce`](crate::effect::ActsByForce):
-/// of second order whatever the order of the method, its work booked as the change of kinetic energy.
+/// of second order whatever the order of the method. Its [work](crate::run::simulation::Simulation::work) is the change
+/// of kinetic energy.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -34,7 +35,7 @@ pub trait ForceLaw<const K: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ForceLawKernel<T, K>;
 
-    /// The kernel in which lane i has the parameters of `lane(i)`: a sweep over parameters, side by side.
+    /// The kernel for lanes, with the parameters of `lane(i)` in lane i: for a parameter sweep.
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
         Self: 'a;
@@ -54,8 +55,8 @@ pub trait ForceLaw<const K: usize>: Sized {
         SMatrix::from_fn(|i, j| slopes[i][j])
     }
 
-    /// The force on chosen bodies, A at a time: the coordinates of all of a member's bodies in turn, then their
-    /// velocities. On each body acts its part of the components.
+    /// The force on chosen bodies, A at a time. Its variables are the coordinates of the bodies of a member, one after
+    /// the other, then their velocities. Each body gets its D components of the force.
     fn over<const A: usize>(self, members: impl IntoIterator<Item = [usize; A]>) -> Over<Self, A> {
         Over::new(self, members)
     }

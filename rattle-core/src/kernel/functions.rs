@@ -1,9 +1,8 @@
-//! What a macro writes: small local functions with their derivatives.
+//! The traits of the functions that macros write: functions of few variables, with their derivatives.
 //!
-//! A type such as `Lemniscate { a, r }` holds parameters and implements [`Constraint`]. Its
-//! *kernel* is the same function made ready for a scalar type `T`: parameters converted, and all
-//! that depends on parameters alone computed once. Methods hold the kernel; users call the
-//! methods of the type.
+//! A type such as `Lemniscate { a, r }` holds parameters and implements [`Constraint`]. Its *kernel* is the same
+//! function for a scalar type `T`, with everything that depends on parameters alone computed once. Simulations use the
+//! kernel; users call the methods of the type.
 //!
 //! ```text
 //! g : ℝᴰ → ℝᴹ      q̈ = −∇U(q) + G(q)ᵀλ,   G = ∂g/∂q  (M × D),   g(q) = 0
@@ -18,12 +17,12 @@ use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
 ///
-/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a place
-/// where the normal ∇g/|∇g| jumps ends in [`StepFailure::Kink`](crate::error::StepFailure::Kink): what a momentum
-/// becomes there Newton's laws do not say. Where only the curvature jumps, as at `abs(x)^3` or `max(x, 0)^2`, steps go
-/// on; they are less accurate than the order of the method says. Constraints on phase space are not looked at. The
-/// kinks of *potentials* are no errors: where a force jumps the motion is well defined, and energy is kept to first
-/// order in the step.
+/// **Kinks.** Where g has `abs`, `sign`, `min`, `max`, `if` or `cbrt`, its derivatives may jump. A step across a point
+/// where the normal ∇g/|∇g| jumps fails with [`StepFailure::Kink`](crate::error::StepFailure::Kink), since Newton's
+/// laws do not determine the momentum after it. Where only the curvature jumps, as for `abs(x)^3` or `max(x, 0)^2`,
+/// steps succeed, but are less accurate than the order of the method says. Constraints on phase space are not checked
+/// for kinks. Kinks of *potentials* are no errors: where a force jumps the motion is well defined, and energy is
+/// conserved to first order in the step.
 pub trait Constraint<const D: usize, const M: usize>: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
@@ -46,7 +45,7 @@ pub trait Constraint<const D: usize, const M: usize>: Sized {
         Self::kernel_of_lanes(|_| self)
     }
 
-    /// g(q): zero on the constraint, bit for bit the expression as written.
+    /// g(q): zero on the constraint; bit for bit the expression as written.
     fn value(&self, q: &SVector<f64, D>) -> SVector<f64, M> {
         self.kernel::<f64>().value(&coordinates(q)).into()
     }
@@ -98,9 +97,8 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
-    /// g and ∂g/∂q at L places at once, number by number: the coordinates of place l are `q[0][l]`, `q[1][l]`, … A
-    /// kernel that is not compiled, such as a program that is read when it runs, can go through itself once for the
-    /// whole block.
+    /// g and ∂g/∂q at L positions at once: the coordinates of position l are `q[0][l]`, `q[1][l]`, … A kernel that is
+    /// interpreted instead of compiled can run its program once for the whole block.
     #[inline(always)]
     fn value_and_jacobian_block<const L: usize>(
         &self,
@@ -148,13 +146,13 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         sum
     }
 
-    /// Blocks of products that [`jacobian_series`](Self::jacobian_series) takes; none where the macro wrote no series,
-    /// for functions of more than 2000 operations.
+    /// The number of blocks of [products](crate::kernel::series) that [`jacobian_series`](Self::jacobian_series) needs;
+    /// `None` where the macro wrote no series: for functions of more than 2000 operations.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of ∂g/∂q along a curve as a power series in time, from that of q; lower ones are known.
+    /// The next coefficient of the power series of ∂g/∂q along a curve q(t), from that of q; lower ones are known.
     fn jacobian_series<const FIRST: bool>(
         &self,
         _q: &[T; D],
@@ -163,12 +161,12 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
         [[T::from_f64(f64::NAN); D]; M]
     }
 
-    /// What changes sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the differences
-    /// that `min`, `max` and `if` compare.
+    /// The terms that change sign where g is not smooth, as text: the arguments of `abs`, `sign` and `cbrt`, and the
+    /// differences that `min`, `max` and `if` compare.
     const KINKS: &'static [&'static str] = &[];
 
-    /// The values of [`KINKS`](Self::KINKS) from the number `first` on, as many as `found` has room for. If one has
-    /// another sign at another point, g may have a kink between the two points.
+    /// The values of the terms [`KINKS`](Self::KINKS) from number `first` on, as many as `found` has room for. If one
+    /// changes sign between two points, g may have a kink between them.
     ///
     /// ```
     /// use rattle::{kernel::ConstraintKernel, prelude::*};
@@ -218,7 +216,7 @@ pub trait Potential<const D: usize>: Sized {
     }
 
     /// The potential as an [effect](crate::kernel::over::Over) on chosen bodies, or between them: its variables are the
-    /// coordinates of each member's bodies in turn.
+    /// coordinates of the bodies of a member, one after the other.
     fn over<const A: usize>(self, members: impl IntoIterator<Item = [usize; A]>) -> Over<Self, A> {
         Over::new(self, members)
     }
@@ -236,7 +234,7 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
-    /// ∇U at L places at once, number by number, as [`ConstraintKernel::value_and_jacobian_block`].
+    /// ∇U at L positions at once, in the layout of [`ConstraintKernel::value_and_jacobian_block`].
     #[inline(always)]
     fn gradient_block<const L: usize>(&self, q: &[[T; L]; D], gradients: &mut [[T; L]; D]) {
         for l in 0..L {
@@ -247,12 +245,13 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
         }
     }
 
-    /// Blocks of products that [`gradient_series`](Self::gradient_series) takes; none where there is no series.
+    /// The number of blocks of [products](crate::kernel::series) that [`gradient_series`](Self::gradient_series) needs;
+    /// `None` without a series.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of ∇U along a curve as a power series in time, from that of q; lower ones are known.
+    /// The next coefficient of the power series of ∇U along a curve q(t), from that of q; lower ones are known.
     fn gradient_series<const FIRST: bool>(&self, _q: &[T; D], _order: &mut Order<'_, T, FIRST>) -> [T; D] {
         [T::from_f64(f64::NAN); D]
     }
@@ -260,8 +259,8 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
 
 /// A potential energy U(r) of two bodies at distance r. Written by `pair_potential!`.
 ///
-/// Evaluated as a function of s = r², so that an even potential needs no root and has no 0/0 at
-/// contact. The force on body i is −2 U′(s) (qᵢ − qⱼ): repulsive where U falls with distance.
+/// U is evaluated as a function of s = r², so that an even potential needs no root and has no 0/0 at r = 0. The force
+/// on body i is −2 dU/ds (qᵢ − qⱼ): repulsive where U falls with distance.
 pub trait PairPotential: Sized {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: PairKernel<T>;
@@ -280,13 +279,13 @@ pub trait PairPotential: Sized {
     fn value(&self, r: f64) -> f64 {
         self.kernel::<f64>().value(r * r)
     }
-    /// U′(r)/r = 2 dU/d(r²): finite at contact for an even potential.
+    /// U′(r)/r = 2 dU/d(r²): finite at r = 0 for an even potential.
     fn slope_over_distance(&self, r: f64) -> f64 {
         2.0 * self.kernel::<f64>().slope(r * r)
     }
 
-    /// The potential between bodies nearer than `reach`, a distance, and none beyond: what a scene of many bodies
-    /// takes, as it costs as many operations as there are near pairs. See [`Within`] for how it ends there.
+    /// The potential with the cut-off distance `reach`: zero between bodies farther apart. Use it for many bodies,
+    /// since the cost is proportional to the number of near pairs. See [`Within`] for the behaviour at the cut-off.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
@@ -309,7 +308,7 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     fn value(&self, s: T) -> T;
     /// dU/ds at s = r².
     fn slope(&self, s: T) -> T;
-    /// dU/ds in place of each s of a block: what forces between many bodies are made of.
+    /// Replaces each s of a block by dU/ds, for forces between many bodies.
     #[inline(always)]
     fn slope_block<const L: usize>(&self, s: &mut [T; L]) {
         for s in s {
@@ -317,12 +316,13 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
         }
     }
 
-    /// Blocks of products that [`slope_series`](Self::slope_series) takes; none where there is no series.
+    /// The number of blocks of [products](crate::kernel::series) that [`slope_series`](Self::slope_series) needs;
+    /// `None` without a series.
     #[inline(always)]
     fn series(&self) -> Option<usize> {
         None
     }
-    /// The next coefficient of dU/ds as a power series in time, from that of s; lower ones are known.
+    /// The next coefficient of the power series of dU/ds in time, from that of s; lower ones are known.
     fn slope_series<const FIRST: bool>(&self, _s: T, _order: &mut Order<'_, T, FIRST>) -> T {
         T::from_f64(f64::NAN)
     }

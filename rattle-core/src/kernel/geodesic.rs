@@ -1,13 +1,13 @@
-//! The geodesic between two places of a surface g = 0, by shooting.
+//! The geodesic between two points of a surface g = 0, by shooting.
 //!
 //! ```text
 //! q̈ = −(vᵀ∇²g v) ∇g/|∇g|²,   q(0) = a,   q̇(0) = v along the surface        q(1) = b for the v sought, |v| the distance
 //! ```
 //!
-//! Motion is followed by extrapolation of the modified midpoint rule (W. Gragg 1965; R. Bulirsch, J. Stoer 1966), as a
-//! way from a, so that short ones have as many digits as long ones. v is first the chord's direction with the length of
-//! the [expansion](crate::effect::along), and is corrected by what is missed at b, brought back to a by the smallest
-//! rotation between the normals; the secant through all tries says how v answers to that (C. G. Broyden 1965).
+//! The motion is computed by extrapolation of the modified midpoint rule (W. Gragg 1965; R. Bulirsch, J. Stoer 1966),
+//! as a displacement from a, so that short geodesics have as many digits as long ones. The first v has the direction of
+//! the chord and the length of the [expansion](crate::effect::along). The error at b, rotated back to a by the smallest
+//! rotation between the normals, corrects v, with Broyden's secant method through all tries (C. G. Broyden 1965).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};

@@ -3,7 +3,8 @@
 use crate::kernel::space::{Open, Periodic};
 use crate::kernel::within::Within;
 
-/// Bodies of several kinds, and a potential for every two kinds: one type, each with parameters of its own.
+/// Bodies of several kinds (species), and a potential for every two kinds. The potentials have one type, each with its
+/// own parameters.
 ///
 /// ```
 /// use rattle::potentials::LennardJones;
@@ -20,6 +21,9 @@ use crate::kernel::within::Within;
 /// assert!(simulation.energy_error().abs() < 1e-4);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "species")]
+#[doc(alias = "atom types")]
+#[doc(alias = "mixing rule")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kinds<P> {
     pub(crate) of: Vec<usize>,
@@ -29,14 +33,16 @@ pub struct Kinds<P> {
 
 impl<P> Kinds<P> {
     /// Bodies of these kinds, counted from 0, and the potentials between kinds (0, 0), (1, 0), (1, 1), (2, 0), (2, 1),
-    /// (2, 2), … in one row: k (k + 1)/2 of them for k kinds. [`mixed`](Self::mixed) makes them by a rule.
+    /// (2, 2), … in one list: k (k + 1)/2 of them for k kinds. [`mixed`](Self::mixed) makes them by a rule.
     ///
-    /// A table of another size, a kind beyond it, and another number of bodies are errors when a run is set up.
+    /// A table of another size, a kind that is not in it, and a number of kinds that is not the number of bodies are
+    /// errors when a run is set up.
     pub fn new(kind_of_each: impl IntoIterator<Item = usize>, table: impl IntoIterator<Item = P>) -> Self {
         Self { of: kind_of_each.into_iter().collect(), table: table.into_iter().collect() }
     }
 
-    /// Bodies of these kinds, counted from 0, and the potential that `between(a, b)` makes for each two of them, b ≤ a.
+    /// Bodies of these kinds, counted from 0, and the potential `between(a, b)` for every two kinds b ≤ a, such as a
+    /// mixing rule.
     pub fn mixed(
         kind_of_each: impl IntoIterator<Item = usize>,
         mut between: impl FnMut(usize, usize) -> P,
@@ -74,7 +80,7 @@ impl<P, B> Kinds<Within<P, B>> {
 }
 
 impl<P> Kinds<Within<P, Open>> {
-    /// The same in a box that repeats itself after these lengths: see [`Within::periodic`].
+    /// The same in a periodic box with these lengths: see [`Within::periodic`].
     #[must_use]
     pub fn periodic<const D: usize>(self, periods: [f64; D]) -> Kinds<Within<P, Periodic<D>>> {
         Kinds { of: self.of, table: self.table.into_iter().map(|within| within.periodic(periods)).collect() }

@@ -1,5 +1,5 @@
-//! Whether equations are smooth between two places: where an argument of `abs`, `min`, `if` … has another sign at the
-//! end than at the start, the normals on both sides of the place where it changes are compared.
+//! Whether equations are smooth between two positions: where an argument of `abs`, `min`, `if` … has different signs at
+//! the two, the normals on both sides of its zero are compared.
 //!
 //! ```text
 //! q(s) = from + s (to − from)      s halved until a and b, on both sides, are 10⁻⁶ apart
@@ -7,9 +7,10 @@
 //! τ = |n(from) − n(a)| + |n(b) − n(to)|          how far the normal turns otherwise
 //! ```
 //!
-//! A jump of θ changes an energy by some θ², at each crossing to another side; turns of τ in a step have errors of τ².
-//! The line leaves the surface by an eighth of τ times its length, and there functions that agree on the surface need
-//! not have the same normal: less than τ² is no jump. The same goes for g itself, as a length in units of the way.
+//! A jump by θ changes an energy by about θ² at each crossing; a rotation of the normal by τ in a step has errors of
+//! τ². The line leaves the surface by an eighth of τ times its length, where functions that agree on the surface need
+//! not have the same normal: so less than τ² is not a jump. The same holds for g itself, as a length in units of the
+//! path.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::{Mask, Real};

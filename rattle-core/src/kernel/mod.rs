@@ -1,4 +1,4 @@
-//! What a macro writes: functions of one place and their derivatives, and their power series. A kernel knows no body.
+//! Kernels: the functions that macros write, with their derivatives and power series. A kernel knows no body.
 
 pub mod block;
 pub mod counted;

@@ -1,10 +1,11 @@
-//! A kernel, and the bodies that each copy of it is over.
+//! A function of several bodies, and the bodies on which each copy of it acts.
 
 use crate::error::{Error, NetworkMistake};
 use std::any::type_name;
 
-/// A potential, or another function of several bodies, on chosen ones, A at a time: its variables are the coordinates
-/// of a member's bodies in turn. Made by [`Potential::over`](crate::kernel::Potential::over) and its like.
+/// A potential, or another function of A bodies, on chosen bodies. Each member is a list of A bodies; the variables of
+/// the function are their coordinates, one after the other. Made by [`Potential::over`](crate::kernel::Potential::over)
+/// and similar methods.
 ///
 /// ```text
 /// scene.with(Spring { stiffness: 9.0, length: 1.0 }.over([[0, 1], [1, 2]]))      // |a: [f64; 3], b: [f64; 3]| …
@@ -18,12 +19,12 @@ pub struct Over<P, const A: usize> {
 }
 
 impl<P, const A: usize> Over<P, A> {
-    /// The same potential over these members.
+    /// The same potential for all of these members.
     pub fn new(potential: P, members: impl IntoIterator<Item = [usize; A]>) -> Self {
         Self { potentials: vec![potential], members: members.into_iter().collect() }
     }
 
-    /// Each member with a potential of its own.
+    /// A potential for each member.
     pub fn each(pairs: impl IntoIterator<Item = (P, [usize; A])>) -> Self {
         let (potentials, members) = pairs.into_iter().unzip();
         Self { potentials, members }

@@ -1,13 +1,15 @@
-//! The recurrences of the operations of the macros' language.
+//! Recurrences of power series for the operations of the macro language.
 
 use crate::kernel::block::{Block, WIDTH};
 use crate::number::real::{Mask, Real};
 use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 
-/// One coefficient of each operation of a function, from those of its operands and the lower ones.
+/// Computes one coefficient of each operation of a function, from the coefficients of its operands and the lower
+/// coefficients.
 ///
-/// Methods take the coefficient k of their operands and return that of the result; `at` says which products are theirs,
-/// at each order the same. With t a′ for the series of k aₖ, all come down to products:
+/// Methods take the coefficient k of their operands and return that of the result; `at` numbers the products that
+/// belong to the operation, the same at each order. With t a′ for the series of k aₖ, all operations reduce to
+/// products:
 ///
 /// ```text
 /// q = a/b      q b = a
@@ -17,9 +19,8 @@ use std::f64::consts::{FRAC_2_SQRT_PI, LOG2_E, LOG10_E};
 /// y = aᶜ       t y′ = c (t a′/a) y      cbrt: c = 1/3;  c a series: t y′ = t (c ln a)′ y
 /// ```
 ///
-/// Values (k = 0) are those of the scalar's own functions. Signs and choices are those at t = 0; where one turns just
-/// there, there is no series, and coefficients are NaN. They are NaN or infinite too where a function is not smooth:
-/// √0, ln 0.
+/// Values (k = 0) are those of the scalar's own functions. Signs and branches are those at t = 0; where one changes
+/// just there, coefficients are NaN. They are NaN or infinite too where a function is not smooth: √0, ln 0.
 #[derive(Debug)]
 pub struct Recurrences<'a, T, const FIRST: bool> {
     /// k and 1/k.
@@ -69,13 +70,13 @@ impl<'a, T: Real, const FIRST: bool> Recurrences<'a, T, FIRST> {
         self.first[1][at / WIDTH].0[at % WIDTH]
     }
 
-    /// A number that stays.
+    /// A constant.
     #[inline(always)]
     #[must_use]
     pub fn constant(&self, x: T) -> T {
         if FIRST { x } else { T::from_f64(0.0) }
     }
-    /// a + x, for a number x that stays.
+    /// a + x, for a constant x.
     #[inline(always)]
     #[must_use]
     pub fn shift(&self, a: T, x: T) -> T {
@@ -111,7 +112,7 @@ impl<'a, T: Real, const FIRST: bool> Recurrences<'a, T, FIRST> {
         y
     }
 
-    /// a b. Sooner done where b is the factor that is known later.
+    /// a b. Faster where b is the factor that is known later.
     #[inline(always)]
     pub fn product(&mut self, at: usize, a: T, b: T) -> T {
         self.note(at, a, b);
@@ -182,13 +183,13 @@ impl<'a, T: Real, const FIRST: bool> Recurrences<'a, T, FIRST> {
         let rate = self.quotient(at, self.rate(a), a);
         self.with_rate(rate * T::from_f64(LOG2_E), || a.log2())
     }
-    /// aᶜ for a number c that stays.
+    /// aᶜ for a constant c.
     #[inline(always)]
     pub fn powf(&mut self, at: [usize; 2], a: T, c: T) -> T {
         let rate = self.quotient(at[0], self.rate(a), a);
         self.growth(at[1], c * rate, || a.powf(c))
     }
-    /// aᵇ for an exponent that moves.
+    /// aᵇ for an exponent that varies.
     #[inline(always)]
     pub fn power(&mut self, at: [usize; 3], a: T, b: T) -> T {
         let logarithm = self.ln(at[0], a);

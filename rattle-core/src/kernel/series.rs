@@ -1,16 +1,16 @@
-//! Power series, one coefficient at a time: what the macros' functions are along a curve q(t) = Σ qₖ tᵏ.
+//! Power series of the macros' functions along a curve q(t) = Σ qₖ tᵏ, one coefficient at a time.
 //!
 //! ```text
 //! (a b)ₖ = a₀ bₖ + aₖ b₀ + Σ aⱼ bₖ₋ⱼ,   0 < j < k
 //! ```
 //!
-//! Every operation that is not linear comes down to such a product, of two series of which one may be the result itself
-//! ([`Recurrences`]). The sum is known before the coefficient k of anything is. So the [`Products`] of all functions of
-//! a system are kept side by side, eight in a block: first their sums are formed, as wide as the processor's registers
-//! are; then each function goes through its operations once, with two products for each.
+//! Every nonlinear operation reduces to such a product of two series, one of which may be the result itself
+//! ([`Recurrences`]). The sum needs only lower coefficients. So the [`Products`] of all functions of a system are
+//! stored together, in blocks of eight: first all sums are formed, in full SIMD registers; then each function goes
+//! through its operations once, with two multiplications for each product.
 //!
-//! N coefficients of one operation cost N²/2 products. A scalar of whole series in the same code would cost N³/3 in a
-//! differential equation, all N for each new one.
+//! N coefficients of one operation cost N²/2 multiplications. Computing with whole series as scalars would cost N³/3 in
+//! a differential equation, since each new coefficient would compute all N again.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, I.8.
 
@@ -29,7 +29,7 @@ pub(crate) const fn blocks(products: usize) -> usize {
     products.div_ceil(WIDTH)
 }
 
-/// The factors of all products of a system, with all coefficients that are known.
+/// The factors of all products of a system, with all known coefficients.
 ///
 /// ```
 /// use rattle::series::Products;
@@ -52,7 +52,7 @@ pub struct Products<T> {
 }
 
 impl<T: Real> Products<T> {
-    /// Room for so many blocks of [`WIDTH`] products, and so many coefficients of each.
+    /// Memory for `blocks` blocks of [`WIDTH`] products, with `orders` coefficients each.
     #[must_use]
     pub fn new(blocks: usize, orders: usize) -> Self {
         let zeros = |n| vec![Block([T::from_f64(0.0); WIDTH]); n];
@@ -68,7 +68,7 @@ impl<T: Real> Products<T> {
         Order { k: 0, first: [unknown; 2], sums: unknown, now: [left, right] }
     }
 
-    /// Goes on with the coefficients k ≥ 1; lower ones are known.
+    /// Continues with the coefficients k ≥ 1; lower ones are known.
     #[inline(always)]
     pub fn next(&mut self, k: usize) -> Order<'_, T, false> {
         let n = self.blocks;
@@ -109,8 +109,8 @@ impl<T: Real> Work for Sums<'_, T> {
     }
 }
 
-/// The coefficients k of all products, those not yet taken: functions take theirs in turn, in the same order for each
-/// k. `FIRST` where k = 0.
+/// The coefficients k of the products that no function has taken yet. Functions take theirs one after the other, in the
+/// same order for each k. `FIRST` where k = 0.
 #[derive(Debug)]
 pub struct Order<'a, T, const FIRST: bool> {
     k: usize,
@@ -121,7 +121,7 @@ pub struct Order<'a, T, const FIRST: bool> {
 }
 
 impl<'a, T: Real, const FIRST: bool> Order<'a, T, FIRST> {
-    /// The next so many blocks.
+    /// Takes the next `blocks` blocks.
     #[inline(always)]
     pub fn take(&mut self, blocks: usize) -> Recurrences<'a, T, FIRST> {
         let [left, right] = &mut self.now;

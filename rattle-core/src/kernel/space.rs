@@ -1,18 +1,19 @@
-//! The way from one place to another: in open space, or in one that repeats itself.
+//! The vector from one position to another, in open or in periodic space.
 
 use crate::number::real::Real;
 use std::array::from_fn;
 use std::fmt::Debug;
 
-/// A space in which bodies are apart.
+/// A space, which defines the vector between two positions.
 pub trait Space<const D: usize>: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// The way from b to a, or from that image of b which is nearest: a − b. The way back is its opposite, bit for bit.
+    /// The vector a − b from b to a, or from the nearest image of b. Exchanging a and b changes only its sign, bit for
+    /// bit.
     fn apart<T: Real>(&self, a: &[T; D], b: &[T; D]) -> [T; D];
-    /// The lengths after which the space repeats itself; infinite along coordinates where it does not.
+    /// The periods along the coordinates; infinite where space is not periodic.
     fn periods(&self) -> [f64; D];
 }
 
-/// Space without end.
+/// Open, infinite space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Open;
 
@@ -27,11 +28,14 @@ impl<const D: usize> Space<D> for Open {
     }
 }
 
-/// Space that repeats itself: the nearest image counts. Places are not wrapped; they may be any number of periods away.
+/// Periodic space, with nearest images (minimum image convention). Positions are not wrapped: they may be any number of
+/// periods away.
 ///
 /// ```text
 /// Δ = a − b − L round((a − b)/L)        along each coordinate
 /// ```
+#[doc(alias = "periodic boundary conditions")]
+#[doc(alias = "minimum image")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Periodic<const D: usize> {
     periods: [f64; D],
@@ -41,7 +45,7 @@ pub struct Periodic<const D: usize> {
 }
 
 impl<const D: usize> Periodic<D> {
-    /// Space of these periods.
+    /// Space with these periods; `f64::INFINITY` where it is not periodic.
     #[must_use]
     pub fn new(periods: [f64; D]) -> Self {
         let steps = periods.map(|length| if length.is_finite() { length } else { 0.0 });

@@ -1,16 +1,17 @@
-//! A pair potential as far as a distance, and nothing beyond: U ends by a switch, or less what it is there.
+//! Pair potentials with a cut-off: U is switched off smoothly, or shifted to zero.
 //!
 //! Sources: M. P. Allen, D. J. Tildesley, *Computer Simulation of Liquids*, 2nd ed. (2017), 1.6.3 and 5.3; S. Toxvaerd,
-//! J. C. Dyre (2011) for the potential less its tangent; L. Verlet (1967) for lists.
+//! J. C. Dyre (2011) for shifted forces; L. Verlet (1967) for lists.
 
 use crate::kernel::space::{Open, Periodic};
 
-/// A pair potential U between bodies nearer than `reach`, and nothing beyond: made by
+/// A pair potential U with the cut-off distance `reach`, zero beyond it: made by
 /// [`PairPotential::within`](crate::kernel::PairPotential::within).
 ///
-/// **How it ends.** A symplectic method keeps energy without drift where forces are smooth. 120 atoms of Lennard-Jones
-/// on a gyroid, of a kinetic energy of 120 ε, reach 2.5 σ, steps of 0.005 σ √(m/ε); energy errors in ε, means over the
-/// last 5 000 of so many steps (`cargo test --test motion near_pairs:: -- --ignored --nocapture`):
+/// **The cut-off.** A symplectic method conserves energy without drift where forces are smooth. The table shows the
+/// energy errors in ε of 120 Lennard-Jones atoms on a gyroid, with a kinetic energy of 120 ε, reach 2.5 σ and steps of
+/// 0.005 σ √(m/ε), as means over the last 5 000 of the given number of steps
+/// (`cargo test --test motion near_pairs:: -- --ignored --nocapture`):
 ///
 /// | ending | 25 000 | 50 000 | 75 000 | 100 000 steps |
 /// |---|---|---|---|---|
@@ -20,15 +21,18 @@ use crate::kernel::space::{Open, Periodic};
 /// | from 0.9, which is the default | −0.171 | −0.171 | −0.172 | −0.172 |
 /// | from 0.7 | −0.172 | −0.171 | −0.172 | −0.170 |
 ///
-/// All have the error of the method, of second order; the energy of the potential that is only shifted wanders by a
-/// tenth of it besides. A switch leaves U as it is up to where it begins, which is why it is the default; a potential
-/// that is zero at its reach by itself, such as `Wca`, wants `.shifted()`.
+/// All have the second-order error of the method; with `shifted` the energy also wanders by a tenth of that error. The
+/// switch is the default since it does not change U at distances below its beginning. For a potential that is zero at
+/// its reach anyway, such as `Wca`, use `.shifted()`.
 ///
-/// **What a step costs**: as many operations as there are near pairs. The list of them is made before the first step,
-/// with room for half as many more; steps do not allocate until bodies crowd beyond that. Where more than a fourth of
-/// all pairs are near there is no list. Forces are sums over partners in the order of their numbers: those of a loop
-/// over all pairs to the bit, whatever the skin. Positions that are not finite give forces that are no numbers. An
-/// energy that is asked for makes a list of its own, and allocates. There are no power series (`Taylor`).
+/// **The cost of a step** is proportional to the number of near pairs. Their list is made before the first step, with
+/// memory for half as many more; steps do not allocate unless bodies crowd beyond that. Where more than a fourth of all
+/// pairs are near, there is no list. Forces are summed over partners in the order of their numbers, so they are bit for
+/// bit those of a loop over all pairs, whatever the skin. Positions that are not finite give forces of NaN. Evaluating
+/// the energy makes a list of its own, and allocates. There are no power series, so `Taylor` is refused.
+#[doc(alias = "cutoff")]
+#[doc(alias = "cut-off")]
+#[doc(alias = "neighbour list")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Within<P, B = Open> {
     pub(crate) potential: P,
@@ -38,14 +42,15 @@ pub struct Within<P, B = Open> {
     pub(crate) space: B,
 }
 
-/// A pair potential by the distance between bodies along the surface g = 0 that they are on: made by [`Within::along`].
+/// A pair potential of the distance between bodies along the surface g = 0 on which they move: made by
+/// [`Within::along`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along<P, C, B = Open> {
     pub(crate) within: Within<P, B>,
     pub(crate) surface: C,
 }
 
-/// A pair potential by the length of the geodesic between bodies on the surface g = 0: made by
+/// A pair potential of the length of the geodesic between bodies on the surface g = 0: made by
 /// [`Within::along_geodesics`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlongGeodesics<P, C, B = Open> {
@@ -83,47 +88,50 @@ impl<P, B> Within<P, B> {
     /// S = 1 − 10x³ + 15x⁴ − 6x⁵        x = (r² − from²)/(reach² − from²), at least 0
     /// ```
     ///
-    /// The force and its slope are continuous. If nothing is said, `from` is 0.9 of the reach.
+    /// The force and its derivative are continuous. By default `from` is 0.9 of the reach.
     #[must_use]
     pub fn switched(self, from: f64) -> Self {
         Self { ending: Ending::Switched { from }, ..self }
     }
 
-    /// The potential less what it is at the reach, U(r) − U(reach): forces within are those of U. The energy is
+    /// The potential minus its value at the reach, U(r) − U(reach). Forces within are those of U. The energy is
     /// continuous, the force jumps at the reach.
     #[must_use]
     pub fn shifted(self) -> Self {
         Self { ending: Ending::Shifted, ..self }
     }
 
-    /// The potential less its tangent at the reach, U(r) − U(reach) − (r − reach) U′(reach): energy and force are
-    /// continuous, and the force is everywhere less by that at the reach.
+    /// The potential minus its tangent at the reach, U(r) − U(reach) − (r − reach) U′(reach). Energy and force are
+    /// continuous; the force at the reach is subtracted everywhere.
     #[must_use]
     pub fn force_shifted(self) -> Self {
         Self { ending: Ending::ForceShifted, ..self }
     }
 
-    /// The list of pairs holds those nearer than reach + `skin`, a length, and is made anew once a body has moved by
-    /// half of the skin: a thick one is made seldom, a thin one holds few pairs. It changes the time that a step takes,
-    /// and not a bit of the forces. If nothing is said, 0.3 of the reach.
+    /// Sets the skin of the list of pairs, a length. The list holds all pairs nearer than reach + `skin`, and is made
+    /// again once a body has moved by half of the skin: with a thick skin it is made seldom, with a thin one it holds
+    /// few pairs. The skin changes only the time of a step, not a bit of the forces. By default it is 0.3 of the reach.
+    #[doc(alias = "neighbour list")]
     #[must_use]
     pub fn skin(self, skin: f64) -> Self {
         Self { skin, ..self }
     }
 
-    /// The same in a box that repeats itself after these lengths; `f64::INFINITY` where it does not. Bodies act on the
-    /// nearest image of others, so that the reach is half of a length at most. Positions stay as they are, and may be
-    /// any number of periods away.
+    /// The same in a periodic box with these lengths; `f64::INFINITY` for a coordinate that is not periodic. Bodies act
+    /// on the nearest images of others, so the reach may be at most half of a length. Positions are not wrapped: they
+    /// may be any number of periods away.
+    #[doc(alias = "periodic boundary conditions")]
+    #[doc(alias = "minimum image")]
     #[must_use]
     pub fn periodic<const D: usize>(self, periods: [f64; D]) -> Within<P, Periodic<D>> {
         let Self { potential, reach, ending, skin, .. } = self;
         Within { potential, reach, ending, skin, space: Periodic::new(periods) }
     }
 
-    /// The same by distances along this surface of one equation, on which the bodies are, instead of straight ones: to
-    /// the next order in the curvature, see [`effect::along`](crate::effect::along), which serves as long as the reach
-    /// is less than about a third of the radii of curvature. Who is near through space and far along the surface still
-    /// acts: other parts of the surface must be farther than the reach.
+    /// The same with distances along the surface on which the bodies move, instead of straight ones. Distances are
+    /// computed to the next order in the curvature, see [`effect::along`](crate::effect::along): use this for a reach
+    /// below about a third of the radii of curvature. Bodies that are near through space but far along the surface
+    /// still interact, so other parts of the surface must be farther away than the reach.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;
@@ -143,10 +151,10 @@ impl<P, B> Within<P, B> {
         Along { within: self, surface }
     }
 
-    /// The same by the exact length of the geodesic between bodies, to rounding, for any reach below the surface's
-    /// injectivity radius (see `curvature::geodesic_distance`); each pair within reach takes
-    /// 30 µs. Where no geodesic is found, as between parts of the surface that are near through space alone, the
-    /// force is no number, and the step or the start is refused.
+    /// The same with the exact lengths of geodesics between bodies, to rounding, for any reach below the injectivity
+    /// radius of the surface (see `curvature::geodesic_distance`). Each pair within reach takes 30 µs. Where no
+    /// geodesic is found, as between parts of the surface that are near only through space, the force is NaN, and the
+    /// step or the start is refused.
     ///
     /// ```
     /// use rattle::potentials::LennardJones;

@@ -1,4 +1,4 @@
-//! Which methods can move a system, and the one place that says that a method cannot.
+//! Which methods can move a system: the one place that refuses a method.
 
 use crate::effect::interval::Rule;
 use crate::error::{EffectMistake, Error};

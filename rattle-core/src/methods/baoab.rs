@@ -1,4 +1,4 @@
-//! g-BAOAB: a step of RATTLE with heat in its middle (Leimkuhler, Matthews 2016).
+//! g-BAOAB: a step of geodesic RATTLE with the thermostat in its middle (Leimkuhler, Matthews 2016).
 //!
 //! ```text
 //! B   p ← p + h/2 f(q), tangent
@@ -8,11 +8,11 @@
 //! B   p ← p + h/2 f(q), tangent
 //! ```
 //!
-//! Averages over places have errors that fall like h², with a constant far below that of the splitting O B A B O, which
-//! [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. Measured:
-//! what the mean height of a body on a sphere of radius 2 under gravity ½ is off by, at kT = ½ and γ = 1, where it is
-//! −1.0746 by the exact law (`cargo test --release --test effects heat::table -- --ignored --nocapture`; the noise is
-//! 5e-4):
+//! Averages over positions have errors that fall like h², with a constant far below that of the splitting O B A B O,
+//! which [`Rattle`](crate::methods::rattle::Rattle) makes with the same effects; in a harmonic trap they are exact. The
+//! table shows the measured error of the mean height of a body on a sphere of radius 2 under gravity ½, at kT = ½ and γ
+//! = 1, where the exact mean is −1.0746 (`cargo test --release --test effects heat::table -- --ignored --nocapture`;
+//! the noise is 5e-4):
 //!
 //! | h | `Baoab::new(h)` | `Baoab::with_inner(4, h)` | `Rattle::new(h)` |
 //! |---|---|---|---|
@@ -20,8 +20,8 @@
 //! | 0.2 | 1.5e-3 | 1.0e-3 | 4.3e-3 |
 //! | 0.3 | 2.8e-3 | 1.6e-3 | 9.8e-3 |
 //!
-//! Without flows of momenta it is a symmetric, symplectic method of second order. With random ones a step of −h does
-//! not undo one of h, so it goes into no composition.
+//! Without flows of momenta it is a symmetric, symplectic method of second order. With random flows a step of −h does
+//! not undo a step of h, so it cannot be composed.
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
@@ -32,7 +32,7 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
-/// g-BAOAB with a constant step size: kick, drift, heat, drift, kick.
+/// g-BAOAB with a constant step size: kick, drift, thermostat, drift, kick.
 ///
 /// ```
 /// # use rattle::Baoab;
@@ -56,11 +56,11 @@ impl Default for KickDriftHeat {
 }
 
 impl Baoab {
-    /// The method with so many steps of free motion on either side of the middle of each step of size `h`, in the unit
-    /// of time.
+    /// The method with step size `h`, in the unit of time, and `inner` steps of free motion on either side of the
+    /// middle of each step.
     ///
     /// # Panics
-    /// If there are none.
+    /// If `inner` is 0.
     #[must_use]
     #[track_caller]
     pub fn with_inner(inner: u32, h: f64) -> Self {

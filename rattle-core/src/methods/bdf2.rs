@@ -1,12 +1,12 @@
-//! BDF2: the implicit two-step method of backward differences, on the equations of motion as they stand (index 3).
+//! BDF2: the implicit two-step backward differentiation formula, for the equations of motion with g = 0 (index 3).
 //!
 //! ```text
 //! (3q′ − 4q + q₋)/(2h) = v′,   M (3v′ − 4v + v₋)/(2h) = f(q′) + G(q′)ᵀλ′,   g(q′) = 0
 //! ```
 //!
-//! Second order, with the first step by RATTLE. It damps: energy falls, slower with shorter steps. Constraints hold to
-//! rounding, their derivative G(q′) v′ = 0 only to second order. It is what general solvers of differential-algebraic
-//! equations do with a pendulum, and here to compare with.
+//! Second order, with the first step by RATTLE. The method is dissipative: energy falls, more slowly with shorter
+//! steps. Constraints hold to rounding, their derivative G(q′) v′ = 0 only to second order. General solvers of
+//! differential-algebraic equations use such methods; this one is for comparison.
 //!
 //! With the increments d = q − q₋, d′ = q′ − q, and β = 2h/3,
 //!
@@ -14,8 +14,9 @@
 //! d′ = d/3 + β (4v − v₋)/3 + β² M⁻¹(f(q′) + G(q′)ᵀλ′)
 //! ```
 //!
-//! is iterated: forces and normals at the last q′, what is missing tangent to the constraint, q′ back onto it. That
-//! contracts like (h·κ·|v|)². The increment and the momentum before the last step are remembered.
+//! is solved by iteration: forces and normals are evaluated at the last q′, the residual tangent to the constraint is
+//! corrected, and q′ is projected onto the constraint. This contracts like (h·κ·|v|)². The memory holds the increment
+//! of the last step and the momentum before it.
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, VII.3.
 
@@ -49,6 +50,9 @@ const ROOM: usize = 2;
 /// assert!((simulation.position().x - 2.0).abs() < 1e-15);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Gear")]
+#[doc(alias = "DAE")]
+#[doc(alias = "multistep")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bdf2 {
     h: f64,

@@ -1,13 +1,13 @@
-//! Brownian motion: friction so high that momenta are forgotten at once.
+//! Brownian motion: the overdamped limit, without inertia.
 //!
 //! ```text
 //! dq = M⁻¹(f/γ dt + √(2kT/γ) L dW), along the constraints       M = L Lᵀ
 //! q′ = q + h M⁻¹(f(q)/γ + √(2kT/γh) Π L ξ + ∇g(q) λ)            λ such that g(q′) = 0, ξ normal
 //! ```
 //!
-//! What [`Langevin`](crate::effect::Langevin) with the friction γ becomes for large γ, in steps that need not resolve
-//! 1/γ. Places are of the density exp(−U/kT) over the surface, to first order in h; diffusion has the constant D =
-//! kT/(γm).
+//! This is the limit of [`Langevin`](crate::effect::Langevin) dynamics for large friction γ, with steps that need not
+//! resolve 1/γ. Positions have the density exp(−U/kT) over the surface, to first order in h; the diffusion constant is
+//! D = kT/(γm).
 //!
 //! Source: G. Ciccotti, T. Lelièvre, E. Vanden-Eijnden, Comm. Pure Appl. Math. 61 (2008) 371.
 
@@ -21,12 +21,12 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
-/// Brownian motion by the projected method of Euler and Maruyama, of first order in averages.
+/// Brownian motion by the projected Euler–Maruyama method, of first order in averages.
 ///
-/// Momenta play no part: those of a start are forgotten, and after each step they are zero (with links that move, those
-/// of the links). Energies then are potential ones, no work is booked, and the energy error says nothing. A step needs
-/// h·κ·|v| < 1 for its random displacement h|v|. Of [flows](crate::effect::Flow) only pushes make sense, which are the
-/// same for all momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
+/// There are no momenta: those of a start are ignored, and after each step they are zero (with moving links, those of
+/// the links). Energies are potential energies, no work is counted, and the energy error has no meaning. A step needs
+/// h·κ·|v| < 1, with its random displacement as h|v|. The only possible [flows](crate::effect::Flow) are those that do
+/// not depend on momenta: [`SelfPropulsion`](crate::effect::SelfPropulsion), and a `force!` without velocities.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -41,6 +41,8 @@ use crate::number::real::Real;
 /// assert!((mean - 2.0 * (1.0 - (-0.5_f64).exp())).abs() < 0.1);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "diffusion")]
+#[doc(alias = "Smoluchowski")]
 #[doc(alias = "noise")]
 #[doc(alias = "Langevin")]
 #[doc(alias = "overdamped")]
@@ -53,8 +55,8 @@ pub struct Brownian {
 }
 
 impl Brownian {
-    /// The method with the friction γ, a rate in the unit of 1/time; the temperature kT, an energy; the seed of its
-    /// random numbers; and step size `h`.
+    /// The method with the friction γ, in the unit of 1/time, the temperature kT, an energy, the seed of its random
+    /// numbers, and step size `h`, in the unit of time.
     #[must_use]
     pub fn new(friction: f64, temperature: f64, seed: u64, h: f64) -> Self {
         Self { friction, temperature, seed, h }

@@ -1,14 +1,15 @@
 //! Coefficients of symmetric compositions, each number the double nearest to 40 digits that satisfy the order
 //! conditions.
 //!
-//! What a composition costs is its stages; how long a step may be, the largest |γ|; how small its error, roughly Σ|γ|.
+//! The number of stages determines the cost of a composition, the largest |γ| how long a step may be, and Σ|γ| roughly
+//! the size of the error.
 
 /// Coefficients of a symmetric composition.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
     /// Author, year, order.
     pub name: &'static str,
-    /// The order that they raise a method of order 2 to.
+    /// The order of the composition of a method of order 2.
     pub order: u32,
     /// γ₁ … γₛ.
     pub gammas: &'static [f64],
@@ -194,7 +195,7 @@ pub const SOFRONIOU_SPALETTA_2005_ORDER_10: Coefficients = Coefficients {
     ]),
 };
 
-/// All of them, in order of their order.
+/// All coefficients, by increasing order.
 pub const ALL: [Coefficients; 12] = [
     YOSHIDA_1990_ORDER_4,
     SUZUKI_1990_ORDER_4,

@@ -36,6 +36,9 @@ use crate::number::real::Real;
 /// let method = Composition::new(SUZUKI_1990_ORDER_4, 0.03);
 /// let other = Composition::of(KAHAN_LI_1997_ORDER_8, Geodesic::new(4, 0.1));
 /// ```
+#[doc(alias = "Yoshida")]
+#[doc(alias = "high order")]
+#[doc(alias = "symmetric composition")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Composition<B = Rattle> {
     base: B,
@@ -44,6 +47,8 @@ pub struct Composition<B = Rattle> {
 
 impl Composition {
     /// RATTLE composed with these coefficients, with step size `h` in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(coefficients: Coefficients, h: f64) -> Self {
         Self::of(coefficients, Rattle::new(h))
@@ -51,13 +56,14 @@ impl Composition {
 }
 
 impl<B: Method> Composition<B> {
-    /// `base` composed with these coefficients: γᵢ of its step in turn make one of the same length.
+    /// `base` composed with these coefficients: steps of γᵢ times its step size, one after the other, make one of the
+    /// same length.
     #[must_use]
     pub fn of(coefficients: Coefficients, base: B) -> Self {
         Self { base, coefficients }
     }
 
-    /// Its coefficients.
+    /// The coefficients.
     pub fn coefficients(&self) -> Coefficients {
         self.coefficients
     }

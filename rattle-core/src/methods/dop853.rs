@@ -6,9 +6,9 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! Neither symplectic nor reversible: energy drifts. It is here to compare with, and for short runs: with a tolerance
-//! it is the cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then
-//! divided so that inner steps keep the tolerance; it is still a function of the state alone.
+//! Neither symplectic nor reversible: energy drifts. For comparison and for short runs: with a tolerance it is the
+//! cheapest method down to errors of some 1e-8 on surfaces (`examples/accuracy.rs`). Each step is then divided into
+//! inner steps that keep the tolerance; a step is still a function of the state alone.
 //!
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10;
 //! coefficients as published with their program.
@@ -34,7 +34,7 @@ const SMALLEST_PART: f64 = 1e-6;
 /// Vectors per body: the rates at the stages.
 const ROOM: usize = 2 * STAGES;
 
-/// DOP853 with projection, of fixed steps or with a tolerance.
+/// DOP853 with projection, with fixed steps or with a tolerance.
 ///
 /// ```
 /// use rattle::{Dop853, Scene, State};
@@ -45,6 +45,10 @@ const ROOM: usize = 2 * STAGES;
 /// assert!((simulation.position().x - 2.0).abs() < 1e-12);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Runge-Kutta")]
+#[doc(alias = "ode")]
+#[doc(alias = "RK")]
+#[doc(alias = "adaptive")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dop853 {
     h: f64,
@@ -52,15 +56,17 @@ pub struct Dop853 {
 }
 
 impl Dop853 {
-    /// The method with fixed steps of size `h`, in the unit of time. That a step is too long is noticed only where its
-    /// end cannot be brought back to the constraint.
+    /// The method with fixed steps of size `h`, in the unit of time. A step that is too long is an error only where its
+    /// end cannot be projected onto the constraint.
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self { h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each made of as many inner ones as keep the tolerance, a length: for each
-    /// body the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    /// The method with steps of size `h`, each divided into as many inner steps as the tolerance, a length, needs: for
+    /// each body the estimated error |δq| + |h| |δv| of an inner step stays below it.
+    #[doc(alias = "dt")]
+    #[doc(alias = "tolerance")]
     #[must_use]
     pub fn adaptive(h: f64, tolerance: f64) -> Self {
         Self { h, tolerance: Some(tolerance) }

@@ -1,4 +1,4 @@
-//! Coefficients of DOP853, each the double nearest to the 30 digits that are published with it.
+//! Coefficients of DOP853, each the double nearest to the published 30 digits.
 
 /// The number of stages.
 pub const STAGES: usize = 12;
@@ -87,7 +87,7 @@ pub const WEIGHTS: &[(usize, f64)] = &[
     (11, 0.04471061572777259),
 ];
 
-/// bⱼ less those of an embedded formula of order 3.
+/// bⱼ minus those of the embedded formula of order 3.
 pub const ERROR_3: &[(usize, f64)] = &[
     (0, -0.18980075407240762),
     (5, 4.450312892752409),
@@ -99,7 +99,7 @@ pub const ERROR_3: &[(usize, f64)] = &[
     (11, 0.022651792198360825),
 ];
 
-/// bⱼ less those of an embedded formula of order 5.
+/// bⱼ minus those of the embedded formula of order 5.
 pub const ERROR_5: &[(usize, f64)] = &[
     (0, 0.01312004499419488),
     (5, -1.2251564463762044),

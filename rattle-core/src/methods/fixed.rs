@@ -1,4 +1,4 @@
-//! Methods of one step size that remember nothing: a [`Map`] is all that is left to say.
+//! Methods with a constant step size and without memory: to write one, implement [`Map`].
 
 use crate::error::Error;
 use crate::motion::failure::Failure;
@@ -9,9 +9,9 @@ use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use std::fmt::Debug;
 
-/// A map of the bodies over a time h, made of the verbs of a [`System`]. [`Fixed`] makes a method of it.
+/// A map of the bodies over a time h, made of the operations of a [`System`]. [`Fixed`] turns it into a method.
 ///
-/// A splitting of one's own, the symplectic Euler method that drifts first:
+/// Example: the symplectic Euler method that drifts first.
 ///
 /// ```
 /// use rattle::method::{Failure, Fixed, Map, Witness};
@@ -46,6 +46,8 @@ use std::fmt::Debug;
 /// assert_eq!(simulation.position().x, 2.0);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "custom integrator")]
+#[doc(alias = "splitting")]
 pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The method's name, as in the literature.
     const NAME: &'static str;
@@ -53,25 +55,25 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     const ORDER: u32;
     /// Whether the map of −h undoes that of h.
     const SYMMETRIC: bool;
-    /// How much later than positions momenta are, in steps; negative if earlier. 0 but for staggered methods.
+    /// The time of the momenta minus the time of the positions, in steps; 0 except for staggered methods.
     const DELAY: f64 = 0.0;
 
-    /// Whether the map has the [flows](crate::effect::Flow) of momenta act itself.
+    /// Whether the map applies the [flows](crate::effect::Flow) of momenta inside its step.
     const STIRS: bool = false;
 
-    /// Whether the map is a splitting into [stages](Self::stages), which goes in the lanes of an ensemble.
+    /// Whether the map is a splitting into [stages](Self::stages), which ensembles compute in SIMD lanes.
     const SPLITTING: Splitting = Splitting::Not;
-    /// How often a step evaluates the forces, where stages do not say it.
+    /// How often a step evaluates the forces, where that does not follow from the stages.
     const EVALUATIONS: Option<usize> = None;
-    /// The stages of a step of this size, in turn; as many as [`SPLITTING`](Self::SPLITTING) says.
+    /// The stages of a step of this size in order, as many as [`SPLITTING`](Self::SPLITTING) says.
     fn stages(&self, _h: f64) -> Vec<Stage> {
         Vec::new()
     }
 
-    /// Whether the map makes sense for a system with so many equations.
+    /// Checks that the map makes sense for a system with this number of equations.
     ///
     /// # Errors
-    /// Says what is in the way.
+    /// The reason why it does not.
     fn check(&self, _equations: usize) -> Result<(), Error> {
         Ok(())
     }
@@ -79,7 +81,7 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Takes `bodies` on by a time `h`. Neither allocates nor panics.
     ///
     /// # Errors
-    /// Says which body cannot be moved and why; `bodies` are then left half way.
+    /// Which body cannot be moved, and why; `bodies` are then left unfinished.
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
@@ -89,7 +91,7 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     ) -> Result<(), Failure>;
 }
 
-/// The method whose steps are this map, all of one size.
+/// The method whose steps are the map `M` with a constant step size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fixed<M> {
     map: M,
@@ -98,6 +100,8 @@ pub struct Fixed<M> {
 
 impl<M: Map + Default> Fixed<M> {
     /// The method with step size `h`, in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(h: f64) -> Self {
         Self::of(M::default(), h)

@@ -1,5 +1,5 @@
-//! Geodesic RATTLE: kicks that are made tangent, and between them free motion in several steps (Leimkuhler, Matthews
-//! 2016).
+//! Geodesic RATTLE: kicks, each projected to be tangent, with free motion in several steps between them (Leimkuhler,
+//! Matthews 2016).
 //!
 //! ```text
 //! p ← p + h/2 f(q),  tangent
@@ -7,9 +7,9 @@
 //! p ← p + h/2 f(q′), tangent
 //! ```
 //!
-//! Second order, symplectic, symmetric. One force per step, however many position equations: for forces that cost more
-//! than constraints, on surfaces that are more curved than forces change. The limit h·κ·|v| < 1 holds for h/n. With n →
-//! ∞ the free motion is along geodesics.
+//! Second order, symplectic, symmetric. One force per step, whatever the number of position equations: for forces that
+//! cost more than constraints, on surfaces whose curvature limits the step more than the forces do. The limit h·κ·|v| <
+//! 1 holds for h/n. With n → ∞ the free motion is along geodesics.
 //!
 //! Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 
@@ -22,7 +22,7 @@ use crate::number::real::Real;
 
 /// Geodesic RATTLE with a constant step size, second order.
 ///
-/// Multipliers told to an observer are shares that add up: λ keeps the free motion on the constraints, μ answers the
+/// An observer gets multipliers that add up to the whole: λ keeps the free motion on the constraints, μ balances the
 /// force.
 ///
 /// ```
@@ -38,10 +38,10 @@ pub struct KickDriftsKick {
 }
 
 impl Geodesic {
-    /// The method with so many steps of free motion in each step of size `h`, in the unit of time.
+    /// The method with step size `h`, in the unit of time, and `inner` steps of free motion in each step.
     ///
     /// # Panics
-    /// If there are none.
+    /// If `inner` is 0.
     #[must_use]
     #[track_caller]
     pub fn new(inner: u32, h: f64) -> Self {

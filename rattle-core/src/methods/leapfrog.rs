@@ -5,8 +5,8 @@
 //! p(t + 3h/2) = p(t + h/2) − h ∇U(q(t + h))
 //! ```
 //!
-//! Symplectic, second order on its two grids, one force per step. For free bodies only: momenta half a step away from
-//! the positions cannot be tangent to a constraint there; [`Shake`](crate::methods::shake::Shake) is the leapfrog with
+//! Symplectic, second order on its two time grids, one force per step. For free bodies only: momenta half a step away
+//! from the positions cannot be tangent to a constraint; [`Shake`](crate::methods::shake::Shake) is the leapfrog with
 //! constraints.
 
 use crate::error::Error;
@@ -16,7 +16,8 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
-/// The leapfrog with a constant step size. A start's momenta are taken as those of half a step later.
+/// The leapfrog with a constant step size. The momenta of a start are those half a step after its positions;
+/// [`Scene::staggered`](crate::scene::Scene::staggered) makes them.
 ///
 /// ```
 /// use rattle::{Leapfrog, Scene, State};
@@ -27,6 +28,8 @@ use crate::number::real::Real;
 /// assert_eq!((simulation.time(), simulation.momentum_time()), (2.0, 2.25));
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Verlet")]
+#[doc(alias = "staggered")]
 pub type Leapfrog = Fixed<DriftKick>;
 
 /// The map of [`Leapfrog`].

@@ -5,8 +5,8 @@
 //! p′ = p + h Σⱼ bⱼ (f(Qⱼ) + G(Qⱼ)ᵀλⱼ)                        λₛ such that G(q′) M⁻¹p′ = 0,   q′ = Qₛ
 //! ```
 //!
-//! aᵢⱼ is the product of the two matrices; two stages are RATTLE. From errors of 1e-4 on this costs several times less
-//! than a composition of RATTLE, and takes steps a few times as long.
+//! aᵢⱼ is the product of the two matrices; with two stages this is RATTLE. For errors below 1e-4 it costs several times
+//! less than a composition of RATTLE, with steps a few times as long.
 //!
 //! Source: L. Jay, SIAM J. Numer. Anal. 33 (1996) 368; E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical
 //! Integration*, VII.1.4.
@@ -22,16 +22,19 @@ use crate::motion::table::Tabulated;
 use crate::motion::witness::Witness;
 use crate::number::real::Real;
 
-/// Lobatto IIIA–IIIB of 2 to 9 stages with a constant step size. Five, order 8, serve most uses.
+/// Lobatto IIIA–IIIB with `S` = 2 to 9 stages and a constant step size. Five stages, order 8, suit most uses.
 ///
 /// ```
 /// # use rattle::{Lobatto, Method};
 /// assert_eq!(Lobatto::<5>::new(0.05).order(), 8);
 /// ```
 ///
-/// The iteration that solves for the stages begins with the acceleration at the start, `G` = [`FromState`]: a step is
-/// then a pure function of the state. With [`guess`](Self::guess) it begins with what the stages of the step before
-/// lead to.
+/// The iteration for the stages begins with the acceleration at the start (`G` = [`FromState`]), so a step is a pure
+/// function of the state. With [`guess`](Self::guess) it begins with values extrapolated from the stages of the step
+/// before.
+#[doc(alias = "high order")]
+#[doc(alias = "implicit Runge-Kutta")]
+#[doc(alias = "collocation")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lobatto<const S: usize, G = FromState> {
     h: f64,
@@ -41,6 +44,8 @@ pub struct Lobatto<const S: usize, G = FromState> {
 impl<const S: usize> Lobatto<S> {
     // The bound stands here, for only then the compiler tells a wrong number of stages in the words of `Tabulated`.
     /// The method with step size `h`, in the unit of time.
+    #[doc(alias = "dt")]
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn new(h: f64) -> Self
     where
@@ -49,8 +54,9 @@ impl<const S: usize> Lobatto<S> {
         Self { h, guess: FromState }
     }
 
-    /// The same method, its iteration begun with the polynomial through the stages of the step before: fewer iterations
-    /// where steps are short, and the same motion to rounding. A state taken from a simulation carries the stages.
+    /// The same method, with its iteration begun from the polynomial through the stages of the step before: fewer
+    /// iterations where steps are short, and the same motion to rounding. A state read from a simulation contains these
+    /// stages.
     ///
     /// ```
     /// # use rattle::{guess::Extrapolated, Lobatto};

@@ -1,4 +1,4 @@
-//! The maps that take bodies one step on. A method knows no system.
+//! The methods: maps that take bodies one step on. A method knows no system.
 
 pub(crate) mod able;
 pub mod baoab;

@@ -1,14 +1,13 @@
-//! Heat without chance: RATTLE between two halves of a Nosé–Hoover chain (Martyna, Klein, Tuckerman 1992).
+//! A deterministic thermostat: RATTLE between two halves of a Nosé–Hoover chain (Martyna, Klein, Tuckerman 1992).
 //!
 //! ```text
 //! ξ̇₁ = (2K − N kT)/Q₁ − ξ₁ξ₂,  ξ̇ᵢ = (Qᵢ₋₁ξᵢ₋₁² − kT)/Qᵢ − ξᵢξᵢ₊₁,  η̇ᵢ = ξᵢ,  ṗ = −ξ₁ p        N independent momenta
 //! E = K + U + Σ Qᵢξᵢ²/2 + N kT η₁ + kT (η₂ + η₃)        is kept;  Q₁ = N kT τ²,  Qᵢ = kT τ²
 //! ```
 //!
-//! Bodies then are of the canonical distribution if their motion is chaotic enough; a harmonic oscillator, or one
-//! particle by itself, may not be, and needs [`Langevin`](crate::effect::Langevin). The chain of three moves by a
-//! symmetric splitting with the weights of M. Suzuki and H. Yoshida of fourth order, so that the whole is reversible
-//! together with the chain.
+//! Bodies have the canonical distribution if their motion is chaotic enough. That may fail for a harmonic oscillator or
+//! a single particle: use [`Langevin`](crate::effect::Langevin) there. The chain of three moves by a symmetric
+//! splitting with the fourth-order weights of M. Suzuki and H. Yoshida, so bodies and chain together are reversible.
 //!
 //! Source: G. Martyna, M. Tuckerman, D. Tobias, M. Klein, Mol. Phys. 87 (1996) 1117.
 
@@ -30,9 +29,9 @@ const WEIGHTS: [f64; 3] = [1.351_207_191_959_657_8, -1.702_414_383_919_315_5, 1.
 
 /// RATTLE with a Nosé–Hoover chain of three, second order.
 ///
-/// The heat that bodies take is [work](crate::run::simulation::Simulation::work), so that the energy error is that of
-/// RATTLE. What is kept is the energy of the bodies and of the [bath](Self::bath_energy) together. Where a step is
-/// taken in parts, by [`retry`](crate::run::simulation::Simulation::retry), the bath begins anew.
+/// The heat given to the bodies counts as [work](crate::run::simulation::Simulation::work), so the energy error is that
+/// of RATTLE. The sum of the energies of the bodies and of the [bath](Self::bath_energy) is conserved. Where a step is
+/// divided, by [`retry`](crate::run::simulation::Simulation::retry), the bath starts again.
 ///
 /// ```
 /// use rattle::potentials::{Gravity, LennardJones};
@@ -63,16 +62,16 @@ pub struct NoseHoover {
 }
 
 impl NoseHoover {
-    /// The method at the temperature kT, an energy, whose bath swings within the time `time` (τ above, with step size
-    /// `h`): some tens of steps. A step is an error in which the bath would change momenta by more than a thousand
-    /// times.
+    /// The method at the temperature kT, an energy, with the time scale τ = `time` of the bath, some tens of steps, and
+    /// step size `h`, both in the unit of time. A step in which the bath would change momenta by a factor above 1000 is
+    /// an error.
     #[must_use]
     pub fn new(temperature: f64, time: f64, h: f64) -> Self {
         Self { temperature, time, h }
     }
 
-    /// The energy of the bath, of what a simulation [remembers](crate::run::simulation::Simulation::memory) with so
-    /// many [independent momenta](crate::run::simulation::Simulation::freedom); 0 at the start.
+    /// The energy of the bath, from the [memory](crate::run::simulation::Simulation::memory) and the number of
+    /// [independent momenta](crate::run::simulation::Simulation::freedom) of a simulation; 0 at the start.
     #[must_use]
     pub fn bath_energy(&self, memory: &[f64], freedom: usize) -> f64 {
         let (rates, places) = memory.split_at(memory.len() / 2);

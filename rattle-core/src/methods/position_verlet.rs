@@ -7,11 +7,11 @@
 //! ```
 //!
 //! Without constraints it is the drift–kick–drift form of the Störmer–Verlet method. Second order, symplectic,
-//! symmetric; one force per step, evaluated half way. The limit h·κ·|v| < 1 holds for h/2: steps may be twice as long
-//! as RATTLE's.
+//! symmetric; one force per step, evaluated at its middle. The limit h·κ·|v| < 1 holds for h/2: steps may be twice as
+//! long as RATTLE's.
 //!
-//! Source: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; with constraints it is the other
-//! order of [geodesic RATTLE](crate::methods::geodesic).
+//! Source: M. Tuckerman, B. J. Berne, G. J. Martyna, J. Chem. Phys. 97 (1992) 1990; with constraints it is [geodesic
+//! RATTLE](crate::methods::geodesic) with kicks and drifts exchanged.
 
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
@@ -22,7 +22,7 @@ use crate::number::real::Real;
 
 /// Position Verlet with a constant step size, second order.
 ///
-/// Multipliers told to an observer are those of the free motion alone.
+/// An observer gets the multipliers of the free motion alone.
 ///
 /// ```
 /// # use rattle::PositionVerlet;

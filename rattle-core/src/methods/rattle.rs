@@ -6,15 +6,14 @@
 //! p′ = p½ + h/2 (∇g(q′) μ − ∇U(q′))       μ such that ∇g(q′)·p′ = 0
 //! ```
 //!
-//! Second order, symplectic, and reversible while the step is short enough to have one clear solution, h·κ·|v| ≲ ½.
-//! λ and μ are on one scale, that of q̈ = −∇U + ∇g λ; each is
-//! first order, their mean (μₙ + λₙ₊₁)/2 at tₙ second. Without constraints, RATTLE is the velocity form of the
-//! Störmer–Verlet method, kick–drift–kick.
+//! Second order, symplectic, and reversible while the step is short enough to have one clear solution, h·κ·|v| ≲ ½. λ
+//! and μ have the scale of q̈ = −∇U + ∇g λ. Each is of first order; their mean (μₙ + λₙ₊₁)/2 at tₙ is of second order.
+//! Without constraints, RATTLE is the velocity form of the Störmer–Verlet method, kick–drift–kick.
 //!
-//! The step is formed as an increment and added once, q and p are compensated sums (Kahan 1965):
-//! rounding in the energy then grows like √n steps instead of like n. [How](crate::motion::iteration) the position
-//! equation is solved and from [which first guess](crate::motion::guess) changes last bits only, and what a step costs;
-//! by default Newton's method begins with g̈ = 0, so that a step is a pure function of the state.
+//! A step is computed as an increment and added once, and q and p are compensated sums (Kahan 1965). So rounding errors
+//! of the energy grow like √n in n steps, not like n. The [iteration](crate::motion::iteration) for the position
+//! equation and its [first guess](crate::motion::guess) change only last bits and the cost of a step. By default
+//! Newton's method begins with λ from g̈ = 0, so a step is a pure function of the state.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.4.
 
@@ -30,13 +29,17 @@ use std::marker::PhantomData;
 
 /// RATTLE with a constant step size, second order.
 ///
-/// A negative step size runs backwards in time. A step needs h·κ·|v| < 1, with κ the normal curvature of the
-/// surface along the velocity v, and is an error otherwise; accurate runs stay below a fifth of that.
+/// A negative step size runs backwards in time. A step needs h·κ·|v| < 1, with κ the normal curvature of the surface
+/// along the velocity v, and is an error otherwise; for accuracy stay below 0.2.
 ///
 /// ```
 /// # use rattle::Rattle;
 /// let method = Rattle::new(0.01);
 /// ```
+#[doc(alias = "integrator")]
+#[doc(alias = "Verlet")]
+#[doc(alias = "symplectic")]
+#[doc(alias = "leapfrog")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rattle<G = FromState, X = Newton> {
     h: f64,
@@ -57,9 +60,9 @@ impl Rattle {
 impl<G: Guess, X: Iteration> Rattle<G, X> {
     /// The same method with another [first guess](crate::motion::guess) of the multipliers.
     ///
-    /// The motion is the same to rounding; how many values, gradients and second derivatives a step evaluates changes.
-    /// What the guess remembers of earlier steps is part of the [`State`](crate::motion::state::State) of a simulation,
-    /// so a run that is continued from a state goes on bit for bit.
+    /// The motion is the same to rounding; the number of values, gradients and second derivatives that a step evaluates
+    /// changes. The memory of the guess is part of the [`State`](crate::motion::state::State) of a simulation, so a run
+    /// continues from a state bit for bit.
     ///
     /// ```
     /// # use rattle::{guess::{Extrapolated, LastMultiplier}, Rattle};
@@ -73,7 +76,7 @@ impl<G: Guess, X: Iteration> Rattle<G, X> {
 
     /// The same method with another [iteration](crate::motion::iteration) for its position equation.
     ///
-    /// The motion is the same to rounding; how many values and gradients a step evaluates changes.
+    /// The motion is the same to rounding; the number of values and gradients that a step evaluates changes.
     ///
     /// ```
     /// # use rattle::{iteration::Broyden, Rattle};

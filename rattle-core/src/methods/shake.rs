@@ -1,13 +1,15 @@
-//! SHAKE: the leapfrog with constraints, momenta half a step before the positions (Ryckaert, Ciccotti, Berendsen 1977).
+//! SHAKE: the leapfrog with constraints, with momenta half a step before the positions (Ryckaert, Ciccotti, Berendsen
+//! 1977).
 //!
 //! ```text
 //! p(t + h/2) = p(t − h/2) + h (f(q) + G(q)ᵀλ)      λ such that g(q(t + h)) = 0
 //! q(t + h)   = q(t) + h M⁻¹ p(t + h/2)
 //! ```
 //!
-//! The positions are those of [RATTLE](crate::methods::rattle), of which this is the same circle of operations cut open
-//! elsewhere: between q and p(t − h/2) stands RATTLE's momentum p(t), the kick of half a step made tangent. Momenta are
-//! therefore M (q(t) − q(t − h))/h, not tangent anywhere, and energy formed from them wanders by O(h).
+//! The positions are those of [RATTLE](crate::methods::rattle): both repeat the same cycle of operations, but a step
+//! begins at another point of it. RATTLE's momentum p(t) is p(t − h/2) after a kick of half a step, projected to be
+//! tangent. The momenta here are M (q(t) − q(t − h))/h, which are not tangent, and an energy computed from them varies
+//! by O(h).
 //!
 //! Source: J.-P. Ryckaert, G. Ciccotti, H. J. C. Berendsen, J. Comput. Phys. 23 (1977) 327; E. Hairer, C. Lubich,
 //! G. Wanner, *Geometric Numerical Integration*, VII.1.4.
@@ -20,8 +22,9 @@ use crate::number::real::Real;
 
 /// SHAKE with a constant step size, second order in the positions.
 ///
-/// A start's momenta are taken as those of half a step before; [`Scene::staggered`](crate::scene::Scene::staggered)
-/// makes them from momenta of the same time. They need not be tangent: what is not has no effect.
+/// The momenta of a start are those half a step before its positions;
+/// [`Scene::staggered`](crate::scene::Scene::staggered) makes them from momenta of the same time. They need not be
+/// tangent: a normal component has no effect.
 ///
 /// ```
 /// use rattle::{Scene, Shake, State};
@@ -33,9 +36,12 @@ use crate::number::real::Real;
 /// assert_eq!((simulation.time(), simulation.momentum_time()), (2.0, 1.75));
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "Verlet")]
+#[doc(alias = "staggered")]
+#[doc(alias = "bond constraints")]
 pub type Shake = Fixed<KickKickDrift>;
 
-/// The map of [`Shake`]: a half kick made tangent, another one, the drift.
+/// The map of [`Shake`]: half a kick and projection, half a kick, the drift.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct KickKickDrift;
 

@@ -6,7 +6,7 @@
 //! p′ = p½ + h G(q′)ᵀμ               μ such that G(q′) M⁻¹ p′ = 0
 //! ```
 //!
-//! Symplectic, first order, not symmetric. For comparison: RATTLE costs the same and is of second order.
+//! Symplectic, first order, not symmetric. For comparison only: RATTLE costs the same and is of second order.
 //!
 //! Source: E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, VII.1.3.
 

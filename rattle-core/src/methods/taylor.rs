@@ -5,15 +5,15 @@
 //! q′ nearest to q̂ with g(q′) = 0,   p′ nearest to p̂ with G(q′) M⁻¹p′ = 0, as masses measure it
 //! ```
 //!
-//! The coefficients come order by order from recurrences that the macros wrote ([`series`](crate::kernel::series)),
-//! N²/2 products for each operation. Of any order, to rounding where the tolerance asks for it, and neither symplectic
-//! nor reversible: a reference to test others with, and for short runs of high accuracy. For bodies on surfaces and
-//! linked ones, where functions are smooth; where one is not, coefficients are not finite, and the step is an error.
-//! With a tolerance it takes the least time of all methods on a double pendulum, from errors of 1e-4 on, and less than
-//! DOP853 on surfaces from 1e-10 on (`examples/accuracy.rs`).
+//! The coefficients come order by order from recurrences written by the macros ([`series`](crate::kernel::series)),
+//! with N²/2 products for each operation. The method has any order, is accurate to rounding if the tolerance asks for
+//! it, and is neither symplectic nor reversible: a reference for tests, and for short runs of high accuracy. Functions
+//! must be smooth: otherwise coefficients are not finite, and the step is an error. With a tolerance it is the fastest
+//! method on a double pendulum for errors below 1e-4, and faster than DOP853 on surfaces for errors below 1e-10
+//! (`examples/accuracy.rs`).
 //!
-//! With a tolerance each step is divided so that the last two terms of every inner step stay below it; that needs no
-//! second try, and a step is a function of the state alone.
+//! With a tolerance each step is divided so that the last two terms of every inner step stay below it. No inner step is
+//! repeated, and a step is a function of the state alone.
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
@@ -31,12 +31,16 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 /// The smallest part of a step that is tried.
 const SMALLEST_PART: f64 = 1e-6;
 
-/// Taylor's method, of fixed steps or with a tolerance.
+/// Taylor's method, with fixed steps or with a tolerance.
 ///
 /// ```
 /// use rattle::{Method, Taylor};
 /// assert_eq!(Taylor::adaptive(18, 0.5, 1e-15).order(), 18);
 /// ```
+#[doc(alias = "ode")]
+#[doc(alias = "adaptive")]
+#[doc(alias = "power series")]
+#[doc(alias = "reference solution")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taylor {
     order: u32,
@@ -51,8 +55,10 @@ impl Taylor {
         Self { order, h, tolerance: None }
     }
 
-    /// The method with steps of size `h`, each made of as many inner ones as keep the last terms of positions, and of
-    /// momenta times h, below the tolerance, a length.
+    /// The method with steps of size `h`, each divided into as many inner steps as needed to keep the last terms of
+    /// positions, and of velocities times h, below the tolerance, a length.
+    #[doc(alias = "dt")]
+    #[doc(alias = "tolerance")]
     #[must_use]
     pub fn adaptive(order: u32, h: f64, tolerance: f64) -> Self {
         Self { order, h, tolerance: Some(tolerance) }

@@ -1,30 +1,30 @@
-//! Reversible variable steps: steps are short where momenta change fast. Energy does not drift, as it does where each
-//! step size is chosen from the present state alone.
+//! Reversible variable steps: steps are short where momenta change fast. Energy does not drift; it would if each step
+//! size were chosen from the present state alone.
 //!
 //! ```text
-//! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the density of steps that is wanted:
+//! ρ½ = ρ  + ε/2 G(z)        ρ follows R, the wanted density of steps:
 //! z′ = Φ_{ε/ρ½}(z)          R = √(1 + τ² |ṗ|²/(|p|² + p₀²)),   dR/dt = R G,   dt = dε/R
 //! ρ′ = ρ½ + ε/2 G(z′)
 //! ```
 //!
-//! With −ε in place of ε this map undoes itself: it is symmetric if Φ is, so the energy of reversible motion does not
-//! drift. The price is one more number, ρ, that goes from step to step. The only condition is that G changes its sign
-//! with the momenta. The difference of two steps of RATTLE,
+//! This map is its own inverse with −ε instead of ε, if Φ is symmetric, so the energy of reversible motion does not
+//! drift. The price is a further number, ρ, kept from step to step. The only condition is that G changes its sign with
+//! the momenta. The difference of two steps of RATTLE,
 //!
 //! ```text
 //! G(z) = ln(R(Ψ_δ(z))/R(Ψ_{−δ}(z)))/2δ        Ψ a step of RATTLE, δ = ε/32
 //! ```
 //!
-//! does that exactly, for any R, and needs no derivative of R. ε is the longest step. τ is a time: where momenta change
-//! by their own size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays
-//! finite where bodies are at rest.
+//! does that exactly, for any R, without a derivative of R. ε is the longest step. τ is a time: where momenta change by
+//! their own size within τ, steps are shorter than ε. p₀² is a tenth of |p|² + τ²|ṗ|² at the start, so R stays finite
+//! where bodies are at rest.
 //!
-//! ρ is an integral, and leaves R where steps are too long for G: a step after which ρ/R is outside of (½, 3/2) is an
-//! error. The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that is
-//! not damped: on the lemniscate with ε = 0.06 τ, in two halves of a step, ρ came to differ from R by a factor of 20
-//! until t = 5000, where that of this module stayed within 6 % in whole steps.
+//! ρ is an integral of G, and departs from R where steps are too long: a step after which ρ/R is outside of (½, 3/2) is
+//! an error. The simpler recursion ρ′ρ = R² (Huang, Leimkuhler 1997) has a second solution, of alternating sign, that
+//! is not damped. On the lemniscate with ε = 0.06 τ, in half steps, its ρ differed from R by a factor of 20 by t =
+//! 5000; the ρ of this module stayed within 6 % in whole steps.
 //!
-//! Iterations of Φ begin anew in each step: `guess(…)` of the method that is varied has no effect.
+//! Φ keeps no memory between steps: its `guess(…)` has no effect.
 //!
 //! Source: E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26 (2005) 1838.
 
@@ -49,20 +49,23 @@ const REST: f64 = 0.1;
 
 /// Reversible variable steps of a symmetric method: steps are shorter where momenta change fast.
 ///
-/// The method is reversible and not symplectic. Side by side in lanes, all trajectories take the steps that the fastest
-/// of them needs. On a surface of genus two with sharp ends the energy error is a half to a quarter of that of as many
-/// steps of one length. But each step costs two steps of RATTLE more, for the change of R. So variable steps pay where
-/// a step of `base` costs more than that, and where the motion is gentle for long and then violent.
+/// The method is reversible, not symplectic. If several trajectories are computed in
+/// [lanes](crate::scene::Scene::lanes), all take the step that the fastest needs. On a surface of genus two with sharp
+/// ends the energy error is a half to a quarter of that of as many equal steps. But each step costs two further steps
+/// of RATTLE, for the change of R. So variable steps pay where a step of `base` costs more than that, and where long
+/// gentle motion alternates with short violent motion.
 ///
-/// On chaotic motion nothing but symmetry keeps the energy, which may wander: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the
+/// In chaotic motion the energy may wander, since only symmetry conserves it: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the
 /// tube of a lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5
-/// ‰; with steps of one length, 0.02, it was 7, 12 and 13 ‰. Where τ is far too long for a close passage, energy is
-/// lost, and no error tells.
+/// ‰; with equal steps of 0.02 it was 7, 12 and 13 ‰. Where τ is far too long for a close passage, energy is lost
+/// without an error.
 ///
 /// ```
 /// # use rattle::{Lobatto, Variable};
 /// let method = Variable::of(Lobatto::<3>::new(0.05), 0.3); // steps of 0.05; shorter where momenta turn within 0.3
 /// ```
+#[doc(alias = "adaptive")]
+#[doc(alias = "step size control")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variable<B> {
     base: B,
@@ -70,8 +73,8 @@ pub struct Variable<B> {
 }
 
 impl<B: Method> Variable<B> {
-    /// Steps of `base`, whose own step size is the longest; shorter where momenta change by their own size within the
-    /// time `tau`.
+    /// Steps of `base`, at most of its step size, and shorter where momenta change by their own size within the time
+    /// `tau`, in the unit of time.
     #[must_use]
     pub fn of(base: B, tau: f64) -> Self {
         Self { base, tau }

@@ -4,7 +4,7 @@ use crate::effect::noise::Noise;
 use crate::number::real::Real;
 use std::fmt::Debug;
 
-/// How many bodies a scene has: exactly one, known when compiling, or many.
+/// The number of bodies of a scene, as a type: [`One`], known at compile time, or [`Many`].
 pub trait Count: Copy + Debug + Send + Sync + 'static {
     /// Whether there can be more than one.
     const MANY: bool;
@@ -17,7 +17,7 @@ pub trait Count: Copy + Debug + Send + Sync + 'static {
     fn each<X: Copy + Debug + Send + Sync>(self, x: X) -> Self::Of<X>;
 }
 
-/// Exactly one body, known when compiling: what has *the* position.
+/// Exactly one body, known at compile time: readings such as `position()` need no body number.
 #[diagnostic::on_unimplemented(
     message = "there may be many bodies here, and none of them is the one that is asked for",
     label = "a scene of one body has one position, momentum, velocity and multiplier",
@@ -28,7 +28,7 @@ pub trait Alone: Count {}
 
 impl Alone for One {}
 
-/// One body: its state lives in arrays of length one, and loops over bodies vanish.
+/// One body: arrays of length one, so that the compiler removes loops over bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct One;
 
@@ -45,7 +45,7 @@ impl Count for One {
     }
 }
 
-/// This many bodies, allocated once.
+/// This many bodies, in vectors that are allocated once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Many(pub usize);
 
@@ -67,11 +67,11 @@ impl Count for Many {
 pub struct Body<T, const D: usize> {
     /// Position, rounded.
     pub q: [T; D],
-    /// What rounding took from the position.
+    /// The rounding error of `q`, to be added to it.
     pub q_low: [T; D],
     /// Momentum, rounded.
     pub p: [T; D],
-    /// What rounding took from the momentum.
+    /// The rounding error of `p`, to be added to it.
     pub p_low: [T; D],
 }
 
@@ -84,36 +84,36 @@ impl<T, const D: usize> Body<T, D> {
     }
 }
 
-/// Positions and momenta of all bodies, and what a [`System`](crate::motion::system::System) keeps at them.
+/// Positions and momenta of all bodies, and what a [`System`](crate::motion::system::System) has evaluated there.
 ///
-/// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` holds what
-/// rounding took from `q`. What a step reads of what is kept is a function of positions and time alone.
+/// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` is the rounding error of `q`. Of
+/// `kept`, a step reads only functions of positions and time.
 #[derive(Debug, Clone)]
 pub struct Bodies<N: Count, T: Real, X, const D: usize> {
     /// Positions, rounded.
     pub q: N::Of<[T; D]>,
-    /// What rounding took from the positions.
+    /// The rounding errors of `q`, to be added to it.
     pub q_low: N::Of<[T; D]>,
     /// Momenta, rounded.
     pub p: N::Of<[T; D]>,
-    /// What rounding took from the momenta.
+    /// The rounding errors of `p`, to be added to it.
     pub p_low: N::Of<[T; D]>,
-    /// The time; only a system with moving constraints looks at it.
+    /// The time; used only by systems with moving constraints.
     pub time: f64,
     /// Work done by moving constraints, by flows of momenta and by impacts since the start.
     pub work: T,
-    /// When random numbers are drawn: kept up where a scene has flows, or a method
+    /// The position in the stream of random numbers; updated only where a scene has flows, or the method
     /// [draws](crate::motion::method::Method::DRAWS).
     pub noise: Noise,
     /// What effects remember from step to step, see [`Acting::marks`](crate::effect::Acting::marks).
     pub marks: Vec<T>,
-    /// What was evaluated at the positions: normals, forces.
+    /// Quantities evaluated at the positions: normals, forces.
     pub kept: X,
     /// Room for a method to work in, made [before a run](crate::motion::method::Method::prepare).
     pub(crate) room: Option<Box<Room<N, T, D>>>,
 }
 
-/// Places, momenta, time and work put aside: what is kept at the places is a function of them.
+/// A saved copy of positions, momenta, time and work, without `kept`, which is a function of them.
 pub type Saved<N, T, const D: usize> = Bodies<N, T, (), D>;
 
 /// Room for a method to work in.
@@ -126,7 +126,7 @@ pub(crate) struct Room<N: Count, T: Real, const D: usize> {
 }
 
 impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
-    /// The bodies in these places, one for each.
+    /// Bodies at these positions and momenta, in their order.
     ///
     /// # Panics
     /// If there are fewer places than bodies.
@@ -144,7 +144,7 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         bodies
     }
 
-    /// What is to be put aside, for [`save`](Self::save) to write to again.
+    /// A saved copy, which [`save`](Self::save) can overwrite later.
     pub fn saved(&self) -> Saved<N, T, D> {
         let (q, q_low, p, p_low) = (self.q.clone(), self.q_low.clone(), self.p.clone(), self.p_low.clone());
         let Self { time, work, noise, .. } = *self;
@@ -152,15 +152,15 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         Bodies { q, q_low, p, p_low, time, work, noise, marks, kept: (), room: None }
     }
 
-    /// Puts places, momenta, time and work aside, without allocating; not what effects remember, see
+    /// Saves positions, momenta, time and work, without allocating. The memory of effects (`marks`) is saved by
     /// [`put_aside`](crate::motion::system::System::put_aside).
     #[inline(always)]
     pub fn save(&self, to: &mut Saved<N, T, D>) {
         to.take_over(self);
     }
 
-    /// Takes back what was put aside of as many bodies, without allocating; not what is kept and remembered, see
-    /// [`put_back`](crate::motion::system::System::put_back).
+    /// Restores positions, momenta, time and work of as many bodies, without allocating. `kept` and `marks` are
+    /// restored by [`put_back`](crate::motion::system::System::put_back).
     #[inline(always)]
     pub fn restore(&mut self, from: &Saved<N, T, D>) {
         self.take_over(from);
@@ -207,7 +207,7 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         done
     }
 
-    /// The body of this number.
+    /// Body number `i`.
     pub fn body(&self, i: usize) -> Body<T, D> {
         Body {
             q: self.q.as_ref()[i],

@@ -1,8 +1,8 @@
-//! What some systems can do beyond the verbs of every [`System`](crate::motion::system::System); [`Never`] stands where
-//! one cannot.
+//! Capabilities that only some systems have, beyond the operations of every [`System`](crate::motion::system::System).
+//! [`Never`] stands for a missing capability.
 //!
-//! A method reaches these through its [`need`](crate::motion::need): who has the object has been told that the system
-//! has the capability, so that no step is asked for what there is not.
+//! A method gets them through its [`need`](crate::motion::need). That a system has them is checked before the run, so
+//! no step can ask for a missing capability.
 
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
@@ -11,11 +11,12 @@ use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use std::array::from_fn;
 
-/// Rates of change, and a way back onto the constraints: forces and momenta are apart, and masses measure distances.
+/// Rates of change, and projection onto the constraints in the metric of the masses. For systems with H = K(p) + U(q),
+/// whose momenta and forces are separate.
 pub trait Rates<N: Count, X, T: Real, const D: usize> {
-    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present places and from what is kept there.
-    /// Places and momenta may be a little off the constraints. Returns the power of moving constraints, −λᵀ ∂g/∂t.
-    /// `witness` is told λ as that of the start of a step. Neither allocates nor panics.
+    /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present positions, from the normals and forces
+    /// kept there. Positions and momenta may be a little off the constraints. Returns the power of moving constraints,
+    /// −λᵀ ∂g/∂t. `witness` gets λ as that of the start of a step. Neither allocates nor panics.
     fn evaluate_rates<W: Witness<T>>(
         &self,
         bodies: &mut Bodies<N, T, X, D>,
@@ -23,18 +24,19 @@ pub trait Rates<N: Count, X, T: Real, const D: usize> {
         witness: &mut W,
     ) -> T;
 
-    /// Moves positions that a time `h` has brought a little off the constraints back to them, the least way as masses
-    /// measure it, to rounding; evaluates there what is kept. Momenta stay;
-    /// [`settle`](crate::motion::system::System::settle) with kick 0 moves them. Neither allocates nor panics.
+    /// Moves positions, which a motion over the time `h` has left a little off the constraints, to the nearest point on
+    /// them in the metric of the masses, to rounding, and evaluates normals and forces there. Momenta are unchanged;
+    /// [`settle`](crate::motion::system::System::settle) with kick 0 projects them. Neither allocates nor panics.
     ///
     /// # Errors
-    /// As [`drift`](crate::motion::system::System::drift); where the iteration does not come nearer to the constraints.
+    /// As [`drift`](crate::motion::system::System::drift); also where the iteration does not come nearer to the
+    /// constraints.
     fn project(&self, h: f64, bodies: &mut Bodies<N, T, X, D>) -> Result<(), Failure>;
 
-    /// aᵀM b, for changes of position of a body; 0 for one that is pinned.
+    /// aᵀM b, for changes a and b of the position of a body; 0 for a pinned body.
     fn mass_product(&self, body: usize, a: &[T; D], b: &[T; D]) -> T;
 
-    /// M v of a body; 0 for one that is pinned.
+    /// M v of a body; 0 for a pinned body.
     fn momentum(&self, body: usize, v: &[T; D]) -> [T; D] {
         from_fn(|i| {
             let unit = from_fn(|k| T::from_f64(if k == i { 1.0 } else { 0.0 }));
@@ -43,14 +45,13 @@ pub trait Rates<N: Count, X, T: Real, const D: usize> {
     }
 }
 
-/// Inner stages solved together.
+/// Steps of collocation methods, whose inner stages are solved together.
 pub trait Collocation<N: Count, X, T: Real, const D: usize> {
-    /// Makes room for a method of so many stages, so that its steps need not allocate.
+    /// Allocates memory for a method of `stages` stages, so that steps need not.
     fn reserve(&self, bodies: &mut Bodies<N, T, X, D>, stages: usize);
 
-    /// Takes one step of the collocation method with this table. `memory` is empty, or has room for a number and, for
-    /// each stage, f + Gᵀλ of each body and λ of each equation: the iteration then begins with what the last step left
-    /// there.
+    /// Takes one step of the collocation method with this table. `memory` is empty, or holds one number and, for each
+    /// stage, f + Gᵀλ of each body and λ of each equation: then the iteration begins with the values of the last step.
     ///
     /// # Errors
     /// As [`drift`](crate::motion::system::System::drift).
@@ -66,28 +67,28 @@ pub trait Collocation<N: Count, X, T: Real, const D: usize> {
 
 /// The motion as a power series in time.
 pub trait Series<N: Count, X, T: Real, const D: usize> {
-    /// Makes room for so many coefficients, so that steps need not allocate.
+    /// Allocates memory for `orders` coefficients, so that steps need not.
     fn reserve_series(&self, bodies: &mut Bodies<N, T, X, D>, orders: usize);
 
-    /// Writes the power series of the motion in time from the present state on, into as many coefficients as there is
-    /// room for: q₀ of all bodies, q₁ of all, … `witness` is told λ at the start. Neither allocates nor panics.
+    /// Writes the power series of the motion in time about the present state: q₀ of all bodies, q₁ of all, …, as many
+    /// coefficients as `series` has room for. `witness` gets λ at the start. Neither allocates nor panics.
     fn expand<W: Witness<T>>(&self, bodies: &mut Bodies<N, T, X, D>, series: &mut [[T; D]], witness: &mut W);
 
-    /// The change of a body's momentum in a time h from where the motion was expanded last; none where it is M times
-    /// the change of its velocity.
+    /// The change of a body's momentum in the time h after the last expansion; `None` where it is M times the change of
+    /// its velocity.
     #[inline(always)]
     fn expanded_impulse(&self, _bodies: &Bodies<N, T, X, D>, _body: usize, _h: f64) -> Option<[T; D]> {
         None
     }
 
-    /// The work that moving constraints do in a time h from where the motion was expanded last.
+    /// The work of moving constraints in the time h after the last expansion.
     #[inline(always)]
     fn expanded_work(&self, _bodies: &Bodies<N, T, X, D>, _h: f64) -> T {
         T::from_f64(0.0)
     }
 }
 
-/// A capability that a system has not: there is no such object.
+/// A missing capability: a type without values.
 #[derive(Debug, Clone, Copy)]
 pub enum Never {}
 

@@ -13,7 +13,7 @@ use crate::number::vector::dot;
 pub struct Failure {
     /// Which body, counted from 0.
     pub body: usize,
-    /// What stopped it.
+    /// The reason.
     pub cause: StepFailure,
 }
 

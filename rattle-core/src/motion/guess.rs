@@ -7,31 +7,34 @@
 //! | [`Extrapolated`] | λ continued from the last three steps | h³ | not needed |
 //!
 //! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is
-//! wrong by more than a hundredth of the path of the step, the step is made again from [`FromState`].
+//! wrong by more than a hundredth of the length of the step's path, the step is repeated from [`FromState`].
 
 use crate::number::real::Real;
 use std::fmt::Debug;
 
-/// A first guess of multipliers.
+/// A rule for the first guess of multipliers.
+#[doc(alias = "warm start")]
+#[doc(alias = "initial guess")]
 pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// The numbers that are remembered from step to step.
+    /// The numbers kept from step to step.
     type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
-    /// How many steps must have been made before the first guess: of one length, if more than one.
+    /// How many steps must precede the first guess; where more than one, they must have the same length.
     const STEPS: f64;
-    /// How many numbers are remembered for each equation of RATTLE.
+    /// How many numbers RATTLE keeps for each equation.
     const NUMBERS: usize;
 
-    /// Room for so many numbers, all 0; none where nothing is remembered.
+    /// Memory for `count` numbers, all 0; empty where nothing is kept.
     fn room<T: Real>(count: usize) -> Self::Memory<T>;
-    /// λ of the step to come.
+    /// The guess of λ of the next step.
     fn guess<T: Real>(numbers: &[T]) -> T;
-    /// Notes λ of the position equation of a step.
+    /// Stores λ of the position equation of a step.
     fn note_position<T: Real>(_numbers: &mut [T], _lambda: T) {}
-    /// Notes μ of the momentum equation of a step.
+    /// Stores μ of the momentum equation of a step.
     fn note_momentum<T: Real>(_numbers: &mut [T], _mu: T) {}
 }
 
-/// λ from g̈ = 0 at the start of the step. Nothing is remembered, so a step depends on the present state alone.
+/// λ from g̈ = 0 at the start of the step. Nothing is kept from earlier steps, so a step depends on the present state
+/// alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FromState;
 
@@ -42,7 +45,9 @@ pub struct LastMultiplier;
 
 /// λ extrapolated from earlier steps: RATTLE continues the parabola through its last three λ, 3λₙ − 3λₙ₋₁ + λₙ₋₂;
 /// Lobatto methods continue the polynomial through the stages of the last step. No second derivative is evaluated.
-/// Until enough steps of one length have been made, a step begins as with [`FromState`].
+/// Until enough steps of one length have been taken, a step begins as with [`FromState`].
+#[doc(alias = "warm start")]
+#[doc(alias = "predictor")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extrapolated;
 

@@ -1,4 +1,4 @@
-//! What holds the bodies of a scene, and the system that it makes of them.
+//! How the bodies of a scene are constrained, and the system that results.
 
 use crate::effect::list::Effects;
 use crate::error::Error;
@@ -7,21 +7,21 @@ use crate::motion::bodies::Count;
 use crate::motion::state::State;
 use crate::motion::system::System;
 
-/// What holds the bodies of a scene: a surface for each, or a [`Network`](crate::systems::network::Network) of
-/// constraints.
+/// The constraints of a scene: a surface for each body, or a [`Network`](crate::systems::network::Network) of links.
 pub trait Hold<const D: usize>: Sized {
-    /// Bodies held in this way, in a field of force.
+    /// The system of bodies under these constraints, with effects `E`.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
-    /// Whether this is a [`Network`](crate::systems::network::Network). Known by the type, so that its lanes in an
-    /// ensemble are compiled for networks alone.
+    /// Whether this is a [`Network`](crate::systems::network::Network). A constant of the type, so that the code of
+    /// ensembles of networks is compiled for networks alone.
     const IS_NETWORK: bool = false;
 
-    /// The system, ready to move from this start in steps of size `h`; momenta must be along the constraints there if
-    /// `tangent`.
+    /// The system, ready to move from this start in steps of size `h`. If `tangent`, momenta must be tangent to the
+    /// constraints there.
     ///
     /// # Errors
-    /// Where the constraints make no sense for so many bodies; says which body cannot start there and why.
+    /// Where the constraints make no sense for this number of bodies, or a body cannot start there: which body, and
+    /// why.
     fn system<E: Effects<D>, N: Count>(
         &self,
         effects: &E,
@@ -31,27 +31,28 @@ pub trait Hold<const D: usize>: Sized {
         tangent: bool,
     ) -> Result<Self::System<E, N>, Error>;
 
-    /// Whether this body cannot move at all.
+    /// Whether this body is fixed.
     fn pinned(&self, _body: usize) -> bool {
         false
     }
 
-    /// ṗ of a body at q under a force, before constraints.
+    /// ṗ of a body at q under a force, without constraints.
     fn pull(&self, _q: &[f64; D], force: &[f64; D]) -> [f64; D] {
         *force
     }
 
-    /// The same for so many bodies, each under its own copy.
+    /// The same constraints for `number` bodies, each with a copy of its own.
     #[must_use]
     fn bodies(self, number: usize) -> Self;
 
     /// The state moved onto the constraints.
     ///
     /// # Errors
-    /// Where none is found.
+    /// Where no such state is found.
     fn project(&self, state: &State<D>) -> Result<State<D>, Error>;
 
-    /// The surfaces that these are, one body each, shown to a visitor; none where they are something else.
+    /// Calls a visitor with the surfaces of these scenes, of one body each; `None` where their constraints are not
+    /// surfaces.
     fn surfaces<V: Surfaces<D>>(_of: &[&Self], _to: V) -> Option<V::Found>
     where
         Self: 'static,
@@ -60,11 +61,10 @@ pub trait Hold<const D: usize>: Sized {
     }
 }
 
-/// Who asks [`Hold::surfaces`] what the surfaces are: without this the contract would have to know what is made of
-/// them.
+/// A visitor for [`Hold::surfaces`]: a function that is generic in the type of the surfaces.
 pub trait Surfaces<const D: usize> {
-    /// What is made of the surfaces.
+    /// The result.
     type Found;
-    /// Is shown them.
+    /// Called with the surfaces.
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found;
 }

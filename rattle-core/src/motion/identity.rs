@@ -1,4 +1,4 @@
-//! What tells methods apart, and systems: whose memory a state carries.
+//! The identity of a method or system: it decides whether the memory in a state belongs to the present one.
 
 use crate::motion::system::{BodiesOf, System};
 use std::any::type_name;
@@ -6,7 +6,7 @@ use std::any::type_name;
 /// Numbers that differ by less than this part of the largest are the same.
 const SAME: f64 = 1e-8;
 
-/// A type, a name, sizes and numbers.
+/// Type, name, sizes and parameters of a method or system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identity {
     kind: &'static str,
@@ -16,7 +16,7 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// What is of this type, has this name and these parameters.
+    /// The identity with type `X`, this name and these parameters.
     #[must_use]
     pub fn of<X>(name: &'static str, parameters: Vec<f64>) -> Self {
         Self { kind: type_name::<X>(), name, sizes: [0; 2], parameters }

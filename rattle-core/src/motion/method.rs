@@ -12,10 +12,10 @@
 //! | `Taylor` | yes | yes | yes | yes | yes | yes | – |
 //! | `Bdf2` | yes | yes | yes | – | yes | – | – |
 //!
-//! Others are refused before a run, see [`Method::Need`].
+//! Other combinations are refused before a run, see [`Method::Need`].
 //!
-//! Arguments of constructors stand in one order: what the method is made of (coefficients, an order, a number of inner
-//! steps), the step size `h` or the method that has it, then times and tolerances that steps are chosen by:
+//! Constructors take their arguments in this order: the parts of the method (coefficients, an order, a number of inner
+//! steps); the step size `h`, or the method that has it; times and tolerances that control the steps:
 //! `Composition::new(coefficients, h)`, `Composition::of(coefficients, base)`, `Geodesic::new(inner, h)`,
 //! `Taylor::adaptive(order, h, tolerance)`, `Variable::of(base, tau)`.
 
@@ -28,22 +28,25 @@ use crate::motion::witness::Witness;
 use crate::number::real::Real;
 use std::fmt::Debug;
 
-/// A system as a step of the method is handed it: the capabilities that the method [needs](Method::Need).
+/// A system as a step of the method sees it: the capabilities that the method [needs](Method::Need).
 pub type View<'a, S, T, Y, const D: usize> = <<S as Method>::Need as Need>::Of<'a, T, Y, D>;
 
-/// A method: a map of the bodies, and of what the method remembers.
+/// A method: a map that takes the bodies, and the memory of the method, one step on.
 ///
-/// A one-step method remembers nothing, and pays nothing for that. A method that looks back, or whose step size has a
-/// law of its own, keeps numbers from step to step; they are made before the first step, cloned with the simulation,
-/// put back bit for bit when a step fails, and part of a [`State`](crate::motion::state::State) taken from it.
+/// A one-step method has no memory, at no cost. A multistep method, or one that chooses its step size, keeps numbers
+/// from step to step. They are made before the first step, cloned with the simulation, restored bit for bit when a step
+/// fails, and part of a [`State`](crate::motion::state::State) taken from it.
+#[doc(alias = "integrator")]
+#[doc(alias = "scheme")]
+#[doc(alias = "stepper")]
 pub trait Method: Clone + Send + Sync + 'static {
     /// The numbers carried from step to step: `[T; 0]` for a one-step method.
     type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
-    /// What the method asks of a system, one of [`need`](crate::motion::need) or a tuple of them; a system that has it
-    /// not is refused before the run.
+    /// The capabilities that the method needs: a type of [`need`](crate::motion::need), or a tuple of them. A system
+    /// without them is refused before the run.
     type Need: Need;
 
-    /// The time that one step takes; negative to run backwards.
+    /// The time interval of one step; negative to run backwards.
     fn step_size(&self) -> f64;
     /// The order p: errors fall like hᵖ.
     fn order(&self) -> u32;
@@ -53,31 +56,32 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// The same method with another step size, which may be negative.
     #[must_use]
     fn with_step(&self, h: f64) -> Self;
-    /// The same method with so many times its tolerance; none if no tolerance decides on its errors.
+    /// The same method with its tolerance times `factor`; `None` if its errors do not depend on a tolerance.
     #[must_use]
     fn with_tolerance_times(&self, _factor: f64) -> Option<Self> {
         None
     }
-    /// Whether a step of −h undoes a step of h, Φ₋ₕ ∘ Φₕ = 1, with nothing remembered: what
-    /// [compositions](crate::methods::composition) are made of.
+    /// Whether the method is symmetric, Φ₋ₕ ∘ Φₕ = 1, without memory. Only such methods can be
+    /// [composed](crate::methods::composition).
     fn is_symmetric(&self) -> bool;
 
-    /// How much later than positions momenta are, negative if earlier; 0 but for staggered methods. Only momenta of the
-    /// same time can be, and are, those of motion along the constraints.
+    /// The time of the momenta minus the time of the positions: 0 except for staggered methods such as leapfrog.
+    /// Momenta are tangent to the constraints only where this is 0.
     fn momentum_delay(&self) -> f64 {
         0.0
     }
 
-    /// Whether a step follows the motion on its constraints: one that does not is [looked at](crate::run::simulation)
-    /// afterwards, whether it passed a singular point, and whether its energy comes from anywhere.
+    /// Whether each step solves the constraints along its way, as RATTLE does. After a step of a method that does not
+    /// (`Taylor`, `Dop853`, `Bdf2`), the simulation checks whether the step passed a singular point, and whether its
+    /// energy jumped.
     const HAS_STRUCTURE: bool = true;
 
-    /// Whether a step follows the root of its constraints from its start: one that does not may end on another sheet,
-    /// and is looked at afterwards where others are near.
+    /// Whether a step follows the root of its constraints from its start. A method that does not may end on another
+    /// sheet of {g = 0}; the simulation checks that after a step where other sheets are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
-    /// Why a step cannot be taken in parts, by [`retry`](crate::run::simulation::Simulation::retry) or at the instant
-    /// of an event; none if it can.
+    /// Why a step cannot be divided, by [`retry`](crate::run::simulation::Simulation::retry) or at an event; `None` if
+    /// it can.
     fn undivided(&self) -> Option<&'static str> {
         None
     }
@@ -85,29 +89,31 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// Whether a step draws random numbers.
     const DRAWS: bool = false;
 
-    /// Whether a step has the [flows](crate::effect::Flow) of momenta act itself, where it wants them; else half of
-    /// them acts before it and half after.
+    /// Whether the method applies the [flows](crate::effect::Flow) of momenta (drag, heat) inside its step. Otherwise
+    /// half of each flow is applied before the step and half after it.
     const STIRS: bool = false;
 
-    /// Whether momenta play no part, so that of flows only [pushes](crate::effect::Acting::PUSHES) make sense.
+    /// Whether the method has no momenta (overdamped motion), so that the only possible flows are
+    /// [pushes](crate::effect::Acting::PUSHES).
     const FORGETS: bool = false;
 
-    /// Whether a step is a splitting into [stages](Self::stages): known by the type, so that the lanes of an ensemble
-    /// are compiled for methods of that kind alone.
+    /// Whether a step is a splitting into [stages](Self::stages). A constant of the type, so that the SIMD code of
+    /// ensembles is compiled for such methods alone.
     const SPLITTING: Splitting = Splitting::Not;
 
-    /// The stages that one step consists of, as many as [`SPLITTING`](Self::SPLITTING) says, in turn: such methods go
-    /// in the lanes of an [ensemble](crate::run::ensemble).
+    /// The stages of one step in order, as many as [`SPLITTING`](Self::SPLITTING) says.
+    /// [Ensembles](crate::run::ensemble) compute such methods in SIMD lanes.
     fn stages(&self) -> Vec<Stage> {
         Vec::new()
     }
 
-    /// How many stages a step of [collocation](crate::motion::capability::Collocation) solves together; 0 if it is
-    /// none. Known by the type, as [`SPLITTING`](Self::SPLITTING) is, so that the lanes of an ensemble are compiled for
-    /// such methods alone, of a [`Table`](crate::motion::table::Table) with so many stages.
+    /// The number of stages of a [collocation](crate::motion::capability::Collocation) method; 0 for other methods. A
+    /// constant of the type, as [`SPLITTING`](Self::SPLITTING), so that the SIMD code of ensembles is compiled for such
+    /// methods alone, with a [`Table`](crate::motion::table::Table) of this many stages.
     const COLLOCATES: usize = 0;
 
-    /// How often a step evaluates the forces, where that is known before: for the [bill](crate::run::bill).
+    /// How often a step evaluates the forces; `None` if that is not known in advance. Used by the
+    /// [bill](crate::run::bill).
     fn evaluations(&self) -> Option<usize> {
         match Self::SPLITTING {
             Splitting::Not => None,
@@ -115,7 +121,8 @@ pub trait Method: Clone + Send + Sync + 'static {
         }
     }
 
-    /// What else tells methods of one type, name and step size apart: they do not go on with each other's memory.
+    /// Further parameters that distinguish methods of one type, name and step size. A method does not use the memory of
+    /// a method with other parameters.
     fn parameters(&self) -> Vec<f64> {
         Vec::new()
     }
@@ -125,7 +132,7 @@ pub trait Method: Clone + Send + Sync + 'static {
         Identity::of::<Self>(self.name(), [vec![self.step_size()], self.parameters()].concat())
     }
 
-    /// Makes room before a run for what a step works with, so that steps need not allocate.
+    /// Allocates before a run the memory that steps work with, so that steps need not.
     fn prepare<T: Real, Y: System<T, D>, const D: usize>(
         &self,
         _system: View<'_, Self, T, Y, D>,
@@ -133,7 +140,7 @@ pub trait Method: Clone + Send + Sync + 'static {
     ) {
     }
 
-    /// What is remembered at the start of a run, with room for all that will ever be. Allocates what is allocated.
+    /// The memory at the start of a run, at its final size: no later step allocates.
     fn memory<T: Real, Y: System<T, D>, const D: usize>(
         &self,
         _system: View<'_, Self, T, Y, D>,
@@ -142,12 +149,13 @@ pub trait Method: Clone + Send + Sync + 'static {
         Self::Memory::default()
     }
 
-    /// How long the step was that left this memory; none if each is of the step size, and the time steps × h.
+    /// The length of the last step, from this memory; `None` if all steps have the step size, so that the time is steps
+    /// × h.
     fn time_taken<T: Real>(&self, _memory: &[T]) -> Option<T> {
         None
     }
 
-    /// Whether the method makes sense for a system with so many equations, asked once before a run.
+    /// Checks, once before a run, that the method makes sense for a system with this number of equations.
     ///
     /// # Errors
     /// [`Error::StepSize`] for a step size that is zero or not finite.
@@ -158,7 +166,7 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// Takes `bodies` one step on, and `memory` with them. Neither allocates nor panics.
     ///
     /// # Errors
-    /// Says which body cannot be moved and why; `bodies` and `memory` are then left half way.
+    /// Which body cannot be moved, and why; `bodies` and `memory` are then left unfinished.
     fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
@@ -171,23 +179,23 @@ pub trait Method: Clone + Send + Sync + 'static {
 /// Whether a step of a [`Method`] is a splitting into [stages](Stage).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Splitting {
-    /// It is not.
+    /// No splitting.
     Not,
-    /// Into one.
+    /// One stage.
     OneStage,
-    /// Into any number of them.
+    /// Any number of stages.
     Stages,
 }
 
-/// A drift of a splitting along the constraints, with the kicks before and after it; after each kick momenta are made
-/// those of motion along the constraints. All are lengths of time.
+/// A stage of a splitting: a drift along the constraints, with a kick before and after it. After each kick momenta are
+/// made tangent to the constraints. All three numbers are times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stage {
     /// The kick before.
     pub before: f64,
     /// The drift.
     pub h: f64,
-    /// The kick after, by the forces there.
+    /// The kick after, by the forces at the end of the drift.
     pub after: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The contract between systems and methods: neither knows the other, both know what stands here.
+//! The interface between systems and methods: bodies, states, and the traits of both. Neither knows the other.
 
 pub mod bodies;
 pub mod capability;

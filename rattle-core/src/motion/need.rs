@@ -1,40 +1,40 @@
-//! What a method asks of a system, as a type: [`Method::Need`](crate::motion::method::Method::Need).
+//! The capabilities that a method needs of a system, as a type: [`Method::Need`](crate::motion::method::Method::Need).
 //!
-//! A need is met before a run or not at all: a step is handed the capabilities that its method asked for, and has no
-//! way to ask for others. Needs are combined in tuples.
+//! Needs are checked before a run. A step gets the capabilities that its method needs, and no others. Needs are
+//! combined in tuples.
 
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::motion::system::System;
 use crate::number::real::Real;
 use std::marker::PhantomData;
 
-/// What a method asks of a system.
+/// The capabilities that a method needs of a system.
 pub trait Need: 'static {
-    /// What a step is handed of the system.
+    /// What a step gets: a reference to the system, or to a capability of it.
     type Of<'a, T: Real, Y: System<T, D>, const D: usize>: Copy;
 
-    /// What a step is handed of this system.
+    /// What a step gets of this system.
     ///
     /// # Errors
-    /// Where the system has not what is needed: the kind of system, as messages call it.
+    /// Where the system lacks the capability: the kind of system, in words for the error message.
     fn of<T: Real, Y: System<T, D>, const D: usize>(
         system: &Y,
     ) -> Result<Self::Of<'_, T, Y, D>, &'static str>;
 }
 
-/// Steps of RATTLE, their position equation solved by `X`. Every system makes those of [`Newton`].
+/// Steps of RATTLE, with the position equation solved by `X`. Every system has those with [`Newton`].
 #[derive(Debug)]
 pub struct Steps<X = Newton>(PhantomData<X>);
 
-/// Kicks and drifts by themselves, in any order. Whoever has [rates](System::rates) has them.
+/// Separate kicks and drifts, in any order. Every system with [rates](System::rates) has them.
 #[derive(Debug)]
 pub struct Kicks;
 
-/// Momenta that are mass times velocity; constraints and forces that do not change with time.
+/// Momenta that are mass times velocity, and constraints and forces that do not depend on time.
 #[derive(Debug)]
 pub struct Differences;
 
-/// Kicks and drifts by themselves, where neither constraints nor forces change with time.
+/// Separate kicks and drifts, with constraints and forces that do not depend on time.
 #[derive(Debug)]
 pub struct Still;
 

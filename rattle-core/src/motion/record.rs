@@ -1,7 +1,8 @@
-//! All that a run needs to go on: plain numbers with names, in the order in which they are read again.
+//! Records: everything that a run needs to continue, as named numbers, in the order in which they are read again.
 //!
-//! A simulation and an ensemble write a [`Record`] of themselves, and go on from one bit for bit. What it is kept in, a
-//! file say, is not its concern: it is a list of [fields](Field), each with a name, a shape and numbers of one kind.
+//! A simulation or ensemble writes a [`Record`] of itself, and continues from one bit for bit. A record is a list of
+//! [fields](Field), each with a name, a shape and numbers of one kind. How a record is stored, for example in a file,
+//! is left to its user.
 
 use crate::error::{Error, RecordMistake};
 
@@ -15,14 +16,14 @@ const SAME: f64 = 1e-10;
 pub enum Data {
     /// Lengths, momenta, times.
     Numbers(Vec<f64>),
-    /// Steps, places in a list, bits.
+    /// Step counts, indices, bits.
     Counts(Vec<u64>),
     /// A name.
     Text(String),
 }
 
 impl Data {
-    /// How many numbers, or letters.
+    /// The number of entries; of a text, of bytes.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -32,7 +33,7 @@ impl Data {
         }
     }
 
-    /// Whether there is none.
+    /// Whether it has no entries.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -50,9 +51,9 @@ impl Data {
 /// Numbers with a name and a shape, the last index fastest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
-    /// Its name; what it belongs to stands before it, as in `group 2/q`.
+    /// The name, after the part to which it belongs, as in `group 2/q`.
     pub name: String,
-    /// How many there are along each index.
+    /// The extent along each index.
     pub shape: Vec<usize>,
     /// The numbers.
     pub data: Data,
@@ -64,7 +65,8 @@ impl Field {
     }
 }
 
-/// Fields in turn.
+/// A list of fields.
+#[doc(alias = "dump")]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Record {
     fields: Vec<Field>,
@@ -72,13 +74,13 @@ pub struct Record {
 }
 
 impl Record {
-    /// These fields.
+    /// A record of these fields.
     #[must_use]
     pub fn of(fields: Vec<Field>) -> Self {
         Self { fields, within: String::new() }
     }
 
-    /// Its fields in turn.
+    /// The fields in order.
     #[must_use]
     pub fn fields(&self) -> &[Field] {
         &self.fields
@@ -100,7 +102,7 @@ impl Record {
         self.numbers(name, &[vectors.len(), D], vectors.as_flattened().iter().copied());
     }
 
-    /// Adds counts in a row.
+    /// Adds a list of counts.
     pub fn counts(&mut self, name: &str, counts: impl IntoIterator<Item = u64>) {
         let counts = counts.into_iter().collect::<Vec<_>>();
         self.add(name, &[counts.len()], Data::Counts(counts));
@@ -111,7 +113,7 @@ impl Record {
         self.add(name, &[text.len()], Data::Text(text.into()));
     }
 
-    /// Adds what `write` writes as what belongs to this.
+    /// Calls `write`; the names of the fields that it adds begin with `part` and a slash.
     pub fn within(&mut self, part: &str, write: impl FnOnce(&mut Self)) {
         let length = self.within.len();
         self.within.push_str(part);
@@ -120,7 +122,7 @@ impl Record {
         self.within.truncate(length);
     }
 
-    /// The same fields, to be read in turn.
+    /// A reader of the fields in order.
     #[must_use]
     pub fn read(&self) -> Reading<'_> {
         Reading { rest: &self.fields, within: String::new() }
@@ -132,7 +134,7 @@ impl Record {
     }
 }
 
-/// Fields that are read in turn.
+/// Reads fields in order.
 #[derive(Debug, Clone)]
 pub struct Reading<'a> {
     rest: &'a [Field],
@@ -140,10 +142,10 @@ pub struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    /// The numbers that come next, if this is their name and shape.
+    /// The numbers of the next field, which must have this name and shape.
     ///
     /// # Errors
-    /// [`Error::Record`] if it is not.
+    /// [`Error::Record`] if the next field is another one.
     pub fn numbers(&mut self, name: &str, shape: &[usize]) -> Result<&'a [f64], Error> {
         let wanted = || format!("numbers of shape {shape:?}");
         match self.next(name, wanted)? {
@@ -152,7 +154,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// As many numbers in a row as `N` says.
+    /// The next field, of `N` numbers.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -161,7 +163,7 @@ impl<'a> Reading<'a> {
         Ok(std::array::from_fn(|i| numbers[i]))
     }
 
-    /// So many vectors of D numbers.
+    /// The next field, of `number` vectors of D numbers.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -169,7 +171,7 @@ impl<'a> Reading<'a> {
         Ok(self.numbers(name, &[number, D])?.as_chunks().0)
     }
 
-    /// The counts that come next, if this is their name.
+    /// The counts of the next field, which must have this name.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -181,7 +183,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// So many counts.
+    /// The next field, of `N` counts.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -195,7 +197,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// The text that comes next, if this is its name.
+    /// The text of the next field, which must have this name.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -207,10 +209,10 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Whether the record is of this, as its first field tells.
+    /// Checks by the first field that the record is of this kind.
     ///
     /// # Errors
-    /// [`RecordMistake::Another`] if it is not.
+    /// [`RecordMistake::Another`] if it is of another.
     pub fn expect(&mut self, here: &str) -> Result<(), Error> {
         let file = self.text("what")?;
         if file == here {
@@ -220,7 +222,7 @@ impl<'a> Reading<'a> {
         Err(Error::Record(RecordMistake::Another { part, file, here }))
     }
 
-    /// What `read` reads as what belongs to this.
+    /// Calls `read`; the names of the fields that it reads begin with `part` and a slash.
     ///
     /// # Errors
     /// As [`numbers`](Self::numbers).
@@ -237,7 +239,7 @@ impl<'a> Reading<'a> {
         found
     }
 
-    /// Whether what comes next was written by the same parts.
+    /// Checks that the next fields were written by the same parts of scene and method.
     ///
     /// # Errors
     /// [`RecordMistake::Another`] names the first that differs.
@@ -285,24 +287,24 @@ impl<'a> Reading<'a> {
     }
 }
 
-/// What tells a part of a scene or a method from another: a name, and numbers that it gives.
+/// What distinguishes a part of a scene or method: its name, and some of its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hallmark {
     /// Which part: "method", "constraints", "effect 0".
     pub part: String,
-    /// What it is called.
+    /// The name of its type.
     pub name: String,
-    /// Parameters, or what it gives at the places of the record and near them.
+    /// Its parameters, or its values at and near the positions in the record.
     pub numbers: Vec<f64>,
 }
 
 impl Hallmark {
-    /// This part, so called, with these numbers.
+    /// The hallmark of this part.
     pub fn new(part: impl Into<String>, name: impl Into<String>, numbers: Vec<f64>) -> Self {
         Self { part: part.into(), name: name.into(), numbers }
     }
 
-    /// Writes what [`Reading::same`] compares.
+    /// Writes the fields that [`Reading::same`] compares.
     pub fn write(&self, to: &mut Record) {
         to.text(&format!("{} is", self.part), &self.name);
         to.numbers(&self.part, &[self.numbers.len()], self.numbers.iter().copied());
@@ -318,7 +320,7 @@ fn first_other(a: &[f64], b: &[f64]) -> Option<usize> {
     other.or((a.len() != b.len()).then(|| a.len().min(b.len())))
 }
 
-/// The name of a type without the modules that it stands in: `Each<Sphere>`.
+/// The name of a type without its modules: `Each<Sphere>`.
 #[must_use]
 pub fn short_name(path: &str) -> String {
     let mut short = String::new();

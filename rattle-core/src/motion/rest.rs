@@ -1,4 +1,4 @@
-//! What constraints make of momenta: the part along them, and what those that move impose.
+//! The tangent part of momenta, and the part that moving constraints impose.
 
 use crate::motion::failure::Failure;
 use crate::motion::system::{BodiesOf, System};

@@ -1,16 +1,16 @@
-//! What every start is measured by.
+//! How exactly a start must satisfy its constraints.
 
 use crate::error::StartFailure;
 
-/// How far a start may be off its constraint: 1e-10.
+/// How far a start may be off its constraints, relatively: 1e-10.
 ///
 /// ```text
 /// position    |g|/|∇g| ≤ START_TOLERANCE · L      L: the largest coordinate, or the size of the surface if that is smaller
 /// momentum    sin α ≤ START_TOLERANCE             α: the angle between the momentum and the tangent plane
 /// ```
 ///
-/// The value is far above rounding (1e-16) and far below the error of any method. A start beyond it is refused;
-/// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraint.
+/// This is far above rounding (1e-16) and far below the error of any method. A start beyond the tolerance is refused;
+/// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraints.
 pub const START_TOLERANCE: f64 = 1e-10;
 
 /// A start whose normal is known to no more digits than this is too near to a singular point.

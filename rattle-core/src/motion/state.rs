@@ -1,4 +1,4 @@
-//! Positions and momenta, as a user gives and gets them.
+//! States: positions and momenta of all bodies, as a start or as read from a simulation.
 
 use crate::motion::bodies::Body;
 use crate::motion::identity::Identity;
@@ -13,7 +13,7 @@ pub(crate) struct Remembered {
     pub(crate) numbers: Box<[f64]>,
 }
 
-/// As many coordinates as a body has: an array, a vector of `nalgebra`, or anything else that becomes one.
+/// The D coordinates of a body: an array, a vector of `nalgebra`, or anything that converts into one.
 #[diagnostic::on_unimplemented(
     message = "how many coordinates `{Self}` has is not known when compiling",
     label = "a place or a momentum is an array, such as `[0.0, 0.0, 1.0]`, or a vector of `nalgebra`",
@@ -21,7 +21,7 @@ pub(crate) struct Remembered {
     note = "places of several bodies: `State::of([[0.0, 0.0], [1.0, 0.0]])`"
 )]
 pub trait Coordinates<const D: usize> {
-    /// The coordinates in turn.
+    /// The coordinates as an array.
     fn coordinates(self) -> [f64; D];
 }
 
@@ -36,9 +36,9 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 ///
 /// Momenta are p = M v; they are velocities as long as the scene names no masses.
 ///
-/// A state that is taken from a simulation also holds the low digits of its compensated sums, and the numbers that the
-/// method and the effects remember. A simulation that starts from it by the same method in the same scene goes on bit
-/// for bit. With other momenta, another method or another scene these numbers are dropped.
+/// A state that is read from a simulation also holds the low digits of its compensated sums, and the memory of the
+/// method and the effects. A simulation that starts from it, in the same scene with the same method, continues bit for
+/// bit. With other momenta, another method or another scene these numbers are dropped.
 ///
 /// ```
 /// use rattle::State;
@@ -47,6 +47,7 @@ impl<X: Into<SVector<f64, D>>, const D: usize> Coordinates<D> for X {
 /// let two = State::of([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]); // at rest
 /// assert_eq!((one.len(), two.len()), (1, 2));
 /// ```
+#[doc(alias = "initial condition")]
 #[doc(alias = "restart")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct State<const D: usize> {
@@ -80,7 +81,9 @@ impl<const D: usize> State<D> {
         Self { bodies, time, time_low, remembered: None, steps, number: None, surplus_momenta: None }
     }
 
-    /// The same state, every body with momentum `momentum`.
+    /// The same state, with `momentum` for every body.
+    #[doc(alias = "velocity")]
+    #[doc(alias = "initial velocity")]
     #[must_use]
     pub fn moving(mut self, momentum: impl Coordinates<D>) -> Self {
         let p = momentum.coordinates();
@@ -91,8 +94,8 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same state with these momenta, the first body's first. Bodies without a momentum in the list keep theirs. A
-    /// list longer than the number of bodies is refused when the simulation is made.
+    /// The same state with these momenta, in the order of the bodies. If the list is shorter, the remaining bodies keep
+    /// their momenta; a longer list is refused when the simulation is made.
     #[must_use]
     pub fn with_momenta<P: Coordinates<D>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
         let mut momenta = momenta.into_iter();
@@ -105,41 +108,40 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same state at time `time`. Without this a start is at time 0.
+    /// The same state at time `time`; by default it is 0.
     #[must_use]
     pub fn at_time(mut self, time: f64) -> Self {
         (self.time, self.time_low) = (time, 0.0);
         self
     }
 
-    /// The same state with another number of its trajectory, of which [random numbers](crate::effect::Noise) are a
-    /// function.
+    /// The same state with this trajectory number, on which [random numbers](crate::effect::Noise) depend.
     ///
-    /// Without this a simulation has the number 0, and a trajectory of an ensemble its place there. So the third state
-    /// of an ensemble, numbered 2, goes on in a simulation with the noise that it would have in the ensemble.
+    /// By default it is 0 in a simulation, and the index of the trajectory in an ensemble. So the third state of an
+    /// ensemble, numbered 2, continues in a simulation with the noise that it would have in the ensemble.
     #[must_use]
     pub fn numbered(mut self, trajectory: u64) -> Self {
         self.number = Some(trajectory);
         self
     }
 
-    /// The same state with `steps` steps behind it, of which [random numbers](crate::effect::Noise) are a function.
+    /// The same state after `steps` steps, on whose number [random numbers](crate::effect::Noise) depend.
     ///
-    /// A start from positions and momenta that were read from a file then goes on with the noise that comes after these
-    /// steps. Without this it begins with the noise of the first step.
+    /// So a run whose positions and momenta were read from a file continues with the noise of the next step. By default
+    /// a run begins with the noise of the first step.
     #[must_use]
     pub fn after_steps(mut self, steps: u64) -> Self {
         self.steps = steps;
         self
     }
 
-    /// Steps taken since its first start.
+    /// The number of steps since the first start.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// Its time.
+    /// The time.
     #[must_use]
     pub fn time(&self) -> f64 {
         self.time
@@ -157,12 +159,12 @@ impl<const D: usize> State<D> {
         self.bodies.is_empty()
     }
 
-    /// The positions in turn.
+    /// The positions, in the order of the bodies.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.iter().map(|body| body.q.into())
     }
 
-    /// The momenta in turn.
+    /// The momenta, in the order of the bodies.
     pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.iter().map(|body| body.p.into())
     }

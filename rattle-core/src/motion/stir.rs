@@ -1,4 +1,4 @@
-//! A step of a method between two halves of the flows of momenta.
+//! Strang splitting: a step of a method between two halves of the flows of momenta.
 //!
 //! ```text
 //! A_{h/2} B_{h/2} … step … B_{h/2} A_{h/2}        A, B, … the flows in the order in which a scene names them

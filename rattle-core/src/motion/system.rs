@@ -1,4 +1,4 @@
-//! A system: bodies, constraints and forces, as a method sees them. Every method uses three verbs:
+//! A system: bodies, constraints and forces, as a method sees them. Every method uses three operations:
 //!
 //! ```text
 //! drift    p½ = p  + c (f(q)  + G(q)ᵀ λ),   q′ = q + h M⁻¹ p½      λ such that g(q′) = 0
@@ -6,11 +6,11 @@
 //! settle   p′ = p½ + c (f(q′) + G(q′)ᵀμ)                           μ such that G(q′) M⁻¹ p′ = −∂g/∂t
 //! ```
 //!
-//! With c = h/2 the three in turn are a step of RATTLE; other orders and other c make the other methods. Some methods
-//! need more, which a system has or has not: its [capabilities](crate::motion::capability).
+//! With c = h/2 the three in this order are a step of RATTLE; other orders and other c make the other methods. Some
+//! methods need further [capabilities](crate::motion::capability), which not every system has.
 //!
-//! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own, in lanes if wanted;
-//! [`Linked`](crate::systems::linked::Linked) is for everything else.
+//! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own;
+//! [`Linked`](crate::systems::linked::Linked) is for links between bodies and everything else.
 
 use crate::effect::interval::{Inertia, Manner, Rule, UnitMasses};
 use crate::effect::noise::Noise;
@@ -25,7 +25,7 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot};
 use std::fmt::Debug;
 
-/// The bodies of a system, with what it keeps at them.
+/// The bodies of a system, with the quantities that it keeps for them.
 pub type BodiesOf<Y, T, const D: usize> = Bodies<<Y as System<T, D>>::Count, T, <Y as System<T, D>>::Kept, D>;
 
 /// A mechanical system with D coordinates per body, made ready for the scalar `T`.
@@ -36,47 +36,47 @@ pub type BodiesOf<Y, T, const D: usize> = Bodies<<Y as System<T, D>>::Count, T, 
 pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// How many bodies there are: one, or many.
     type Count: Count;
-    /// What is kept from one step to the next: normals and factors at the positions, and the forces last evaluated.
+    /// The quantities kept from step to step: normals and matrix factors at the positions, and the last forces.
     type Kept: Clone + Debug + Send + Sync;
-    /// `Self`, or [`Never`](crate::motion::capability::Never) where forces and momenta are not apart.
+    /// `Self`, or [`Never`](crate::motion::capability::Never) where kinetic energy and forces are not separate.
     type Rates: Rates<Self::Count, Self::Kept, T, D>;
     /// `Self`, or [`Never`](crate::motion::capability::Never) where there are no inner stages.
     type Collocation: Collocation<Self::Count, Self::Kept, T, D>;
     /// `Self`, or [`Never`](crate::motion::capability::Never) where there are no power series.
     type Series: Series<Self::Count, Self::Kept, T, D>;
 
-    /// How many of the effects are [flows](crate::effect::Flow) of momenta.
+    /// The number of effects that are [flows](crate::effect::Flow) of momenta.
     const FLOWS: usize = 0;
 
-    /// How many effects there are.
+    /// The number of effects.
     const EFFECTS: usize = 0;
 
-    /// Whether one of the effects [remembers](crate::effect::Acting::REMEMBERS) anything.
+    /// Whether one of the effects has a [memory](crate::effect::Acting::REMEMBERS).
     const REMEMBERS: bool = false;
 
     /// Whether all flows are [pushes](crate::effect::Acting::PUSHES).
     const PUSHES: bool = true;
 
-    /// What messages call such a system: "a rigid body".
+    /// The kind of system in words, for error messages: "a rigid body".
     fn kind(&self) -> &'static str;
 
-    /// The bodies in these places, one for each, at this time, with all evaluated there that is kept.
+    /// Bodies at these positions and momenta at this time, with all kept quantities evaluated there.
     fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<Self, T, D>;
-    /// Evaluates anew what is kept, after positions were put back.
+    /// Evaluates the kept quantities again, after positions were restored.
     fn refresh(&self, bodies: &mut BodiesOf<Self, T, D>);
 
-    /// Writes what is kept that no evaluation at the places brings back and a step looks at, or that was counted.
+    /// Writes those kept quantities that cannot be evaluated again from positions, and counters.
     fn record(&self, _bodies: &BodiesOf<Self, T, D>, _to: &mut Record) {}
 
-    /// Takes back what [`record`](Self::record) wrote.
+    /// Reads what [`record`](Self::record) wrote.
     ///
     /// # Errors
-    /// [`Error::Record`] for what another system wrote.
+    /// [`Error::Record`] if another system wrote it.
     fn recall(&self, _bodies: &mut BodiesOf<Self, T, D>, _from: &mut Reading<'_>) -> Result<(), Error> {
         Ok(())
     }
 
-    /// Everything as it was when it was saved.
+    /// Restores everything that [`put_aside`](Self::put_aside) saved.
     #[inline(always)]
     fn put_back(&self, bodies: &mut BodiesOf<Self, T, D>, saved: &Saved<Self::Count, T, D>) {
         bodies.restore(saved);
@@ -86,7 +86,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         self.refresh(bodies);
     }
 
-    /// Puts everything aside, without allocating.
+    /// Saves positions, momenta, time, work and the memory of effects, without allocating.
     #[inline(always)]
     fn put_aside<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, to: &mut Saved<Self::Count, T, D>) {
         bodies.save(to);
@@ -98,7 +98,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Rates of change.
     ///
     /// # Errors
-    /// Where they are not known: the kind of system, as messages call it.
+    /// Where the system lacks them: the kind of system, in words for the error message.
     #[inline(always)]
     fn rates(&self) -> Result<&Self::Rates, &'static str> {
         Err(self.kind())
@@ -122,35 +122,36 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Err(self.kind())
     }
 
-    /// Whether momenta are M v in the coordinates of the places, and [`drift`](Self::drift) solves g(q′) = 0 along
-    /// normals that are kept. Other ways to solve it than Newton's, and `Bdf2`, are for such systems alone.
+    /// Whether momenta are M v in the coordinates of the positions, and [`drift`](Self::drift) solves g(q′) = 0 along
+    /// the kept normals. Iterations other than Newton's, and `Bdf2`, are only for such systems.
     #[inline(always)]
     fn is_cartesian(&self) -> bool {
         true
     }
 
-    /// Whether anything looks at the time.
+    /// Whether constraints or forces depend on time.
     #[inline(always)]
     fn moves_with_time(&self) -> bool {
         false
     }
 
-    /// Sets the time at the end of a step, which the sum of its stages may miss by rounding.
+    /// Sets the time at the end of a step, from which the sum of its stages may differ by rounding.
     #[inline(always)]
     fn set_time(&self, bodies: &mut BodiesOf<Self, T, D>, time: f64) {
         bodies.time = time;
     }
 
-    /// Kicks for a time `kick`, then moves for a time `h`, to where the constraints hold. Normals are then those of the
-    /// new positions, forces still the old ones. Momenta must be along the constraints. With `kick` 0 forces are not
-    /// looked at. `witness` is told λ as an impulse over h/2. Neither allocates nor panics.
+    /// Kicks for a time `kick`, then moves for a time `h`, to positions that satisfy the constraints. Afterwards
+    /// normals are those of the new positions, and forces still the old ones. Momenta must be tangent to the
+    /// constraints. With `kick` 0 forces are not used. `witness` gets λ, the impulse divided by h/2. Neither allocates
+    /// nor panics.
     ///
-    /// The position equation is solved by `X`, begun with `guess`, on the scale of what `witness` is told, or if that
-    /// is empty from g̈ = 0; where that is no help, as by [`drift`](Self::drift). The result is the same but in the
-    /// last bits. A system that solves another equation takes no notice.
+    /// The position equation is solved by iteration `X` from `guess`, which has the scale of λ above; an empty `guess`
+    /// means λ from g̈ = 0. Where that fails, the equation is solved as by [`drift`](Self::drift). The result differs
+    /// only in its last bits. A system that solves another equation ignores both.
     ///
     /// # Errors
-    /// Says which body cannot be moved and why; the bodies are then left half way.
+    /// Which body cannot be moved, and why; the bodies are then left unfinished.
     fn drift_by<X: Iteration, W: Witness<T>>(
         &self,
         kick: f64,
@@ -160,10 +161,10 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
-    /// [`drift_by`](Self::drift_by) Newton's method, from g̈ = 0.
+    /// [`drift_by`](Self::drift_by) with Newton's method, from g̈ = 0.
     ///
     /// # Errors
-    /// As there.
+    /// As [`drift_by`](Self::drift_by).
     #[inline(always)]
     fn drift<W: Witness<T>>(
         &self,
@@ -178,8 +179,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Evaluates the forces at the present positions.
     fn evaluate_forces(&self, bodies: &mut BodiesOf<Self, T, D>);
 
-    /// Looks whether the forces last evaluated are numbers: for methods whose steps end before the kick that would
-    /// tell. A system without forces says nothing.
+    /// Checks that the last forces are finite, for methods whose steps end before the kick that would show it. A system
+    /// without forces does nothing.
     ///
     /// # Errors
     /// [`StepFailure::ForceNotFinite`](crate::error::StepFailure::ForceNotFinite).
@@ -187,8 +188,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Kicks for a time `kick` and makes the momenta those of motion along the constraints. `witness` is told μ as an
-    /// impulse over h/2.
+    /// Kicks for a time `kick`, and makes the momenta tangent to the constraints. `witness` gets μ, the impulse divided
+    /// by h/2.
     ///
     /// # Errors
     /// As [`drift`](Self::drift).
@@ -200,8 +201,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         witness: &mut W,
     ) -> Result<(), Failure>;
 
-    /// Writes what the momenta change by by the flow of this number, at the present places and time, constraints aside.
-    /// Neither allocates nor panics.
+    /// Writes the changes of the momenta by flow number `number`, at the present positions and time, without
+    /// constraints. Neither allocates nor panics.
     fn flow(
         &self,
         _number: usize,
@@ -212,20 +213,20 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         changes.fill([T::from_f64(0.0); D]);
     }
 
-    /// What effects remember at the start of a run, at the present places and with the random numbers of now.
+    /// The memory of the effects at the start of a run, at the present positions and random numbers.
     ///
     /// # Errors
-    /// Of an effect that cannot act here, by the name of its type.
+    /// The name of the type of an effect that cannot act here, and why.
     fn first_marks(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<Vec<T>, (&'static str, EffectMistake)> {
         Ok(Vec::new())
     }
 
-    /// Has the flow of this number take note of the present places, and of a time that passes. Neither allocates nor
-    /// panics.
+    /// Lets flow number `number` update its memory for the present positions and the time that passes. Neither
+    /// allocates nor panics.
     fn take_note(&self, _number: usize, _given: Given<'_, T, D>, _bodies: &mut BodiesOf<Self, T, D>) {}
 
-    /// Adds the force of the effect of this number alone, and tells the name of its type; none of a flow, or where
-    /// there are no more.
+    /// Adds the force of effect number `number` alone, and returns the name of its type; `None` for a flow, and past
+    /// the last effect.
     fn add_force_alone(
         &self,
         _number: usize,
@@ -235,7 +236,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// What the flow of this number is like, and the name of its type.
+    /// The properties of flow number `number`, and the name of its type.
     fn flow_manner(&self, _number: usize) -> (Manner, &'static str) {
         (Manner { rule: Rule::Symmetric, feels: false, pushes: false }, "")
     }
@@ -245,13 +246,13 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         false
     }
 
-    /// Masses, in the coordinates of the momenta; unit masses if nothing else is said.
+    /// Masses, in the coordinates of the momenta; by default unit masses.
     fn inertia(&self) -> &dyn Inertia<T, D> {
         &UnitMasses
     }
 
-    /// Writes ṗ of each body by forces and constraints at the present state, and the part Gᵀλ of it that holds the
-    /// bodies on their constraints. Zeros where [rates](Self::rates) are not known. Neither allocates nor panics.
+    /// Writes ṗ = f + Gᵀλ of each body at the present state, and the constraint force Gᵀλ by itself. Zeros where there
+    /// are no [rates](Self::rates). Neither allocates nor panics.
     fn feel(&self, bodies: &mut BodiesOf<Self, T, D>, rates: &mut [[T; D]], holding: &mut [[T; D]]) {
         rates.fill([T::from_f64(0.0); D]);
         if let Ok(capability) = self.rates() {
@@ -262,17 +263,17 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         }
     }
 
-    /// The force on a body that was last evaluated, of a system with [rates](Self::rates).
+    /// The last force on a body, for a system with [rates](Self::rates).
     fn force(&self, _bodies: &BodiesOf<Self, T, D>, _body: usize) -> [T; D] {
         [T::from_f64(0.0); D]
     }
 
-    /// The number of independent momenta: coordinates that are free to move less independent equations.
+    /// The number of independent momenta: coordinates of bodies that are not pinned, minus independent equations.
     fn freedom(&self, bodies: &BodiesOf<Self, T, D>) -> usize {
         (bodies.q.as_ref().len() * D).saturating_sub(self.equations())
     }
 
-    /// Looks whether the normal of a constraint jumps between the places put aside and those of now. Nothing where
+    /// Checks whether the normal of a constraint jumps between the saved and the present positions. Does nothing where
     /// constraints have no kinks.
     ///
     /// # Errors
@@ -286,13 +287,13 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Writes ∇g of the equation of which [`check_kinks`](Self::check_kinks) said that its normal jumps, at the present
-    /// places, of every body; a system that says so says this too.
+    /// Writes ∇g for every body at the present positions, of the equation whose normal jumps according to
+    /// [`check_kinks`](Self::check_kinks). Systems that report kinks must implement this.
     fn kinked_normal(&self, _bodies: &BodiesOf<Self, T, D>, _kink: &Failure, normal: &mut [[T; D]]) {
         normal.fill([T::from_f64(0.0); D]);
     }
 
-    /// Looks whether a step of length h has passed a singular point. A system that has none says nothing.
+    /// Checks whether a step of length h has passed a singular point. Does nothing where there are none.
     ///
     /// # Errors
     /// [`StepFailure::NoNormal`](crate::error::StepFailure::NoNormal).
@@ -306,8 +307,8 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Looks whether a step of length h, after so many, that did not follow the root of its constraint has ended on
-    /// another sheet. A system that cannot tell says nothing.
+    /// Checks whether a step of length h, by a method that does not follow the root of its constraints, has ended on
+    /// another sheet; `steps` steps were taken before. Does nothing where the system cannot tell.
     ///
     /// # Errors
     /// [`StepFailure::OtherSheet`](crate::error::StepFailure::OtherSheet).
@@ -322,21 +323,22 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         Ok(())
     }
 
-    /// Corrections of position equations that were made since the start, where they are counted.
+    /// The number of corrections in the solution of position equations since the start; `None` where they are not
+    /// counted.
     fn corrections(&self, _bodies: &BodiesOf<Self, T, D>) -> Option<u64> {
         None
     }
 
-    /// The number of equations g = 0, that is of multipliers.
+    /// The number of equations g = 0, and of multipliers.
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
     fn velocity<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, body: usize) -> [T; D];
-    /// U, from places alone.
+    /// U, from positions alone.
     fn potential_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T;
-    /// Appends U of each effect that is no flow, in the order in which the scene names them.
+    /// Appends U of each effect that is not a flow, in the order of the scene.
     fn effect_energies<X>(&self, _bodies: &Bodies<Self::Count, T, X, D>, _to: &mut Vec<T>) {}
 
-    /// pᵀM⁻¹p/2, summed over the bodies, from places and momenta alone.
+    /// pᵀM⁻¹p/2, summed over the bodies, from positions and momenta alone.
     fn kinetic_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T {
         let parts = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).enumerate();
         let energy = parts.map(|(body, (p, low))| {
@@ -346,23 +348,23 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         energy.fold(T::from_f64(0.0), |sum, part| sum + part)
     }
 
-    /// Writes g(q, t) of each equation; a system with equations says how.
+    /// Writes g(q, t) of each equation. A system with equations must implement this.
     fn residuals(&self, _bodies: &BodiesOf<Self, T, D>, _g: &mut [T]) {
         debug_assert_eq!(self.equations(), 0, "{} has equations", self.kind());
     }
-    /// Writes G M⁻¹p + ∂g/∂t of each equation; a system with equations says how.
+    /// Writes G M⁻¹p + ∂g/∂t of each equation. A system with equations must implement this.
     fn drift_rates(&self, _bodies: &BodiesOf<Self, T, D>, _rates: &mut [T]) {
         debug_assert_eq!(self.equations(), 0, "{} has equations", self.kind());
     }
-    /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers): zeros where there are no equations; a
-    /// system with equations says how.
+    /// Writes Gᵀλ of each body, with λ of [`multipliers`](Self::multipliers); zeros where there are no equations. A
+    /// system with equations must implement this.
     fn constraint_forces(&self, _bodies: &BodiesOf<Self, T, D>, forces: &mut [[T; D]]) {
         debug_assert_eq!(self.equations(), 0, "{} has equations", self.kind());
         forces.fill([T::from_f64(0.0); D]);
     }
 
-    /// Writes λ of each equation from the present state alone: such that g̈ = 0. That of the [rates](Self::rates); a
-    /// system with equations and without rates says how.
+    /// Writes λ of each equation such that g̈ = 0 at the present state, by default from the [rates](Self::rates). A
+    /// system with equations and without rates must implement this.
     fn multipliers(&self, bodies: &BodiesOf<Self, T, D>, multipliers: &mut [T]) {
         let mut rates = vec![[T::from_f64(0.0); D]; bodies.q.as_ref().len()];
         let told = rates_at(self, bodies, &mut rates, &mut Told(multipliers));
@@ -387,22 +389,22 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
 }
 
-/// What a system is given of a flow: for how long, and what it lays beside positions and momenta.
+/// The input of a flow besides positions and momenta.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a, T, const D: usize> {
-    /// For how long.
+    /// The time for which the flow acts.
     pub h: f64,
-    /// Whether before a step.
+    /// Whether the flow acts before a step.
     pub before: bool,
     /// M⁻¹p of all bodies.
     pub velocities: &'a [[T; D]],
-    /// ṗ of all bodies, for a flow that feels it.
+    /// ṗ of all bodies, for a flow that depends on it.
     pub rates: &'a [[T; D]],
-    /// Gᵀλ of all bodies, likewise.
+    /// Gᵀλ of all bodies, for a flow that depends on it.
     pub holding: &'a [[T; D]],
-    /// What of ṗ h is still to come, likewise.
+    /// The part of ṗ h that is not yet in the momenta, for a flow that depends on it.
     pub coming: &'a [[T; D]],
-    /// The kinetic energy that constraints which move impose.
+    /// The kinetic energy imposed by moving constraints.
     pub imposed: T,
     /// Random numbers.
     pub noise: Noise,

@@ -1,6 +1,6 @@
-//! Coefficients of a collocation method, ready for a system that solves its stages.
+//! Coefficients of a collocation method.
 
-/// Nodes c, weights b, and a, whose first row and last column are zero.
+/// Nodes c, weights b and matrix a, whose first row and last column are zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Table<const S: usize> {
     /// c₁ … cₛ.
@@ -102,7 +102,7 @@ fn product(h: f64, x: f64, rest: f64) -> (f64, f64) {
     (high, h.mul_add(x, -high) + h * rest)
 }
 
-/// Numbers of stages with a table.
+/// The numbers of stages for which there is a table.
 #[diagnostic::on_unimplemented(
     message = "Lobatto methods have 2 to 9 stages",
     label = "no table for this number of stages",

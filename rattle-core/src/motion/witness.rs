@@ -1,14 +1,14 @@
-//! Who is told the multipliers of a step.
+//! Receivers of the multipliers of a step.
 
-/// Is told the multipliers as a step finds them; `()` does not listen, and then they are not formed.
+/// Receives the multipliers as a step computes them. With `()` they are not computed.
 pub trait Witness<T> {
-    /// Whether multipliers are formed at all.
+    /// Whether multipliers are computed at all.
     const LISTENS: bool = true;
 
-    /// λ of the position equation with this number: on surfaces, that of the body. A composition tells that of each
-    /// of its steps, the last one last; a collocation method λ(t) at the start of the step, to its order.
+    /// λ of position equation number `equation`; on surfaces, equation i belongs to body i. A composition reports λ of
+    /// each of its inner steps in order; a collocation method reports λ(t) at the start of the step, to its order.
     fn position_multiplier(&mut self, equation: usize, lambda: T);
-    /// μ of the momentum equation; of a collocation method λ(t) at the end of the step.
+    /// μ of the momentum equation; for a collocation method, λ(t) at the end of the step.
     fn momentum_multiplier(&mut self, equation: usize, mu: T);
 }
 

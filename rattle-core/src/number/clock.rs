@@ -1,4 +1,4 @@
-//! Times that are sums: each with what rounding took from it.
+//! Times as compensated sums: each with its rounding error.
 
 use crate::number::vector::two_sum;
 

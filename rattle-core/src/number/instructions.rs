@@ -1,11 +1,14 @@
-//! Which instructions a processor has, found when the program runs, and work compiled for each of them.
+//! Instruction sets: detection at run time, and work compiled for each of them.
 
 use std::fmt;
 
-/// A set of instructions that work is compiled for.
+/// An instruction set for which work is compiled.
+#[doc(alias = "SIMD")]
+#[doc(alias = "AVX")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum InstructionSet {
-    /// What every processor of the target has. On x86-64 that is two doubles at a time and no fused multiply-add.
+    /// The baseline that every processor of the target has. On x86-64: two doubles at a time, without fused
+    /// multiply-add.
     Portable,
     /// Four doubles at a time, with fused multiply-add.
     Avx2,
@@ -14,7 +17,7 @@ pub enum InstructionSet {
 }
 
 impl InstructionSet {
-    /// The widest one that this processor has.
+    /// The widest instruction set of this processor.
     #[must_use]
     pub fn widest() -> Self {
         [Self::Avx512, Self::Avx2].into_iter().find(|set| set.is_present()).unwrap_or(Self::Portable)
@@ -77,7 +80,7 @@ impl Fusing {
         Some(Self(set)).filter(|_| set.fuses() && set.is_present())
     }
 
-    /// The widest one that this processor has.
+    /// The widest instruction set of this processor.
     pub(crate) fn widest() -> Option<Self> {
         Self::of(InstructionSet::widest())
     }
@@ -121,12 +124,12 @@ impl fmt::Display for InstructionSet {
     }
 }
 
-/// Work that is to be compiled for each set of instructions: `run` and all that it calls must be `#[inline(always)]`,
-/// since only what is inlined uses the instructions.
+/// Work to be compiled for each instruction set. `run` and everything that it calls must be `#[inline(always)]`, since
+/// only inlined code uses the instructions.
 pub trait Work {
-    /// What comes of it.
+    /// The result.
     type Done;
-    /// Does it.
+    /// Does the work.
     fn run(self) -> Self::Done;
 }
 

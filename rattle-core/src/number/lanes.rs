@@ -1,13 +1,13 @@
-//! Scalars of ensembles: a number whose products and sums round once, and several of them side by side.
+//! Scalars of ensembles: a number with fused multiply-add, and arrays of such numbers (SIMD lanes).
 //!
-//! [`Fused`] is one number. Loops over arrays of it are what compilers turn into SIMD instructions, so that no SIMD
-//! type is needed. [`Lanes`] is such an array as a scalar of its own: the store of trajectories side by side, and what
-//! everything outside the inner loops is written over.
+//! [`Fused`] is one number. Compilers turn loops over arrays of it into SIMD instructions, so no SIMD type is needed.
+//! [`Lanes`] is such an array as a scalar of its own, with one trajectory in each lane; all code outside the inner
+//! loops uses it.
 //!
 //! **Functions** of a [`Fused`] number, all that kernels call, are straight-line code that vectorises, with the same
-//! bits on every processor. For each the nanoseconds for one number in a loop of 64, beside those of the system's
-//! library, on a core of an AMD EPYC with AVX-512 (`cargo bench --bench kernels functions`), and the largest error seen
-//! among 250 000 arguments, in units of the last place:
+//! bits on every processor. The table gives for each the nanoseconds per number in a loop over 64 numbers, those of the
+//! system's library, on a core of an AMD EPYC with AVX-512 (`cargo bench --bench kernels functions`), and the largest
+//! error found in 250 000 arguments, in units of the last place:
 //!
 //! ```text
 //!       ours  library error         ours  library error         ours  library error
@@ -21,11 +21,11 @@
 //! tanh  0.73    6.7    1.4
 //! ```
 //!
-//! The errors of sin, cos and tan are those up to 4·10⁵; beyond 2⁴⁰ they are not a number. What of exp is below the
-//! normal numbers, 2·10⁻³⁰⁸, is 0.
+//! The errors of sin, cos and tan are those for arguments up to 4·10⁵; beyond 2⁴⁰ these functions are NaN. Values of
+//! exp below the normal numbers, 2·10⁻³⁰⁸, are 0.
 //!
-//! In single precision exp, ln, sin, cos, sinh, cosh and tanh have code of their own, with the errors 0.9, 0.8, 1.5,
-//! 1.5, 1.7, 1.4 and 1.3 and in a third of the time; the others are those in double precision, rounded.
+//! In single precision exp, ln, sin, cos, sinh, cosh and tanh have code of their own, with errors of 0.9, 0.8, 1.5,
+//! 1.5, 1.7, 1.4 and 1.3, in a third of the time. The other functions are those of double precision, rounded.
 
 use crate::number::functions::{self, single};
 use crate::number::instructions::{InstructionSet, Work};
@@ -35,15 +35,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number of one lane: [`Fused`], or a plain float.
 pub trait Lane: Real<Mask = bool> + Default + PartialEq {
-    /// The float that is nearest.
+    /// The nearest `f64`.
     fn to_f64(self) -> f64;
-    /// Does work over such numbers: with these instructions where they fuse as the numbers do.
+    /// Runs work over such numbers, with this instruction set if it fuses multiply-adds as the numbers do.
     #[doc(hidden)]
     fn run<W: Work>(set: InstructionSet, work: W) -> W::Done;
 }
 
 /// A float whose x·y + z is rounded once, with the same bits on every processor: fast where there is an instruction for
-/// it, slow and the same elsewhere.
+/// it, slow elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(transparent)]
 pub struct Fused<F>(pub F);

@@ -1,4 +1,4 @@
-//! Numbers: scalars, several of them side by side, and the instructions that move them. Knows nothing of mechanics.
+//! Numbers: scalars, arrays of scalars (lanes), and instruction sets. This part knows no mechanics.
 
 pub mod clock;
 mod functions;

@@ -1,8 +1,8 @@
-//! The scalar that kernels and methods are written over.
+//! The scalar trait, in which kernels and methods are generic.
 //!
-//! One trait, [`Real`], holds what generated kernels call. `f64` is a number; a block of SIMD lanes
-//! or a dual number is one too. Comparisons give a [`Mask`] and choices are made by selection, so
-//! that several lanes can go different ways in one instruction stream.
+//! [`Real`] has the operations that generated kernels call. `f64` implements it; a block of SIMD lanes or a dual number
+//! can too. Comparisons give a [`Mask`], and branches are made by selection, so that lanes can take different branches
+//! in one instruction stream.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -17,7 +17,7 @@ pub trait Mask: Copy + Debug {
     fn or(self, other: Self) -> Self;
     /// Lane-wise not.
     fn not(self) -> Self;
-    /// The lanes in turn; one for a plain scalar.
+    /// The lanes in order; one for a plain scalar.
     fn lanes(self) -> impl Iterator<Item = bool>;
 }
 
@@ -50,7 +50,7 @@ pub(crate) fn each_lane<T: Real>(x: T, function: impl Fn(f64) -> f64) -> T {
     T::from_lanes(|lane| function(x.lanes().nth(lane).unwrap_or(f64::NAN)))
 }
 
-/// A real number, or several side by side.
+/// A real number, or an array of them (lanes).
 ///
 /// Arithmetic and `sqrt` round once (IEEE 754); the other functions are those of the scalar's own
 /// library. Nothing here panics: outside its domain a function gives NaN.
@@ -66,9 +66,9 @@ pub trait Real:
     + Sync
     + 'static
 {
-    /// What a comparison gives.
+    /// The result of a comparison.
     type Mask: Mask;
-    /// The distance from 1 to the next number; that of `f64` where nothing else is said.
+    /// The distance from 1 to the next number; by default that of `f64`.
     const EPSILON: f64 = f64::EPSILON;
 
     /// The same number in every lane.
@@ -78,7 +78,7 @@ pub trait Real:
     fn from_lanes(lane: impl Fn(usize) -> f64) -> Self {
         Self::from_f64(lane(0))
     }
-    /// The numbers of the lanes in turn; one for a plain scalar.
+    /// The numbers of the lanes in order; one for a plain scalar.
     fn lanes(self) -> impl Iterator<Item = f64>;
 
     /// `self < other`, false where either is NaN.
@@ -88,18 +88,18 @@ pub trait Real:
     /// `a` where the mask is true, else `b`; the side not taken has no influence, NaN or not.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
 
-    /// Vectors of numbers that are plain doubles as such; none for other scalars.
+    /// The vectors as vectors of `f64`, if `Self` is one; otherwise `None`.
     #[inline(always)]
     fn doubles<const D: usize>(_vectors: &[[Self; D]]) -> Option<&[[f64; D]]> {
         None
     }
-    /// The same, to be written.
+    /// As [`doubles`](Self::doubles), mutable.
     #[inline(always)]
     fn doubles_mut<const D: usize>(_vectors: &mut [[Self; D]]) -> Option<&mut [[f64; D]]> {
         None
     }
 
-    /// self · b + c: rounded after each operation, or once at the end by scalars that fuse them.
+    /// self · b + c, rounded after each operation, or once at the end by scalars with fused multiply-add.
     #[inline(always)]
     fn multiply_add(self, b: Self, c: Self) -> Self {
         self * b + c

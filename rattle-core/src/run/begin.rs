@@ -1,4 +1,4 @@
-//! How a scene gets under way: a start is checked, and a simulation made.
+//! From a scene to a simulation: the start is checked.
 
 use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
@@ -17,11 +17,14 @@ use crate::run::simulation::Simulation;
 use crate::scene::Scene;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A simulation of this scene from `start` by the method `method`.
+    /// A simulation of this scene from `start` with `method`.
     ///
     /// # Errors
     /// [`Error::Start`] if a start is off the constraints, a momentum not tangent (beyond a relative
     /// 1e-10, see [`crate::START_TOLERANCE`]), or a constraint singular there; see [`Self::project`].
+    #[doc(alias = "integrate")]
+    #[doc(alias = "solve")]
+    #[doc(alias = "run")]
     #[allow(clippy::type_complexity, reason = "the one place where the types meet")]
     pub fn simulate<S: Method>(
         &self,
@@ -31,9 +34,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.begin(self.ready(&start, &method)?, &start, method, 0)
     }
 
-    /// The state with momenta drawn at random from Maxwell's distribution at the temperature kT, an energy, along the
-    /// constraints: the same for the same seed and [number](State::numbered) of the state. On each of the independent
-    /// momenta fall ½kT in the mean.
+    /// The state with random momenta, tangent to the constraints, from the Maxwell–Boltzmann distribution at the
+    /// temperature kT, an energy: ½kT on average for each independent momentum. The momenta are the same for the same
+    /// seed and the same [number](State::numbered) of the state.
     ///
     /// ```
     /// use rattle::prelude::*;
@@ -47,7 +50,10 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`simulate`](Self::simulate) for the places; [`Error::Effect`] for a temperature below 0 or not finite.
+    /// As [`simulate`](Self::simulate) for the positions; [`Error::Effect`] for a temperature below 0 or not finite.
+    #[doc(alias = "seed")]
+    #[doc(alias = "Boltzmann")]
+    #[doc(alias = "random velocities")]
     #[doc(alias = "sample")]
     #[doc(alias = "temperature")]
     #[doc(alias = "thermostat")]

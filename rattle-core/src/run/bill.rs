@@ -1,4 +1,4 @@
-//! What a step costs, and what of it each effect takes: the bill.
+//! The bill: what a step costs, in total and for each effect.
 
 use crate::effect::interval::Half;
 use crate::error::Error;
@@ -16,26 +16,29 @@ const SAMPLES: usize = 5;
 /// A sample lasts so long at least: clocks tell 50 ns.
 const SAMPLE: Duration = Duration::from_micros(400);
 
-/// What a step costs on one thread, item by item; made by [`Simulation::bill`] and, of one of its trajectories, by
-/// [`Ensemble::bill`](crate::run::ensemble::Ensemble::bill). `Display` shows a table.
+/// The time of a step on one thread, item by item; made by [`Simulation::bill`] and, for one trajectory of an ensemble,
+/// by [`Ensemble::bill`](crate::run::ensemble::Ensemble::bill). `Display` shows a table.
+#[doc(alias = "profile")]
+#[doc(alias = "benchmark")]
+#[doc(alias = "cost")]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bill {
-    /// Nanoseconds a step.
+    /// Nanoseconds per step.
     pub step: f64,
-    /// What is measured by itself, and what is left; together the step.
+    /// The parts that are measured separately, and the rest; their sum is the step.
     pub items: Vec<Item>,
-    /// Bodies that a step moves.
+    /// The number of bodies.
     pub bodies: usize,
-    /// Trajectories that go side by side, of which the step of one is meant.
+    /// How many trajectories are computed at once in SIMD lanes; times are those for one of them.
     pub side_by_side: usize,
 }
 
 /// An item of a [`Bill`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item {
-    /// What costs: the name of an effect's type, or of a part of the step.
+    /// The name of an effect's type, or of a part of the step.
     pub what: String,
-    /// Nanoseconds a step.
+    /// Nanoseconds per step.
     pub nanoseconds: f64,
 }
 
@@ -74,11 +77,11 @@ impl fmt::Display for Bill {
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// What a step costs at the present state, item by item. A copy of the simulation is run for some milliseconds (for
-    /// some steps, if they are long) and its parts are timed by themselves; the simulation is not touched, and a run
-    /// pays nothing.
+    /// some steps, if they are long), and its parts are timed separately. The simulation itself is unchanged, and other
+    /// runs are not slowed.
     ///
-    /// Forces are counted as often as a step of the method evaluates them. Of methods whose number of evaluations is
-    /// not known before (`Lobatto`, `Taylor`, `Dop853`, `Bdf2`) they are not told apart from the rest.
+    /// Forces are counted as often as a step evaluates them. For methods whose number of evaluations is not known in
+    /// advance (`Lobatto`, `Taylor`, `Dop853`, `Bdf2`) forces are not listed separately.
     ///
     /// ```
     /// # use rattle::potentials::Gravity;

@@ -1,4 +1,4 @@
-//! A simulation whose type can be written down.
+//! A simulation with a short type.
 
 use crate::error::Error;
 use crate::motion::method::Method;
@@ -13,10 +13,10 @@ use std::fmt;
 /// A simulation of any scene with D coordinates per body, moved by any method: made by
 /// [`Simulation::boxed`].
 ///
-/// A [`Simulation`] has scene and method in its type, which makes it fast and its type long. This type is short: for
-/// fields of structures, for functions that return simulations, and for simulations of different scenes in one `Vec`.
-/// It does the same, bit for bit; a call costs some nanoseconds more, once for [`run`](Self::run) however many the
-/// steps.
+/// The type of a [`Simulation`] contains the scene and the method, which makes it fast, and long to write. This type is
+/// short: for fields of structures, for functions that return simulations, and for simulations of different scenes in
+/// one `Vec`. Results are the same, bit for bit. Each call costs some nanoseconds more; a call of [`run`](Self::run)
+/// only once, whatever the number of steps.
 ///
 /// ```
 /// use rattle::prelude::*;
@@ -41,6 +41,8 @@ use std::fmt;
 /// assert_eq!(experiments[0].simulation.steps(), 200);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "dyn")]
+#[doc(alias = "type erasure")]
 #[derive(Clone)]
 pub struct BoxedSimulation<const D: usize>(Box<dyn AnySimulation<D>>);
 
@@ -73,7 +75,7 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The same simulation as a type that can be written down.
+    /// The same simulation as a [`BoxedSimulation`].
     pub fn boxed(self) -> BoxedSimulation<D> {
         BoxedSimulation(Box::new(self))
     }
@@ -186,7 +188,7 @@ impl<const D: usize> BoxedSimulation<D> {
         })
     }
 
-    /// Takes steps for as long as `go_on` is true, at most `steps`; see [`Simulation::run_while`].
+    /// Takes steps as long as `go_on` returns true, at most `steps`; see [`Simulation::run_while`].
     ///
     /// # Errors
     /// As there.
@@ -210,13 +212,13 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.observe(steps, every, observer)
     }
 
-    /// All that is needed to go on from here, see [`Simulation::checkpoint`].
+    /// A record of everything needed to continue from here, see [`Simulation::checkpoint`].
     #[must_use]
     pub fn checkpoint(&self) -> Record {
         self.0.checkpoint()
     }
 
-    /// Goes on from a checkpoint, see [`Simulation::resume`].
+    /// Continues from a checkpoint, see [`Simulation::resume`].
     ///
     /// # Errors
     /// As there.
@@ -254,17 +256,17 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.bodies()
     }
 
-    /// Positions of the bodies in turn: an iterator. That of the first, or only, body is `.positions().next()`.
+    /// Positions of the bodies in order. That of the first, or only, body is `.positions().next()`.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[0])
     }
 
-    /// Momenta p of the bodies in turn.
+    /// Momenta p of the bodies in order.
     pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[1])
     }
 
-    /// Velocities M⁻¹p of the bodies in turn.
+    /// Velocities M⁻¹p of the bodies in order.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|body| self.0.body(body)[2])
     }
@@ -293,25 +295,25 @@ impl<const D: usize> BoxedSimulation<D> {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// Energy now less energy at the start and less the [work](Self::work) done by moving constraints.
+    /// Energy now minus energy at the start, minus the [work](Self::work) done; see [`Simulation::energy_error`].
     #[must_use]
     pub fn energy_error(&self) -> f64 {
         self.0.energy_error()
     }
 
-    /// Work that moving constraints have done on the bodies since the start, see [`Simulation::work`].
+    /// Work done on the bodies since the start, see [`Simulation::work`].
     #[must_use]
     pub fn work(&self) -> f64 {
         self.0.work()
     }
 
-    /// Impacts and passages over edges since the start, see [`Simulation::events`].
+    /// Number of impacts and of crossings of edges since the start, see [`Simulation::events`].
     #[must_use]
     pub fn events(&self) -> u64 {
         self.0.events()
     }
 
-    /// Corrections of position equations since the start, see [`Simulation::corrections`].
+    /// Number of corrections in the solution of position equations since the start, see [`Simulation::corrections`].
     #[must_use]
     pub fn corrections(&self) -> Option<u64> {
         self.0.corrections()
@@ -335,7 +337,7 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.cotangent_residual()
     }
 
-    /// Multipliers λ of the equations in turn, see [`Simulation::multipliers`].
+    /// Multipliers λ of the equations in order, see [`Simulation::multipliers`].
     #[must_use]
     pub fn multipliers(&self) -> Vec<f64> {
         self.0.multipliers()

@@ -1,4 +1,4 @@
-//! Checkpoints: all that a run needs to go on as if it had never stopped, bit for bit.
+//! Checkpoints: everything that a run needs to continue as if it had never stopped, bit for bit.
 //!
 //! ```
 //! # use rattle::{Rattle, Scene, State};
@@ -16,11 +16,11 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! What goes on is made as it was made at first: the scene, any start, the method, and what was asked for with
-//! `retry`, `collide` and the like. These are code, and not in the checkpoint; what they give is, and where it is
-//! something else the checkpoint is refused, with the part that differs. All that changes in a run is taken from the
-//! checkpoint: positions and momenta with what rounding took from them, what method and effects remember, time, steps,
-//! random numbers, work, energy at the start, events, and how far guesses were off.
+//! To continue, first make the run as before: the same scene, any start, the same method, and the same calls of
+//! `retry`, `collide` and the like. These are code and not in the checkpoint. But the checkpoint holds values that they
+//! give, and is refused, with the part that differs, where the values are others now. Everything that changes in a run
+//! comes from the checkpoint: positions and momenta with their rounding errors, the memory of method and effects, time,
+//! steps, random numbers, work, energy at the start, events, and the errors of the last guesses.
 
 use crate::error::Error;
 use crate::motion::bodies::Body;
@@ -32,24 +32,27 @@ use crate::run::ensemble::{Ensemble, STRETCH};
 use crate::run::fingerprint::{of_method, of_system};
 use crate::run::simulation::Simulation;
 
-/// What runs, and can stop and go on: a simulation, of any type, or an ensemble.
+/// A run that can be stopped and continued: a simulation of any type, or an ensemble.
+#[doc(alias = "restart")]
+#[doc(alias = "dump")]
 pub trait Checkpoint {
-    /// All that is needed to go on from here.
+    /// A record of everything needed to continue from here.
     fn checkpoint(&self) -> Record;
-    /// Goes on from there; left as it is where that is refused.
+    /// Continues from a checkpoint. Where it is refused, the run is unchanged.
     ///
     /// # Errors
-    /// [`Error::Record`] for a checkpoint of another scene, method, number of bodies or trajectories, or one that lacks
-    /// something.
+    /// [`Error::Record`] for a checkpoint of another scene, method, or number of bodies or trajectories, and for an
+    /// incomplete one.
     fn resume(&mut self, checkpoint: &Record) -> Result<(), Error>;
-    /// Takes so many steps.
+    /// Takes `steps` steps.
     ///
     /// # Errors
     /// As [`Simulation::run`]; an ensemble has none.
     fn take_steps(&mut self, steps: u64) -> Result<(), Error>;
     /// Steps taken since the start.
     fn steps_taken(&self) -> u64;
-    /// A run may be divided after any step; after multiples of so many it is divided where it would be anyway.
+    /// The number of steps that run as one piece internally. A run may be stopped after any step; stopping after a
+    /// multiple of this number costs nothing.
     fn at_a_time(&self) -> u64 {
         1
     }
@@ -105,7 +108,9 @@ impl<const D: usize> Checkpoint for Ensemble<D> {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// All that is needed to go on from here bit for bit, see [`crate::run::checkpoint`].
+    /// A record of everything needed to continue from here bit for bit, see [`crate::run::checkpoint`].
+    #[doc(alias = "dump")]
+    #[doc(alias = "save")]
     pub fn checkpoint(&self) -> Record {
         let mut record = Record::default();
         record.text("what", "a simulation");
@@ -113,8 +118,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         record
     }
 
-    /// Goes on from a checkpoint of the same scene and method, see [`crate::run::checkpoint`]; left as it is where that
-    /// is refused.
+    /// Continues from a checkpoint of the same scene and method, see [`crate::run::checkpoint`]. Where it is refused,
+    /// the simulation is unchanged.
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.

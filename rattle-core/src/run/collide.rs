@@ -1,4 +1,4 @@
-//! How a simulation is told of events inside its steps.
+//! Events inside steps: collisions, and edges of constraints.
 
 use crate::effect::contact::Contacts;
 use crate::error::Error;
@@ -13,23 +13,26 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// [`Stop`](crate::effect::Stop), or [`Contacts`] of your own.
     ///
     /// The step in which a gap closes is taken up to the instant of contact, which is found to the rounding of the gap.
-    /// There momenta change by the impulse of the contact, and the rest of the step follows. Contacts that close at one
-    /// instant are taken in the order in which they were named. A fast body does not pass through another: the gap is
-    /// searched for a zero wherever its tangents at the two ends of a step meet below zero (see [`Contacts`]).
+    /// There momenta change by the impulse of the contact, and the rest of the step follows. Contacts that close at the
+    /// same instant are handled in the order in which they were given. A fast body does not pass through another: the
+    /// gap is searched for a zero wherever its tangents at the two ends of a step meet below zero (see [`Contacts`]).
     ///
-    /// Impulses act along the constraints and know the masses. Elastic impulses keep the kinetic energy to rounding;
-    /// the energy that others take is booked as [`work`](Self::work). [`events`](Self::events) counts impacts. Where a
-    /// contact would stay closed, as a ball at rest on a floor, a step fails with
+    /// Impulses respect constraints and masses. Elastic impulses conserve the kinetic energy to rounding; the energy
+    /// lost in others counts as negative [`work`](Self::work). [`events`](Self::events) counts impacts. Where a contact
+    /// would stay closed, like that of a ball at rest on a floor, the step fails with
     /// [`StepFailure::Rests`](crate::error::StepFailure::Rests).
     ///
-    /// Contacts are not part of a [`State`](crate::motion::state::State): name them again after a restart. In a step
-    /// with events [`retry`](Self::retry) halves the parts between events, and [`check_reversal`](Self::check_reversal)
-    /// checks nothing.
+    /// Contacts are not part of a [`State`](crate::motion::state::State): call `collide` again after a restart. In a
+    /// step with events [`retry`](Self::retry) divides the parts between events, and
+    /// [`check_reversal`](Self::check_reversal) does not check.
     ///
     /// # Errors
-    /// [`Error::Overlap`] for bodies beyond a contact, [`Error::Restitution`], [`Error::Diameter`] and
+    /// [`Error::Overlap`] for bodies that overlap at the start, [`Error::Restitution`], [`Error::Diameter`] and
     /// [`Error::Network`] for contacts that make no sense, [`Error::NoEvents`] for staggered methods, methods with
     /// steps of their own length, rigid bodies and phase space.
+    #[doc(alias = "bounce")]
+    #[doc(alias = "billiard")]
+    #[doc(alias = "hard spheres")]
     #[doc(alias = "contact")]
     #[doc(alias = "collision")]
     pub fn collide(mut self, contacts: impl Contacts<D>) -> Result<Self, Error> {
@@ -50,11 +53,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(self)
     }
 
-    /// The same simulation, in which a step goes on over an edge of a constraint, where else it fails with
-    /// [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge, and the momentum
-    /// turned about the edge into the new side: what is along the edge is kept, what is across it keeps its size, so
-    /// energy is kept to rounding, and a free particle goes straight on where the two sides are unfolded. Where two
-    /// edges meet, or the surface ends, the step fails as before.
+    /// The same simulation, whose steps cross edges (kinks) of a constraint. Without this a step that meets an edge
+    /// fails with [`StepFailure::Kink`](crate::error::StepFailure::Kink). The step is taken up to the edge; there the
+    /// momentum is rotated about the edge into the new side. The component along the edge and the size of the component
+    /// across it are unchanged, so energy is conserved to rounding, and a free particle moves along a straight line if
+    /// the two sides are unfolded into a plane. Where two edges meet, or the surface ends, the step still fails.
     ///
     /// ```
     /// use rattle::prelude::*;
@@ -71,6 +74,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// # Errors
     /// [`Error::NoEvents`] as [`collide`](Self::collide), and where constraints or forces change with time.
+    #[doc(alias = "edge")]
+    #[doc(alias = "non-smooth")]
     pub fn over_kinks(mut self) -> Result<Self, Error> {
         self.takes_events()?;
         if self.system.moves_with_time() {

@@ -1,9 +1,9 @@
-//! What is looked at after each whole step: kinks, sheets where a method does not follow its root, and with methods
-//! that have no structure, whether the step can be one of the motion.
+//! Checks after each whole step: kinks; sheets, where a method does not follow its root; and for methods without
+//! geometric structure, whether the step can belong to the motion.
 //!
-//! RATTLE and its relatives follow the root of their position equation and know where it ends. A power series or an
-//! explicit method knows nothing of the constraint on its way: near a singular point, where normals turn at once, it
-//! leads anywhere, and is projected from there. Its kinetic energy then comes from nowhere.
+//! RATTLE and related methods follow the root of their position equation and notice where it ends. A power series or an
+//! explicit method does not see the constraint inside its step: near a singular point, where normals turn abruptly, it
+//! may end anywhere, and is projected from there. Then the energy jumps.
 
 use crate::error::StepFailure;
 use crate::motion::bodies::Saved;

@@ -1,9 +1,8 @@
-//! What tells one scene and method from another: what they give at a state and near it.
+//! Fingerprints of scene and method: the values that they give at a state and near it.
 //!
-//! The code of an expression cannot be compared when a program runs, but what it gives can: masses, constraints,
-//! energies and each effect alone are asked at places beside those of the record, by pseudo-random steps of a
-//! thousandth, where g is not zero. So parameters, expressions, masses, pins and the order of effects count, whoever
-//! wrote them.
+//! The code of an expression cannot be compared at run time, but its values can. Masses, constraints, energies and each
+//! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth,
+//! so that g is not zero there. So parameters, expressions, masses, pins and the order of effects all count.
 
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;

@@ -1,4 +1,4 @@
-//! Who goes on: a simulation, or an ensemble of them; and who watches.
+//! Runs: simulations and ensembles, their observers, costs and checkpoints.
 
 mod begin;
 pub mod bill;

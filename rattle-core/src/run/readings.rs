@@ -20,8 +20,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.steps
     }
 
-    /// The time: the time of the start (0 if none was given) plus steps times step size; plus the sum of the steps,
-    /// where they differ in length.
+    /// The time: that of the start (by default 0) plus steps × step size or, where steps differ in length, plus their
+    /// sum.
     pub fn time(&self) -> f64 {
         self.exact_time().0
     }
@@ -47,7 +47,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.method.step_size()
     }
 
-    /// What is simulated.
+    /// The system: bodies, constraints and forces.
     pub fn system(&self) -> &Y {
         &self.system
     }
@@ -62,36 +62,38 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.bodies.q.as_ref().len()
     }
 
-    /// Positions of the bodies in turn: an iterator, so `.positions().nth(1)` is that of body 1.
+    /// Positions of the bodies in order, as an iterator: `.positions().nth(1)` is that of body 1.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.q.as_ref().iter().map(|&q| q.into())
     }
 
-    /// Momenta p of the bodies in turn; with unit masses also velocities.
+    /// Momenta p of the bodies in order; with unit masses also velocities.
     pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         self.bodies.p.as_ref().iter().map(|&p| p.into())
     }
 
-    /// Velocities M⁻¹p of the bodies in turn.
+    /// Velocities M⁻¹p of the bodies in order.
     pub fn velocities(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
         (0..self.bodies()).map(|i| self.system.velocity(&self.bodies, i).into())
     }
 
-    /// The numbers that the method remembers from step to step; empty for a one-step method.
+    /// The memory of the method: numbers kept from step to step; empty for a one-step method.
     pub fn memory(&self) -> &[f64] {
         self.memory.as_ref()
     }
 
-    /// The numbers that effects remember from step to step, such as the headings of
-    /// [`SelfPropulsion`](crate::effect::SelfPropulsion): those of the first effect, then of the next. Empty where no
-    /// effect remembers anything.
+    /// The memory of the effects: numbers kept from step to step, such as the headings of
+    /// [`SelfPropulsion`](crate::effect::SelfPropulsion), in the order of the effects. Empty where no effect has a
+    /// memory.
     pub fn marks(&self) -> &[f64] {
         &self.bodies.marks
     }
 
-    /// The present state, from which a new simulation by the same method goes on bit for bit; steps, work and energy
-    /// errors are then counted from there. (Linked bodies whose equations have come to depend on each other may choose
-    /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and round otherwise.)
+    /// The present state, from which a new simulation with the same method continues bit for bit; steps, work and
+    /// energy errors are then counted from there. (Linked bodies whose equations have become dependent may choose
+    /// another [linear algebra](crate::systems::network::LinearAlgebra) at the new start, and then round differently.)
+    #[doc(alias = "restart")]
+    #[doc(alias = "snapshot")]
     pub fn state(&self) -> State<D> {
         let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
@@ -112,6 +114,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The number of independent momenta: the number of coordinates of bodies that are not pinned, minus the number of
     /// independent equations (counted by the normals of the last step).
+    #[doc(alias = "degrees of freedom")]
     pub fn freedom(&self) -> usize {
         self.system.freedom(&self.bodies)
     }
@@ -119,8 +122,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// The temperature kT of the present momenta, an energy: 2K divided by the number of
     /// [independent momenta](Self::freedom).
     ///
-    /// NaN where there are no independent momenta, and in phase space, which has no masses. The motion that moving
-    /// links impose on bodies is no heat, and is left out of K.
+    /// NaN where there are no independent momenta, and in phase space, which has no masses. K is here without the
+    /// motion that moving links impose on bodies, which is not heat.
+    #[doc(alias = "kT")]
     pub fn temperature(&self) -> f64 {
         self.temperature_of(&self.bodies)
     }
@@ -150,8 +154,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.potential_energy(&self.bodies)
     }
 
-    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
-    /// none.
+    /// U of each effect in the order of the scene, without [flows](crate::effect::Flow), which have none.
     pub fn effect_energies(&self) -> Vec<f64> {
         let mut energies = Vec::new();
         self.system.effect_energies(&self.bodies, &mut energies);
@@ -159,36 +162,38 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 
     /// Energy H = K + U.
+    #[doc(alias = "Hamiltonian")]
+    #[doc(alias = "total energy")]
     pub fn energy(&self) -> f64 {
         self.kinetic_energy() + self.potential_energy()
     }
 
-    /// The work done on the bodies since the start, an energy; 0 where none of these is in the scene:
+    /// The work done on the bodies since the start, an energy, by
     ///
-    /// * constraints that move, −∫ λᵀ ∂g/∂t dt, and potentials that change with time, ∫ ∂U/∂t dt, to the order of the
+    /// * moving constraints, −∫ λᵀ ∂g/∂t dt, and potentials that change with time, ∫ ∂U/∂t dt, to the order of the
     ///   method;
     /// * [flows](crate::effect::Flow) of momenta: drag, friction, heat, `force!`;
-    /// * [impacts](Self::collide) that are not elastic: negative.
+    /// * inelastic [impacts](Self::collide) (negative).
     pub fn work(&self) -> f64 {
         self.bodies.work
     }
 
-    /// Impacts and passages over edges since the start, see [`collide`](Self::collide) and
+    /// The number of impacts and of crossings of edges since the start, see [`collide`](Self::collide) and
     /// [`over_kinks`](Self::over_kinks).
     pub fn events(&self) -> u64 {
         self.events.as_ref().map_or(0, |events| events.number)
     }
 
-    /// The energy now, minus the energy at the start, minus the [work](Self::work) done: the error of the method.
+    /// The energy now minus the energy at the start minus the [work](Self::work) done: the energy error of the method.
     ///
-    /// The work of an effect that is written by hand and changes with time is part of that if the effect tells its
-    /// [power](crate::effect::Acting::power).
+    /// For an effect of your own that changes with time, the work is included if the effect implements
+    /// [`power`](crate::effect::Acting::power).
     pub fn energy_error(&self) -> f64 {
         self.energy() - self.start_energy - self.work()
     }
 
-    /// Corrections of position equations since the start, where they are counted: of linked bodies, see
-    /// [`counts`](Self::counts).
+    /// The number of corrections in the solution of position equations since the start; `None` except for linked
+    /// bodies, see [`counts`](Self::counts).
     pub fn corrections(&self) -> Option<u64> {
         self.system.corrections(&self.bodies)
     }
@@ -208,14 +213,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
     }
 
-    /// Multipliers λ of the equations in turn (by link, then member, then equation), from the present state alone, such
-    /// that g̈ = 0; of the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
+    /// Multipliers λ of the equations (by link, then member, then equation), from g̈ = 0 at the present state; accurate
+    /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
     pub fn multipliers(&self) -> Vec<f64> {
         self.of_equations(|out| self.system.multipliers(&self.bodies, out))
     }
 
-    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method; on a pinned
-    /// body the pull of its links, without the potentials that act on it.
+    /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method. For a pinned
+    /// body it is the force of its links, without potentials that act on it.
+    #[doc(alias = "reaction force")]
+    #[doc(alias = "tension")]
+    #[doc(alias = "stress")]
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         let mut forces = vec![[0.0; D]; self.bodies()];
         self.system.constraint_forces(&self.bodies, &mut forces);
@@ -237,14 +245,14 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 }
 
 impl<F: Forces<f64, D>, N: Count, S: Method, const D: usize> Simulation<Linked<F, N, D>, S, D> {
-    /// What the position equations have cost since the start.
+    /// The cost of the position equations since the start.
     pub fn counts(&self) -> Counts {
         self.system.counts(&self.bodies)
     }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The position of the one body that there is; of many see [`Self::positions`].
+    /// The position of the only body; for many bodies see [`Self::positions`].
     pub fn position(&self) -> SVector<f64, D>
     where
         Y::Count: Alone,
@@ -252,7 +260,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.bodies.q.as_ref()[0].into()
     }
 
-    /// The body's momentum; with unit mass also its velocity.
+    /// The momentum of the only body; with unit mass also its velocity.
     pub fn momentum(&self) -> SVector<f64, D>
     where
         Y::Count: Alone,
@@ -260,7 +268,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.bodies.p.as_ref()[0].into()
     }
 
-    /// Its velocity M⁻¹p.
+    /// The velocity M⁻¹p of the only body.
     pub fn velocity(&self) -> SVector<f64, D>
     where
         Y::Count: Alone,
@@ -268,7 +276,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.velocity(&self.bodies, 0).into()
     }
 
-    /// λ of M q̈ = −∇U + ∇g λ at the present state, of the first equation if there are more; NaN if there is none. See
+    /// λ in M q̈ = −∇U + ∇g λ at the present state: of the first equation if there are more, NaN if there is none. See
     /// [`Self::multipliers`].
     pub fn multiplier(&self) -> f64
     where

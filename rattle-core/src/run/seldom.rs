@@ -1,4 +1,4 @@
-//! A step that is seldom taken, compiled in one place.
+//! Steps that are taken seldom, compiled in one place.
 
 use crate::methods::able::view;
 use crate::motion::method::Method;

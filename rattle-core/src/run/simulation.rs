@@ -1,4 +1,4 @@
-//! A scene under way.
+//! Simulations: a scene in motion.
 
 use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure};
@@ -24,10 +24,12 @@ use std::fmt;
 /// A step is halved no more often: at a wall, where no part passes however short, all tries together are 2¹⁷ parts.
 pub(crate) const MOST_HALVINGS: u32 = 16;
 
-/// A scene, its present state and the method that moves it on.
+/// A scene, its present state, and the method that moves it.
 ///
 /// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
 /// as it was before the step, bit for bit.
+#[doc(alias = "integrator")]
+#[doc(alias = "solver")]
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) system: Y,
     pub(super) method: S,
@@ -130,15 +132,15 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         })
     }
 
-    /// The same simulation, in which a step that fails is made again in 2, 4, … 2^`halvings` equal parts.
+    /// The same simulation, in which a step that fails is repeated in 2, 4, … 2^`halvings` equal parts.
     ///
-    /// Only the step that fails is divided, and time goes on in whole steps. At most 16 halvings count: a step that
-    /// fails in 65 536 parts has come to an end of the motion, or is far too long. Without `retry` no step is ever
-    /// shortened, since a run with a divided step is no longer the iteration of one map: there it is neither symplectic
-    /// nor reversible.
+    /// Only the step that fails is divided; after it, steps have their full length again. More than 16 halvings count
+    /// as 16: a step that fails in 65 536 parts has reached an end of the motion, or is far too long. Without `retry`
+    /// no step is ever divided, since a run with a divided step is no longer the iteration of one map, and at that step
+    /// neither symplectic nor reversible.
     ///
-    /// A method with memory forgets it before the parts and after them, which allocates. Steps of staggered methods are
-    /// not divided, since their momenta belong to one step size.
+    /// The memory of a method is reset before and after the parts, which allocates. Steps of staggered methods are not
+    /// divided, since their momenta belong to one step size.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -147,6 +149,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// # simulation.step()?;
     /// # Ok::<(), rattle::Error>(())
     /// ```
+    #[doc(alias = "subdivide")]
+    #[doc(alias = "adaptive")]
     #[must_use]
     pub fn retry(mut self, halvings: u32) -> Self {
         self.halve(halvings);
@@ -160,10 +164,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The same simulation, in which every step is checked for reversibility.
     ///
-    /// After each step of size h the method takes a step of size −h from its end. The step fails where that leads to a
-    /// place or momentum other than the one that the step began with: in any coordinate by more than `tolerance` times
-    /// the largest coordinate or momentum. A symmetric method comes back to about 1e-14. It does not come back where
-    /// the step and the way back found different solutions of the position equation, so the check finds such steps.
+    /// After each step of size h the method takes a step of size −h from its end. The step fails if the position or
+    /// momentum reached differs from that at its start, in any coordinate by more than `tolerance` times the largest
+    /// coordinate or momentum. A symmetric method returns to about 1e-14, unless the step and the step back found
+    /// different solutions of the position equation: the check detects such steps.
     ///
     /// A tolerance of 1e-13 suits most scenes. With [`retry`](Self::retry), a step that fails the check is taken in
     /// parts, each of them checked. The check doubles the time of a step.
@@ -177,8 +181,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Tolerance`] for one that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a method that
-    /// does not reverse, or only together with what it remembers.
+    /// [`Error::Tolerance`] for a tolerance that is not positive and finite, [`Error::NeedsSymmetricMethod`] for a
+    /// method that is not symmetric, or only together with its memory.
+    #[doc(alias = "time reversal")]
+    #[doc(alias = "reversibility")]
     pub fn check_reversal(mut self, tolerance: f64) -> Result<Self, Error> {
         check_tolerance(Some(tolerance))?;
         if !self.method.is_symmetric() {
@@ -212,6 +218,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     ///
     /// # Errors
     /// [`Error::Step`] says why the step cannot be taken; the simulation is then unchanged.
+    #[doc(alias = "integrate")]
     #[inline(always)]
     pub fn step(&mut self) -> Result<(), Error> {
         self.take(1, &mut ())
@@ -220,16 +227,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Takes `steps` steps.
     ///
     /// # Errors
-    /// At the first step that cannot be taken; the simulation is then as the steps before left it.
+    /// At the first step that cannot be taken; the simulation is then in the state before this step.
+    #[doc(alias = "integrate")]
     pub fn run(&mut self, steps: u64) -> Result<(), Error> {
         self.take(steps, &mut ())
     }
 
     /// Takes whole steps until the time is at least `time`; none if it is already.
     ///
-    /// The run ends less than a step beyond `time`. A time that is a whole number of steps away is reached by that
-    /// number of steps, whatever rounding does: less than a millionth of a step counts as nothing. With a negative step
-    /// size the time runs backwards to `time`.
+    /// The run ends less than one step beyond `time`. A time that is a whole number of steps away, to a millionth of a
+    /// step, is reached by that number of steps. With a negative step size the time runs backwards to `time`.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -248,6 +255,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         clippy::cast_sign_loss,
         reason = "a number of steps, rounded up"
     )]
+    #[doc(alias = "integrate")]
+    #[doc(alias = "end time")]
     pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
         if !time.is_finite() {
             return Err(Error::EndTime(time));
@@ -264,7 +273,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes steps for as long as `go_on` is true of the simulation, at most `steps`; says how many.
+    /// Takes steps as long as `go_on` returns true for the simulation, at most `steps`; returns how many were taken.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -303,10 +312,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `observer` after every `every` of them, see
-    /// [`crate::run::watch`]. Steps beyond the last multiple of `every` are taken and not shown. Observers of
-    /// multipliers are told them in every step. Each time that the simulation is shown its positions and momenta are
-    /// copied.
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` steps, see [`crate::run::watch`].
+    /// Steps beyond the last multiple of `every` are taken and not shown. Observers of multipliers receive those of
+    /// every step. Positions and momenta are copied each time that the simulation is shown.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};
@@ -318,8 +326,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// As [`Self::run`]; the observer has seen all that was to be seen before. [`Error::Recorder`] of an observer that
-    /// can watch no more.
+    /// As [`Self::run`]; the observer has then seen all steps before it that it was to see. [`Error::Recorder`] where
+    /// an observer fails.
     ///
     /// # Panics
     /// If `every` is 0.

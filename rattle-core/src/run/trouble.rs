@@ -1,9 +1,9 @@
-//! Why a step is not taken as it is.
+//! Why a step cannot be taken in one piece.
 
 use crate::error::Error;
 use crate::motion::failure::Failure;
 
-/// Why a step is not taken as it is.
+/// Why a step cannot be taken in one piece.
 pub(in crate::run) enum Trouble {
     Refused(Error),
     Failed(Failure),

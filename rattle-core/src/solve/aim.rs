@@ -1,20 +1,18 @@
-//! How far first guesses were off in the steps before: what tells that a sheet has been passed over.
+//! The errors of the first guesses in earlier steps, which show whether a step has jumped over a sheet of the
+//! constraint.
 //!
-//! Where g oscillates, sheets of one orientation lie side by side, and a guess that is off by as much as they are
-//! apart lands on
-//! the next one. There g, ∇g and second derivatives are those of the right sheet, the first correction is nearly
-//! none, and nothing that is
-//! looked at in the two ends of the step tells that it is the wrong one. But the guess would have been off by more:
-//! what a guess
-//! is off by changes smoothly from step to step, as (λ₁ − λ₀) h²/6 does. A step whose guess is off as those before
-//! it let expect
-//! is taken at its word. Any other one, the first one too, is looked at again *inside*: on the way from
-//! 0 to the end the guess is off by e(s), between s³ and s⁴ of what it is off by at the end, or the root is followed.
+//! Where g oscillates, sheets of {g = 0} with the same orientation lie next to each other, and a guess whose error is
+//! the distance of two sheets lands on the wrong one. There g, ∇g and second derivatives are like those of the right
+//! sheet, and the first correction is nearly zero: nothing at the two ends of the step shows the mistake. But the error
+//! of a guess changes smoothly from step to step, like (λ₁ − λ₀) h²/6. So a step is accepted if the error of its guess
+//! is as expected from the steps before. Any other step, the first one too, is examined *inside*: at the fraction s of
+//! the step the error of the guess must be between s³ and s⁴ of the error at the end. Otherwise the root is followed
+//! from h = 0.
 //!
-//! Looking again changes no bit of a root that is found to be right. So steps stay functions of the state, whatever
-//! is remembered
-//! here; and nothing has to be remembered in a state. A root that looked wrong and was not is followed to the same
-//! place, in other roundings: so a checkpoint, which goes on to the last bit, has what is remembered here.
+//! Examining a step changes no bit of a root that is right. So steps remain functions of the state, whatever errors are
+//! remembered here, and a state need not hold them. But a root that was right and looked wrong is followed to the same
+//! point with other rounding errors; so a checkpoint, from which a run continues to the last bit, holds the remembered
+//! errors.
 
 use crate::number::real::{Mask, Real};
 

@@ -1,13 +1,13 @@
-//! Whether other sheets are near: what is asked of many bodies at a time, where no step of a single one is looked at.
+//! Whether other sheets of the constraint are near, for many bodies at a time whose steps are not examined one by one.
 //!
-//! Sheets of one orientation that a guess can be taken to lie no farther apart than guesses are off: some part of what
-//! the constraint and the forces move a body by in a step. Between two such sheets g falls again along the normal. So
-//! it is asked whether g rises, to both sides of a body, as far as that may be, at places without a period. On
-//! `sin(k(|q| − 1))` two of three places between sheets say that it does not. A body where it does not is moved by
-//! itself, where each step is looked at (see [`crate::solve::aim`]).
+//! A guess can land on a wrong sheet of the same orientation only if the sheets are no farther apart than the error of
+//! the guess, which is a part of the displacement by constraint and forces in a step. Between two such sheets g falls
+//! again along the normal. So g is sampled on both sides of a body up to this distance, at irregular points, to see
+//! whether it rises everywhere. On `sin(k(|q| − 1))` two of three points between sheets show that it does not. A body
+//! where g does not rise is moved by itself, and each of its steps is examined (see [`crate::solve::aim`]).
 //!
-//! It is asked at many places where a body starts and at some now and then, so that it costs a few percent: sheets that
-//! are near in a small region only, which a body is through between two times, are not seen.
+//! Many points are sampled at the start of a body and some from time to time, at a cost of a few percent. Sheets that
+//! are near only in a small region, which a body crosses between two samplings, are not found.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;

@@ -1,4 +1,5 @@
-//! What systems and methods solve alike: when a solve ends, which root it may end at, and when constraints are reached.
+//! Solving position equations, shared by all systems and methods: when an iteration ends, which root is the right one,
+//! and when constraints are reached.
 
 pub(crate) mod aim;
 pub(crate) mod crowd;

@@ -1,9 +1,9 @@
-//! Newton's iteration onto constraints: when it has arrived, and when it leads nowhere.
+//! Newton's iteration onto constraints: when it has converged, and when it has failed.
 //!
-//! A start is moved onto the constraints, and so is the end of a step of methods that know nothing of them. Each Newton
-//! step evaluates the constraints where it got to, which tells a distance. The iteration has arrived where the distance
-//! is at the rounding of the coordinates, or where it is no longer halved although it is small: then it is the rounding
-//! of g itself. It is lost where a distance that is not small shrinks by less than it should.
+//! It projects starts, and ends of steps of methods that ignore constraints inside a step. Each Newton step evaluates
+//! the constraints at its end, which gives a distance. The iteration has converged where the distance is at the
+//! rounding of the coordinates, or where a small distance is no longer halved: then it is the rounding of g itself. It
+//! has failed where a distance that is not small shrinks by too little.
 
 use crate::number::real::{Mask, Real};
 

@@ -1,17 +1,17 @@
-//! Which root of a position equation the motion continues on, and how that root is followed.
+//! Which root of a position equation continues the motion, and how that root is followed.
 //!
 //! A path may meet the constraints more than once; the motion continues on the root that starts from Λ = 0 at h = 0.
-//! The root that an iteration finds is trusted to be that one if
+//! The root found by an iteration is trusted to be this one if
 //!
 //! * normals are not turned over ("upright"), and either
-//! * the first guess was off by a small part of the path, and the path is short against the length on which normals
-//!   change; or
+//! * the error of the first guess is a small part of the path, and the path is short compared with the length on which
+//!   normals change; or
 //! * normals do not change at all ("straight").
 //!
 //! A root that is not trusted is followed from h = 0: the position equation is solved for parts of the step, which are
-//! halved until each root found is trusted. A root that no part of sensible length reaches has ended, or turns too
-//! sharply to tell. `optimised/tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces, and
-//! `optimised/tests/linked_roots.rs` of double pendulums: none ends on another root.
+//! halved until each root found is trusted. Where even very short parts do not suffice, the root ends, or turns too
+//! sharply to be followed. `optimised/tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces,
+//! and `optimised/tests/linked_roots.rs` of double pendulums: none ends on another root.
 
 use crate::number::real::{Mask, Real};
 

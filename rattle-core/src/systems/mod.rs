@@ -1,4 +1,4 @@
-//! What methods move. A system knows no method and no scene.
+//! The systems that methods move. A system knows no method and no scene.
 
 pub mod linked;
 pub mod network;

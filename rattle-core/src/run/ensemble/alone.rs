@@ -1,4 +1,4 @@
-//! A trajectory that is a simulation by itself, outside of lanes.
+//! A trajectory that is computed as a simulation, not in lanes.
 
 use crate::error::Error;
 use crate::motion::method::Method;

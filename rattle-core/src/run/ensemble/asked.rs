@@ -1,5 +1,5 @@
-//! What is asked of the laws that a lane obeys, outside of its steps: energies, forces, constraints, and by what they
-//! are told from others.
+//! Readings of a lane outside of its steps: energies, forces, constraints, and the values that identify its scene in a
+//! checkpoint.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;

@@ -1,22 +1,20 @@
-//! A block of trajectories side by side, kept as the [RATTLE step](crate::run::ensemble::loops) that moves all of them
-//! on wants them.
+//! A block of trajectories in lanes, in the form that suits the [RATTLE step](crate::run::ensemble::loops).
 //!
 //! ```text
 //! q′ = q + h p + Λ ∇g(q)                          Λ such that g(q′) = 0
 //! p′ = p + Λ/h ∇g(q) − k ∇U(q′) + ∇g(q′) η        η such that ∇g(q′)·p′ = 0
 //! ```
 //!
-//! Momenta are kept *ahead*: after the first kick of the step to come, and made tangent again. The second kick of a
-//! step and the first of the next are then one, of length k. What the projection takes away Λ puts back, so positions
-//! are those of RATTLE; [`Block::momentum`] takes the kick back. And they are kept times the length of a step, as the
-//! *way* that they lead in it: in a method of equal steps no product is left of h p and Λ/h.
+//! Momenta are stored *ahead*: after the first kick of the next step, projected to be tangent. So the second kick of a
+//! step and the first kick of the next are one kick, of length k. Λ restores the normal component that the projection
+//! removes, so positions are those of RATTLE; [`Block::momentum`] undoes the kick. Momenta are also stored multiplied
+//! by the step length, as the *way* h p of the step: with equal steps the products h p and Λ/h vanish.
 //!
-//! **Equal steps need no projection.** The way that is left of a step, h p + Λ ∇g(q), leads along the surface to second
-//! order as it is, and what it leads off Λ puts back at once: η is 0, a Λ twice as large. This is how Störmer's and
-//! Verlet's method is written with constraints (SHAKE: Ryckaert, Ciccotti, Berendsen 1977); places are those of RATTLE
-//! to rounding.
+//! **Equal steps need no projection.** The way h p + Λ ∇g(q) of a step is tangent to second order without projection,
+//! and the next Λ corrects its normal component: η is 0, and Λ twice as large. This is the Störmer–Verlet method with
+//! constraints (SHAKE: Ryckaert, Ciccotti, Berendsen 1977); positions are those of RATTLE to rounding.
 //!
-//! Every lane is a function of its own past alone.
+//! Every lane depends on its own past alone.
 
 use crate::effect::moment::Moment;
 use crate::error::Error;

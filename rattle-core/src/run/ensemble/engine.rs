@@ -1,5 +1,5 @@
-//! What moves trajectories on, side by side. Which of them fail, what stands in for them and what is shown is not its
-//! concern.
+//! Engines: they move the trajectories of a group in lanes. The group itself handles failures, replacements of failed
+//! lanes, and observers.
 
 use crate::error::Error;
 use crate::motion::bodies::Body;

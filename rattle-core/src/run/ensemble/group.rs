@@ -1,4 +1,4 @@
-//! Trajectories that take their steps together.
+//! Groups: trajectories of an ensemble that are computed together.
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
@@ -9,10 +9,10 @@ use crate::run::ensemble::look::{Onlooker, Watched};
 
 /// Some trajectories of an ensemble.
 pub trait Group<const D: usize>: Watched<D> + Send + Sync {
-    /// Takes `steps` steps, and shows the group to an onlooker after each multiple of its interval. A trajectory that
-    /// fails stays at the state before the failed step.
+    /// Takes `steps` steps, and shows the group to `onlooker` at each multiple of its interval. A trajectory that fails
+    /// stays at the state before the failed step.
     fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);
-    /// From now on a step that fails is made again in 2, 4, … 2^`halvings` parts.
+    /// From now on a step that fails is repeated in 2, 4, … 2^`halvings` parts.
     fn retry(&mut self, halvings: u32);
     /// The state of one trajectory.
     fn state(&self, trajectory: usize) -> State<D>;
@@ -21,12 +21,12 @@ pub trait Group<const D: usize>: Watched<D> + Send + Sync {
     /// # Errors
     /// Those of the steps that are tried.
     fn bill(&self) -> Result<Bill, Error>;
-    /// Writes all that is needed to go on.
+    /// Writes everything needed to continue.
     fn record(&self, to: &mut Record);
-    /// This group, at the states that the record of another group holds.
+    /// A copy of this group, at the states of a record.
     ///
     /// # Errors
-    /// [`Error::Record`] where that was another group.
+    /// [`Error::Record`] for the record of another group.
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error>;
     /// Why a trajectory has failed.
     fn failure(&self, trajectory: usize) -> Option<&Error>;

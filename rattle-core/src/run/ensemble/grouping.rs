@@ -1,5 +1,5 @@
-//! Which trajectories go together in lanes of which kind: known by the types of scene, method and precision, so that
-//! lanes of no other kind are compiled.
+//! Which trajectories are computed together, and in which kind of lanes. This follows from the types of scene, method
+//! and precision, so that only the necessary kind is compiled.
 
 use crate::effect::list::Effects;
 use crate::kernel::functions::Constraint;

@@ -1,5 +1,5 @@
-//! The constraint and forces that the trajectories of a block obey: one set for all, or each trajectory with parameters
-//! of its own.
+//! The constraint and forces of the trajectories of a block: with the same parameters for all, or with parameters for
+//! each trajectory.
 
 use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;

@@ -1,4 +1,4 @@
-//! Steps of rows of linked bodies, and looks at them, compiled once: here, and not wherever an ensemble is made.
+//! Steps and observations of rows of linked bodies, compiled once here instead of wherever an ensemble is made.
 
 use crate::number::instructions::Work;
 use crate::run::ensemble::engine::Stuck;

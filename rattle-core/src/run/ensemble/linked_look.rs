@@ -1,5 +1,5 @@
-//! What is asked of a row of trajectories of linked bodies beside its steps: whether other sheets are near, and how
-//! fast bodies are.
+//! Readings of a row of trajectories of linked bodies outside of its steps: whether other sheets are near, and the
+//! velocities of the bodies.
 
 use crate::number::lanes::Fused;
 use crate::number::real::Real;

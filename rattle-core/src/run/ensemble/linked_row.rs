@@ -5,16 +5,16 @@
 //! v′ = v + M⁻¹Gᵀ(q) Λ/h − k M⁻¹∇U(q′) + M⁻¹Gᵀ(q′) η       η such that G(q′) v′ = 0
 //! ```
 //!
-//! As in a [block](crate::run::ensemble::block) of single bodies velocities are kept ahead, times the length of a step,
-//! and steps of equal length need no η. Λ₀ is extrapolated from the last steps; Newton's method goes on from there with
-//! the matrix G(q′) M⁻¹Gᵀ(q) of the first guess, factored on the pattern of the links without a search for pivots.
+//! As in a [block](crate::run::ensemble::block) of single bodies, velocities are stored ahead and multiplied by the
+//! step length, and equal steps need no η. Λ₀ is extrapolated from the last steps; Newton's method continues from there
+//! with the matrix G(q′) M⁻¹Gᵀ(q) of the first guess, factored on the pattern of the links without a search for pivots.
 //!
-//! **Stopping.** Residuals of some ε of the coordinates that a link depends on are left to the last correction. A lane
-//! at rest stays as it is while others are corrected again: what a lane does depends on nothing but its own past.
+//! **Stopping.** Residuals of some ε of the coordinates of a link get one last correction. A lane that has converged is
+//! not changed while others are corrected again, so every lane depends on its own past alone.
 //!
-//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) is what it was to an eighth, and pivots are not too small a part of that.
-//! Lanes where that is not so, or that do not come to rest, are solved as a
-//! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps it is asked whether other sheets are near
+//! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) must be within an eighth of its value at the start, and pivots must not be
+//! too small a part of it. Lanes that violate this, or do not converge, are solved as a
+//! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps other sheets are searched for
 //! ([`crate::solve::crowd`]).
 
 use crate::number::instructions::Fusing;

@@ -11,13 +11,13 @@ pub trait Watched<const D: usize>: Source<D> {
     fn len(&self) -> usize;
     /// The number of bodies of each trajectory.
     fn bodies(&self) -> usize;
-    /// Writes all of them.
+    /// Writes times, positions and momenta of all trajectories to `page`.
     fn look(&self, page: Page<'_, D>, set: InstructionSet);
-    /// For each trajectory, whether it has not failed. There may be more entries than trajectories.
+    /// Whether each trajectory is still moving, that is, has not failed. There may be more entries than trajectories.
     fn moving(&self) -> &[bool];
 }
 
-/// An observer of a group, and the steps after which it is shown the group.
+/// An observer of a group, and the steps at which it is shown the group.
 pub struct Onlooker<'a, const D: usize> {
     /// The number of steps, counted from the start of the ensemble, after which the group is shown next. Where a
     /// stretch of steps is repeated because a lane failed in it, this number keeps the observer from being shown

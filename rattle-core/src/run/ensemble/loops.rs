@@ -1,29 +1,29 @@
 //! The RATTLE step of a [block](crate::run::ensemble::block) of trajectories.
 //!
-//! **The step in four loops**, plain enough that a compiler vectorises them, and each short: what a processor has in
-//! flight at a time is some two hundred instructions, so that a loop takes a time of (its instructions) × (the latency
-//! of its longest chain), until its arithmetic alone takes longer. [`guess`] evaluates g and ∇g at Λ₀, extrapolated
-//! from the last steps; [`improve`] evaluates g₁ after the Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), and goes on to
-//! the root of the parabola through g₀, s and g₁,
+//! **The step in four loops** that compilers vectorise, each of them short. A processor has some two hundred
+//! instructions in flight at a time, so the time of a loop is proportional to (its instructions) × (the latency of its
+//! longest chain), until its arithmetic alone takes longer. [`guess`] evaluates g and ∇g at Λ₀, extrapolated from the
+//! last steps; [`improve`] evaluates g₁ after the Newton step Λ₁ = Λ₀ − g₀/s, s = ∇g(q′)·∇g(q), and goes on to the root
+//! of the parabola through g₀, s and g₁,
 //!
 //! ```text
 //! Λ₂ = Λ₁ − (g₁/s) (1 + 2t + 5t² + …),   t = g₁/g₀         (the coefficients: binomials of Catalan's numbers)
 //! ```
 //!
 //! [`examine`] evaluates g and ∇g at Λ₂, and makes the last small correction −g₂/s; [`finish`] makes the new way.
-//! Without the third term of the series three times as many steps need a further correction.
+//! Without the third term of the series, three times as many steps need a further correction.
 //!
 //! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too:
 //! with it a third as many steps need a further correction. The last Λ are kept in units of the step to come. What
 //! |∇g|² changes by is not waited for: it is (|∇g(q)|²/s)², but for a factor near 1 that is taken from the step before.
 //!
-//! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ is left to the last correction, which leaves what chord
-//! steps leave of it, less than rounding does. Where it is larger, the lane is corrected again by itself. The normal is
-//! then that of a point less than 256 ε|q|∞ away.
+//! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ gets one last correction, a chord step, whose remaining
+//! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. The normal is then
+//! that of a point less than 256 ε|q|∞ away.
 //!
-//! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that three corrections do not bring
-//! to rest, are solved as a [`Simulation`](crate::run::simulation::Simulation) does. Where sheets of a surface lie
-//! closer to each other than guesses may be off, lanes are moved by themselves ([`Block::look_around`]).
+//! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that have not converged after three
+//! corrections, are solved as a [`Simulation`](crate::run::simulation::Simulation) does. Where sheets of a surface are
+//! closer to each other than the errors of guesses, lanes are moved one by one ([`Block::look_around`]).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;

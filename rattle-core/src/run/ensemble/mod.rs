@@ -1,4 +1,4 @@
-//! Ensembles: many independent trajectories of one scene, side by side in SIMD lanes, and on all cores.
+//! Ensembles: many independent trajectories of one scene, several at a time in SIMD lanes, on all cores.
 //!
 //! ```
 //! # use rattle::{Scene, State, Rattle};
@@ -10,34 +10,35 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! **What goes in lanes,** on a processor with fused multiply-add.
+//! **What is computed in lanes.** On a processor with fused multiply-add, a SIMD instruction computes the same step for
+//! several trajectories, one in each lane of a register. This is done for
 //!
-//! * One body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method.
-//! * Any number of linked bodies, moved by the same methods but Lobatto's; always in double precision. Not where links
-//!   move, have kinks, or act on chosen coordinates, where a mass is a matrix, for
-//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal), and not in sweeps.
+//! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
+//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method;
+//! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
+//!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
+//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps.
 //!
-//! Trajectories of all other scenes and methods are simulations each (see
+//! All other scenes and methods run as one simulation per trajectory (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
 //!
-//! **The same numbers everywhere.** A trajectory depends on its start alone. It is bit for bit the same for any
-//! trajectories beside it, any number of threads, any division of a run, and any instruction set with fused
-//! multiply-add (see [`InstructionSet::fuses`]).
+//! **The same numbers everywhere.** A trajectory depends on its start alone. It is the same, bit for bit, whatever the
+//! other trajectories, the number of threads, the division of a run into calls, and the instruction set, if that has
+//! fused multiply-add (see [`InstructionSet::fuses`]).
 //!
-//! **Lanes and simulations agree to rounding,** and not bit for bit: in lanes the iteration begins with multipliers
-//! extrapolated from the last steps, and is Newton's method, whatever [`guess`](crate::methods::rattle::Rattle::guess)
-//! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) of the method say. Lobatto methods begin with the
-//! stages of the step before. For the same reason an ensemble that
-//! starts from the states of another agrees with that to rounding: it does not know the steps before. States of a
-//! [`Single`] ensemble are on the surface to seven digits; `scene.project` makes starts of them.
+//! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
+//! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
+//! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) say; Lobatto methods begin with the stages of the step
+//! before. For the same reason an ensemble that starts from the states of another one agrees with it only to rounding:
+//! it does not know the earlier steps. States of a [`Single`] ensemble satisfy the constraint to seven digits;
+//! `scene.project` turns them into starts.
 //!
-//! **Functions.** Every function of the macros goes in lanes, as [straight-line code](crate::number::lanes) of 20 to 90
-//! operations. Values differ from those of the system's library by rounding. sin, cos and tan of an angle beyond 2⁴⁰
-//! are NaN in lanes, so such a trajectory fails.
+//! **Functions.** Every function of the macros is available in lanes, as [straight-line code](crate::number::lanes) of
+//! 20 to 90 operations. Values differ from those of the system's mathematical library by rounding. sin, cos and tan of
+//! an angle beyond 2⁴⁰ are NaN in lanes, so such a trajectory fails.
 //!
 //! **A trajectory that fails** stays at the state before the failed step, and its [error](Ensemble::failure) says why;
-//! the others go on. With [`Ensemble::retry`] the failed step is made again in parts.
+//! the others continue. With [`Ensemble::retry`] the failed step is repeated in parts.
 
 mod alone;
 mod around;

@@ -1,8 +1,8 @@
-//! What is computed in a step of linked bodies side by side, found once: which products make which number.
+//! The plan of a step of linked bodies in lanes, made once: which products of numbers make which number.
 //!
-//! A [row](crate::run::ensemble::linked_row) of trajectories keeps its numbers in one list, each of them a number of
-//! every trajectory. A [`Sheet`] is a list of sums of products of such numbers: topology is walked through once, and
-//! what is carried out in a step are loops over lanes that know nothing of bodies.
+//! A [row](crate::run::ensemble::linked_row) of trajectories stores its numbers in one list; each entry has one number
+//! for every trajectory. A [`Sheet`] is a list of sums of products of such entries. So the topology of the links is
+//! read once, and a step consists of loops over lanes that know nothing of bodies.
 
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;

@@ -1,17 +1,19 @@
-//! The numbers that trajectories in lanes are computed with.
+//! The number formats for trajectories in lanes.
 
 use crate::number::lanes::{Fused, Lane};
 
 /// Double precision without compensated sums; the default.
 ///
-/// Each step loses the rounding of the position. On coordinates near 1 that loss is biased, since doubles above 1 are
-/// twice as far apart as those below: on a unit sphere the energy grows by 1e-17 of itself in each step.
-/// [`Compensated`] has no such drift.
+/// Each step rounds the position. For coordinates near 1 this rounding is biased, since doubles above 1 are twice as
+/// far apart as those below: on a unit sphere the energy grows by a relative 1e-17 in each step. [`Compensated`] has no
+/// such drift.
+#[doc(alias = "f64")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Double;
 
 /// Double precision, with positions and momenta as compensated sums, as a
 /// [`Simulation`](crate::run::simulation::Simulation) keeps them: for runs of millions of steps.
+#[doc(alias = "Kahan summation")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Compensated;
 
@@ -19,25 +21,27 @@ pub struct Compensated;
 ///
 /// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Linked bodies, and
 /// trajectories that do not go in lanes, are computed in double precision.
+#[doc(alias = "f32")]
+#[doc(alias = "float")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Single;
 
-/// What numbers in lanes are: [`Double`], [`Compensated`] or [`Single`].
+/// The number format in lanes: [`Double`], [`Compensated`] or [`Single`].
 pub trait Precision: Copy {
     /// The largest finite number.
     const MOST: f64;
 
-    /// Has work computed in these numbers.
+    /// Runs `work` with this number format.
     #[doc(hidden)]
     fn compute<W: InNumbers>(work: W) -> W::Done;
 }
 
-/// Work in the numbers of a [`Precision`].
+/// A computation that is generic in the number format of a [`Precision`].
 #[doc(hidden)]
 pub trait InNumbers {
-    /// What comes of it.
+    /// The result.
     type Done;
-    /// Does it in the numbers S; `SUMS` is 1 if positions and momenta are to be compensated sums, else 0.
+    /// Computes with numbers of type `S`; `SUMS` is 1 if positions and momenta are to be compensated sums, else 0.
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done;
 }
 

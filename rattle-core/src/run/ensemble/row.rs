@@ -1,5 +1,5 @@
-//! Rows of trajectories side by side that are moved by [collocation](crate::run::ensemble::stages): what is kept of
-//! them from step to step, and room for one step.
+//! Rows of trajectories in lanes that are moved by [collocation](crate::run::ensemble::stages): the numbers kept from
+//! step to step, and working memory for one step.
 
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;

@@ -1,4 +1,4 @@
-//! Trajectories side by side in lanes: which fail, which stand in, and what is shown.
+//! A group of trajectories in lanes: failures, replacements of failed lanes, and observations.
 
 use crate::error::Error;
 use crate::motion::bodies::Body;

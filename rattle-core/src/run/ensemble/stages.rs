@@ -1,20 +1,19 @@
-//! Trajectories side by side whose steps are solved in stages: collocation by [`lobatto`](crate::methods::lobatto) in
-//! lanes.
+//! Collocation ([`lobatto`](crate::methods::lobatto)) for trajectories in lanes.
 //!
 //! ```text
 //! Qᵢ = q + h cᵢ p + h² Σⱼ aᵢⱼ wⱼ       wⱼ = f(Qⱼ) + ∇g(Qⱼ) λⱼ       0 = g(Qᵢ),   i = 2 … s,   Q₁ = q
 //! p′ = p + h Σⱼ bⱼ wⱼ                   λₛ such that ∇g(q′)·p′ = 0,   q′ = Qₛ
 //! ```
 //!
-//! **First guess:** w and λ are the polynomials through the last step's stages and this step's exact start.
-//! **A pass** evaluates g, ∇g and f at all stages, forms the sums, and corrects λ by Newton's method and the matrix of
-//! the first pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane rests** where what
-//! the next pass would move, by how the last ones shrank, is below half a rounding. Its stages and λ then stay what
-//! they are, however many passes its neighbours take; a last evaluation of ∇g and f at the resting stages makes w, so
-//! that momenta are kicked by forces at the very places.
+//! **First guess:** w and λ are the polynomials through the last step's stages and this step's exact start. **A pass**
+//! evaluates g, ∇g and f at all stages, forms the sums, and corrects λ by Newton's method and the matrix of the first
+//! pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane has converged** where the
+//! displacement of the next pass, estimated from the last ones, is below half a rounding. Its stages and λ are then not
+//! changed, however many passes its neighbours take. A last evaluation of ∇g and f at the final stages gives w, so that
+//! momenta are kicked by the forces there.
 //!
-//! **Not in lanes:** a lane whose guess was far off, that does not converge, whose normals turn over, or whose end may
-//! lie on another sheet, takes the step by itself, as a [`Simulation`](crate::run::simulation::Simulation) does.
+//! **Not in lanes:** a lane whose guess has a large error, that does not converge, whose normals reverse, or that may
+//! end on another sheet takes the step by itself, as a [`Simulation`](crate::run::simulation::Simulation) does.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::lanes::Lane;

@@ -24,14 +24,14 @@ pub struct Snapshot<const D: usize> {
 const ON_THE_WAY: usize = 2;
 
 impl<const D: usize> Ensemble<D> {
-    /// Takes `steps` steps, and gives a snapshot to `consume` after every `every` of them.
+    /// Takes `steps` steps, and passes a snapshot to `consume` after every `every` steps.
     ///
-    /// `consume` runs on a thread of its own while the ensemble goes on. The ensemble waits where `consume` is two
-    /// snapshots behind, so memory does not grow. A trajectory that has failed appears in each snapshot at its last
+    /// `consume` runs on a thread of its own while the ensemble goes on. Where `consume` falls two snapshots behind,
+    /// the ensemble waits, so memory does not grow. A trajectory that has failed appears in each snapshot with its last
     /// state.
     ///
     /// # Errors
-    /// The first error of `consume`, after which no more steps are begun.
+    /// The first error of `consume`; no further steps are then begun.
     ///
     /// # Panics
     /// If `every` is 0, or `consume` does.

@@ -1,4 +1,4 @@
-//! Many independent trajectories, and what is done with all of them.
+//! Many independent trajectories, run and observed together.
 
 use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::vectors::LANES;
@@ -30,8 +30,12 @@ use std::marker::PhantomData;
 
 /// Many independent trajectories. Made by [`Scene::ensemble`](crate::scene::Scene::ensemble).
 ///
-/// Work is spread over the threads of the [rayon](https://docs.rs/rayon) pool it is called in: all cores, unless
+/// Work is spread over the threads of the current [rayon](https://docs.rs/rayon) pool: all cores, unless
 /// `RAYON_NUM_THREADS` or a pool of your own says otherwise.
+#[doc(alias = "batch")]
+#[doc(alias = "SIMD")]
+#[doc(alias = "rayon")]
+#[doc(alias = "parallel")]
 pub struct Ensemble<const D: usize> {
     pub(crate) groups: Vec<Box<dyn Group<D>>>,
     /// The number of the first trajectory of each group.
@@ -51,7 +55,8 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     /// ```
     ///
     /// # Errors
-    /// [`Error::Trajectory`] says which start is refused, and why, as [`simulate`](Self::simulate) does.
+    /// [`Error::Trajectory`] with the number of the start that is refused, and the reason, as for
+    /// [`simulate`](Self::simulate).
     pub fn ensemble<S: Method>(
         &self,
         starts: impl IntoIterator<Item = State<D>>,
@@ -60,7 +65,7 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
         self.ensemble_in(Double, starts, method)
     }
 
-    /// As [`ensemble`](Self::ensemble), with numbers of another [`Precision`] in lanes.
+    /// As [`ensemble`](Self::ensemble), with another [`Precision`] in lanes.
     ///
     /// # Errors
     /// As [`ensemble`](Self::ensemble).
@@ -75,7 +80,7 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
 }
 
 impl<const D: usize> Ensemble<D> {
-    /// As [`Scene::ensemble`], with a chosen instruction set. Where the processor does not have it, the one that every
+    /// As [`Scene::ensemble`], with a chosen instruction set. If the processor lacks it, the baseline that every
     /// processor has is used.
     ///
     /// # Errors
@@ -100,11 +105,11 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// A sweep over parameters: one trajectory of each scene, from a start of its own.
+    /// A parameter sweep: one trajectory of each scene, each from its own start.
     ///
-    /// The scenes are of one type and differ in parameters. A step takes as long as in an ensemble of one scene, since
-    /// parameters are kept in lanes beside the positions. (Parameters of effects `.over` members are not: reading them
-    /// takes longer.)
+    /// The scenes have the same type and differ in parameters. A step takes as long as in an ensemble of one scene,
+    /// since parameters are stored in lanes like positions. (Parameters of effects `.over(members)` are not, and take
+    /// longer to read.)
     ///
     /// ```text
     /// let scenes: Vec<_> = radii.map(|r| Scene::on(Lemniscate { a: 1.0, r })).collect();
@@ -113,6 +118,7 @@ impl<const D: usize> Ensemble<D> {
     ///
     /// # Errors
     /// As [`Scene::ensemble`].
+    #[doc(alias = "parameter scan")]
     pub fn sweep<'a, P, C, E, N, S>(
         _precision: P,
         trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
@@ -186,11 +192,11 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// The same ensemble, in which a step that fails is made again in 2, 4, … 2^`halvings` equal parts, as
+    /// The same ensemble, in which a step that fails is repeated in 2, 4, … 2^`halvings` equal parts, as
     /// [`Simulation::retry`](crate::run::simulation::Simulation::retry) does.
     ///
-    /// That concerns the one step of the one trajectory that failed; the other trajectories are the same, bit for bit.
-    /// A step in parts takes some microseconds.
+    /// Only the failed step of the failed trajectory is divided; the other trajectories are unchanged, bit for bit. A
+    /// divided step takes some microseconds.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};
@@ -215,19 +221,21 @@ impl<const D: usize> Ensemble<D> {
         self.steps = self.steps.saturating_add(steps);
     }
 
-    /// Takes `steps` steps, and shows each trajectory to an observer after every `every` of them.
+    /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps.
     ///
-    /// `new` makes an observer for each group of trajectories; their results are joined in the order of the
-    /// trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple of `every` are
-    /// taken and not shown. If an observer panics, groups of trajectories are left at different times.
+    /// `new` makes an observer for each group of trajectories that are computed together; these observers are joined in
+    /// the order of the trajectories. A trajectory that has failed is not shown again. Steps beyond the last multiple
+    /// of `every` are taken and not shown. If an observer panics, groups of trajectories are left at different times.
     ///
-    /// Where an observer can watch no more, such as a recorder whose disk is full, the run ends within 8192 steps, all
-    /// trajectories at the same [`steps`](Self::steps): the recorder's `finish` says why, and the ensemble can go on.
+    /// Where an observer fails, such as a recorder whose disk is full, the run ends within 8192 steps, with all
+    /// trajectories at the same [`steps`](Self::steps). The recorder's `finish` says why, and the ensemble can be run
+    /// further.
     ///
-    /// **Cost.** To show a trajectory that goes in lanes takes the time of 1.5 steps, and the observer's work comes on
-    /// top. Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height takes the
-    /// time of 1.9 steps per step where `every` is 1, of 0.2 where it is 10, and of 0.04 where it is 100; the mean of
-    /// the [energy](crate::run::watch::Sight::energy) one more each time that it is shown.
+    /// **Cost.** To show a trajectory that is computed in lanes takes the time of 1.5 steps, plus the time of the
+    /// observer. Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height adds
+    /// the time of 1.9 steps to each step where `every` is 1, of 0.2 steps where it is 10, and of 0.04 steps where it
+    /// is 100. The mean of the [energy](crate::run::watch::Sight::energy) takes the time of one more step each time
+    /// that it is shown.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
@@ -269,9 +277,9 @@ impl<const D: usize> Ensemble<D> {
 
     /// What a step of a trajectory costs on one thread, item by item.
     ///
-    /// The bill is that of the first group of trajectories in which one still moves: a group in lanes, or one
+    /// The bill is that of the first group of trajectories that has one still moving: a group in lanes, or one
     /// simulation. A copy of the group runs for some milliseconds, and its parts are timed one by one. The ensemble
-    /// itself does not change, and a run that asks for no bill pays nothing.
+    /// itself is unchanged.
     ///
     /// ```
     /// # use rattle::potentials::Gravity;
@@ -298,8 +306,8 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// A record of all numbers that are needed to go on bit for bit; see [`crate::run::checkpoint`]. Of a trajectory
-    /// that has failed the text of its error is kept, and not the [`Error`] as a value.
+    /// A record of everything needed to continue bit for bit; see [`crate::run::checkpoint`]. For a failed trajectory
+    /// the record holds the text of its error, not the [`Error`] itself.
     #[must_use]
     pub fn checkpoint(&self) -> Record {
         let mut record = Record::default();
@@ -312,11 +320,12 @@ impl<const D: usize> Ensemble<D> {
         record
     }
 
-    /// Goes on from a checkpoint of an ensemble of the same scenes by the same method. Where the checkpoint is refused,
-    /// the ensemble is left as it is.
+    /// Continues from a checkpoint of an ensemble of the same scenes and method. Where the checkpoint is refused, the
+    /// ensemble is unchanged.
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.
+    #[doc(alias = "restart")]
     pub fn resume(&mut self, checkpoint: &Record) -> Result<(), Error> {
         let mut reading = checkpoint.read();
         reading.expect(AN_ENSEMBLE)?;
@@ -365,18 +374,18 @@ impl<const D: usize> Ensemble<D> {
         self.h
     }
 
-    /// The present time of a trajectory. Trajectories may differ in time, since starts may, and since one that has
-    /// failed stays at the time of its last step.
+    /// The present time of a trajectory. Times differ where those of the starts do; a failed trajectory stays at the
+    /// time of its last step.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is no trajectory of this number.
     #[must_use]
     #[track_caller]
     pub fn time(&self, trajectory: usize) -> f64 {
         self.state(trajectory).time()
     }
 
-    /// The instruction set that moves trajectories in lanes.
+    /// The instruction set used for trajectories in lanes.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
         self.set
@@ -390,7 +399,7 @@ impl<const D: usize> Ensemble<D> {
     /// The present state of a trajectory; its last state, if it has failed.
     ///
     /// # Panics
-    /// If there are not so many.
+    /// If there is no trajectory of this number.
     #[must_use]
     #[track_caller]
     pub fn state(&self, trajectory: usize) -> State<D> {
@@ -399,7 +408,7 @@ impl<const D: usize> Ensemble<D> {
         group.state(own)
     }
 
-    /// The states of all trajectories in turn.
+    /// The states of all trajectories in order.
     pub fn states(&self) -> impl Iterator<Item = State<D>> + '_ {
         self.groups.iter().flat_map(|group| (0..group.len()).map(|own| group.state(own)))
     }

@@ -1,13 +1,13 @@
-//! Over the edge of a constraint: where its normal jumps, momenta are turned from one side into the other.
+//! Crossing an edge of a constraint: where its normal jumps, momenta are rotated from one side into the other.
 //!
 //! ```text
 //! u₁ = P₁n₂/|P₁n₂|,   u₂ = P₂n₁/|P₂n₁|        n: the normals of the two sides, P: onto momenta along each, | | by M⁻¹
 //! p⁺ = p − (p·M⁻¹u₁)(u₁ + u₂)                 what is along the edge is kept, what is across it is turned
 //! ```
 //!
-//! That is the turn about the edge that takes n₁ to n₂; kinetic energy is kept, and a free particle goes straight on
-//! where the two sides are unfolded into a plane. It is the limit of smooth surfaces that are rounded off at the edge
-//! ever more narrowly. Where two edges meet, limits differ, and the step fails as it does if nothing is asked.
+//! This is the rotation about the edge that takes n₁ to n₂. Kinetic energy is conserved, and a free particle moves
+//! straight on if the two sides are unfolded into a plane. It is the limit of smooth surfaces with an ever smaller
+//! radius at the edge. Where two edges meet, limits differ, and the step fails.
 
 use crate::error::StepFailure;
 use crate::motion::bodies::Saved;

@@ -1,8 +1,8 @@
-//! What an impact does to the momenta: the formula is that of [`contact`](crate::effect::contact).
+//! The change of momenta by an impact, by the formula of [`contact`](crate::effect::contact).
 //!
-//! Several contacts that are closed at one instant are taken in the order of their kinds and numbers, again and
-//! again, until no gap closes any more: so a row of balls that touch hands a blow on. Other orders may lead
-//! elsewhere; Newton's laws do not decide.
+//! Several contacts that are closed at one instant are handled in the order of their kinds and numbers, again and
+//! again, until no gap closes any more. So a row of touching balls passes an impact on. Other orders may give other
+//! results; Newton's laws do not decide.
 
 use crate::effect::interval::inverse_mass;
 use crate::motion::method::Method;

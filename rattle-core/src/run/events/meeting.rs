@@ -1,4 +1,4 @@
-//! When contacts meet: which gap closes first within a stretch, and the instant at which it does.
+//! Finding contacts: which gap closes first within a part of a step, and when.
 //!
 //! A gap is known, with its rate, at both ends of the stretch. It is suspect where it is negative at the end, or
 //! falls at first and rises at last, and the tangents at the two ends meet below zero: a gap that bends upwards lies

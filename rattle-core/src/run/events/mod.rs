@@ -1,5 +1,5 @@
-//! Events: an instant inside a step at which something happens to the momenta. The instant is found to rounding and
-//! landed on, the momenta are changed, and the motion goes on with the rest of the step.
+//! Events: instants inside a step at which momenta jump. The step is taken up to the instant, which is found to
+//! rounding, the momenta are changed, and the rest of the step follows.
 //!
 //! ```text
 //! Φ_h  becomes  Φ_{h−s} ∘ event ∘ Φ_s        s the first instant in (0, h] at which a gap closes or a normal jumps

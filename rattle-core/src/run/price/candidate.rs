@@ -1,4 +1,4 @@
-//! The methods that are priced, and the simulations that they make.
+//! The methods whose cost is measured.
 
 use crate::effect::list::Effects;
 use crate::error::Error;
@@ -22,7 +22,7 @@ use std::fmt;
 /// The order of Taylor's method where it is priced.
 const TAYLOR: u32 = 18;
 
-/// A method that is priced.
+/// A method whose cost is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Candidate {
@@ -113,7 +113,7 @@ impl Candidate {
         if let Self::InLanes(_, Numbers::Single) = self { 1e-3 } else { 1e-9 }
     }
 
-    /// Whether a tolerance decides on errors, not the step.
+    /// Whether its errors depend on a tolerance instead of the step size.
     #[must_use]
     pub fn is_adaptive(self) -> bool {
         matches!(self, Self::Taylor | Self::Dop853)

@@ -1,12 +1,11 @@
-//! For how long positions can be told at all, from two close runs.
+//! For how long positions are predictable, from two close runs.
 //!
 //! ```text
 //! d(t) ~ d(0) exp(λt)   chaos: λ from the second half of the time in which d grows to a hundredth of the way
 //! d(t) ~ d(0) tⁿ        else
 //! ```
 //!
-//! Both runs are by RATTLE with a step that is not exact: what is asked is how neighbours part, which is the same for
-//! neighbours of the motion.
+//! Both runs use RATTLE with a moderate step: their separation grows like that of neighbouring exact motions.
 //!
 //! Source: G. Benettin, L. Galgani, J.-M. Strelcyn, Phys. Rev. A 14 (1976) 2338.
 

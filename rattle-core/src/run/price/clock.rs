@@ -1,15 +1,15 @@
-//! What tells the time.
+//! The clock for measurements.
 
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What tells seconds since some instant: the machine's clock, or a function, such as a count of evaluations.
+/// A source of seconds since some instant: the machine's clock, or a function, such as a count of evaluations.
 #[derive(Clone)]
 pub struct Clock(Arc<dyn Fn() -> f64 + Send + Sync>);
 
 impl Clock {
-    /// The clock that this function is; what it tells must not decrease.
+    /// A clock by this function, whose values must not decrease.
     ///
     /// ```
     /// # use rattle::{Counted, price::Clock, surfaces::Sphere};

@@ -1,12 +1,12 @@
-//! How far a finished simulation is from the truth, from other runs.
+//! The error of a finished simulation, estimated from other runs.
 //!
 //! ```text
 //! E(h) = C hᵖ:   d₁ = |q(h) − q(2h)| = (ρ − 1) E(h),   d₂ = |q(2h) − q(4h)| = ρ d₁,   E(h) = d₁/(ρ − 1)
 //! ```
 //!
-//! ρ is observed, as far as 2ᵖ and not below 2; so it is right also where a method has not yet reached its order, and
-//! where rounding has taken over E(h) is d₁. Errors of methods with a tolerance are no power of it: they are compared
-//! with a run at a hundredth of it.
+//! ρ is the observed ratio d₂/d₁, limited to 2 ≤ ρ ≤ 2ᵖ. So the estimate is right also where the method does not yet
+//! show its order; where rounding dominates, it is d₁. Errors of adaptive methods are no power of the tolerance: these
+//! methods are compared with a run at a hundredth of the tolerance.
 //!
 //! Source: L. F. Richardson, Phil. Trans. A 210 (1911) 307.
 
@@ -22,18 +22,18 @@ use crate::run::simulation::Simulation;
 use std::fmt;
 use std::iter::zip;
 
-/// An estimated error, and what it cost to know.
+/// An estimated error, and the cost of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// The distance of the body that is farthest from where it should be, a length.
+    /// The largest error of position of any body, a length.
     pub position: f64,
-    /// The difference of the energies, estimated likewise, in the unit of energy.
+    /// The error of the energy relative to that of the exact motion, in the unit of energy.
     pub energy: f64,
-    /// The order that the other runs show; none if there is only one.
+    /// The observed order; `None` if there was only one other run.
     pub order: Option<f64>,
     /// Steps of the other runs.
     pub steps: u64,
-    /// Seconds that they took.
+    /// Seconds that the other runs took.
     pub seconds: f64,
 }
 
@@ -48,10 +48,10 @@ impl fmt::Display for Estimate {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// How far the present positions are from the truth, for a simulation that was made from `start` and ran since: by
-    /// runs with steps twice and four times as long, together three quarters of its cost; of a method with a tolerance
-    /// by one run at a hundredth of it. Where motion is chaotic and the error has grown to the size of the motion, the
-    /// estimate has that size.
+    /// Estimates the error of the present positions, for a simulation that ran from `start` until now. Fixed-step
+    /// methods are compared with runs with steps twice and four times as long, which together take three quarters of
+    /// the time of the simulation; adaptive methods with one run at a hundredth of the tolerance. Where motion is
+    /// chaotic and the error has grown to the size of the motion, the estimate has that size.
     ///
     /// ```
     /// # use rattle::{nalgebra::Vector3, surfaces::Sphere, Rattle, Scene, State};
@@ -66,13 +66,16 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// ```
     ///
     /// # Errors
-    /// That of the first other run, if it cannot be made; [`Error::Price`] where no step was taken, or a step draws
-    /// random numbers; [`Error::BodyCount`] for a start with another number of bodies.
+    /// That of the first comparison run that fails; [`Error::Price`] where no step was taken, or steps draw random
+    /// numbers; [`Error::BodyCount`] for a start with another number of bodies.
+    #[doc(alias = "accuracy")]
+    #[doc(alias = "convergence")]
+    #[doc(alias = "Richardson extrapolation")]
     pub fn estimate_error(&self, start: &State<D>) -> Result<Estimate, Error> {
         self.estimate_error_by(start, &Clock::default())
     }
 
-    /// The same, with seconds by this clock.
+    /// As [`estimate_error`](Self::estimate_error), with seconds by this clock.
     ///
     /// # Errors
     /// As there.

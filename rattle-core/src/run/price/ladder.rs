@@ -1,4 +1,4 @@
-//! Runs over the pilot interval, looked at as often as the reference was.
+//! Runs over the pilot interval, sampled at the times of the reference.
 
 use crate::error::Error;
 use crate::run::price::candidate::Candidate;

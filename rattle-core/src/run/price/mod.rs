@@ -1,9 +1,9 @@
-//! What accuracy costs in time, measured before a run.
+//! What accuracy costs in computing time, measured before a run.
 //!
 //! ```text
-//! scene.price(&start, duration)       a ladder of steps for each method, on a pilot interval: errors, and seconds
-//! scene.within(1e-6)                  the method and the step that meet a wish for the least time, and what it will cost
-//! simulation.estimate_error(&start)   how far a finished simulation is from the truth
+//! scene.price(&start, duration)       errors and seconds of each method and step size, on a pilot interval
+//! scene.within(1e-6)                  the fastest method and step size with this error, and the expected cost
+//! simulation.estimate_error(&start)   the error of a finished simulation
 //! ```
 //!
 //! ```
@@ -22,8 +22,8 @@
 //! # Ok::<(), rattle::Error>(())
 //! ```
 //!
-//! Errors are those against a reference: the motion by a method of high order with tolerances near rounding, which
-//! another such method repeats; their difference is what is known of the reference's own error.
+//! Errors are measured against a reference: the motion computed by a method of high order with tolerances near
+//! rounding. A second such method repeats it, and their difference estimates the error of the reference itself.
 
 mod beside;
 mod candidate;

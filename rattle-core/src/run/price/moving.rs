@@ -1,4 +1,4 @@
-//! A scene and a simulation whose types are forgotten, so that what measures them is compiled once.
+//! Scenes and simulations with erased types, so that the code that measures them is compiled once.
 
 use crate::effect::list::Effects;
 use crate::error::Error;

@@ -1,38 +1,41 @@
-//! What was measured.
+//! The results of a measurement.
 
 use crate::error::Error;
 use crate::run::price::candidate::Candidate;
 
-/// What accuracy costs in time in one scene, by each method that can move it. Made by
-/// [`Scene::price`](crate::scene::Scene::price); `Display` shows tables, [`csv`](Self::csv) all numbers.
+/// What accuracy costs in computing time in one scene, for each method that can move it. Made by
+/// [`Scene::price`](crate::scene::Scene::price); `Display` shows tables, [`csv`](Self::csv) gives all numbers.
 #[derive(Debug, Clone)]
 pub struct Prices {
-    /// The time that was asked about, in the unit of time.
+    /// The length of the run that was asked about, in the unit of time.
     pub duration: f64,
-    /// The pilot interval from the start on which everything was measured: the whole time if the budget allowed.
+    /// The length of the pilot interval, from the start, on which everything was measured: all of `duration` if the
+    /// budget allowed.
     pub pilot: f64,
-    /// The method that the errors are told against, and the one that repeated it.
+    /// The method of the reference motion, and the method that repeated it.
     pub reference: [Candidate; 2],
-    /// The largest distance between the two, a length: smaller errors of position are not known.
+    /// The largest distance between the two reference motions, a length: smaller errors of position cannot be measured.
     pub reference_error: f64,
-    /// What an error of rounding in the start alone grows to on the pilot interval, a length.
+    /// The size to which a rounding error in the start grows on the pilot interval, a length.
     pub rounding: f64,
-    /// The farthest that a body came from where it started, a length.
+    /// The largest distance of a body from its start, a length.
     pub way: f64,
-    /// The Lyapunov time: the time in which the distance of close motions grows by e, if it grows exponentially.
+    /// The Lyapunov time, in which the distance of close motions grows by the factor e; `None` if it does not grow
+    /// exponentially.
     pub lyapunov_time: Option<f64>,
-    /// How long positions can be told before rounding has grown to a hundredth of the way, if not for ever.
+    /// The time after which rounding errors have grown to a hundredth of `way`, so that positions are no longer
+    /// predictable; `None` if that never happens.
     pub predictable: Option<f64>,
-    /// Until when, counted from the start, errors of position are told: on all of the pilot interval, or for as long as
-    /// chaos lets them be known.
+    /// The time, from the start, up to which errors of position are measured: the end of the pilot interval, or earlier
+    /// where chaos makes positions unpredictable.
     pub positions_until: f64,
-    /// Averages by the reference.
+    /// Averages of the observables, by the reference.
     pub averages: Vec<Average>,
-    /// A row for each method and step, methods in turn, coarse steps first.
+    /// A row for each method and step size: method by method, long steps first.
     pub rows: Vec<Price>,
-    /// Methods that have no row, and why.
+    /// Methods without a row, and why.
     pub refused: Vec<Refused>,
-    /// Seconds that measuring took.
+    /// Seconds that the measurement took.
     pub seconds: f64,
 }
 
@@ -66,50 +69,50 @@ impl Longer {
     }
 }
 
-/// The mean of an observable over the looks of the pilot interval.
+/// The mean of an observable over the sampled times of the pilot interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Average {
-    /// The name that was given.
+    /// The name of the observable.
     pub name: String,
-    /// By the reference.
+    /// The mean, by the reference.
     pub mean: f64,
-    /// What a mean over so short a time is uncertain by, from means over eighths of it: where motion is chaotic no
-    /// method is nearer.
+    /// The uncertainty of a mean over so short a time, from means over eighths of it. Where motion is chaotic, no
+    /// method is more exact.
     pub uncertainty: f64,
 }
 
-/// One method with one step: what it costs and what it gives.
+/// One method with one step size: its cost and its errors.
 #[derive(Debug, Clone)]
 pub struct Price {
     /// The method.
     pub method: Candidate,
     /// The step size.
     pub h: f64,
-    /// The tolerance, of methods that have one.
+    /// The tolerance, of adaptive methods.
     pub tolerance: Option<f64>,
-    /// The largest distance of a body from where it should be, at any look until
-    /// [`positions_until`](Prices::positions_until); none if that is before the first look.
+    /// The largest error of position of any body, at the sampled times up to
+    /// [`positions_until`](Prices::positions_until); `None` if that is before the first sampled time.
     pub position: Option<f64>,
     /// The largest error of the energy, in its unit.
     pub energy: f64,
     /// Errors of the averages, each in the unit of the observable.
     pub averages: Vec<f64>,
-    /// The exponent a with which the error of position grew with time, tᵃ, and that of energy.
+    /// The exponents a with which the errors of position and of energy grew with time, like tᵃ.
     pub growth: [f64; 2],
     /// Seconds for each unit of simulated time, of one trajectory: the median of repeats.
     pub seconds: f64,
-    /// By what part of it repeats differ.
+    /// The relative difference of the repeats.
     pub spread: f64,
     /// Steps in the pilot interval.
     pub steps: u64,
-    /// Corrections of position equations in it, of linked bodies.
+    /// Corrections in the solution of position equations on the pilot interval, for linked bodies.
     pub corrections: Option<u64>,
-    /// The order observed between this step and the longer one before it, in the position or, if that cannot be told,
-    /// the energy.
+    /// The observed order between this step size and the next longer one: of the error of position or, where positions
+    /// are unpredictable, of the energy.
     pub order: Option<f64>,
-    /// Whether rounding decides here: a shorter step gives nothing.
+    /// Whether rounding errors dominate here, so that a shorter step is no more exact.
     pub rounding: bool,
-    /// Whether nothing that is cheaper is as exact; among rows in lanes, for those.
+    /// Whether no cheaper row is as exact (the Pareto front); a row in lanes is compared with those in lanes.
     pub front: bool,
 }
 
@@ -118,7 +121,7 @@ pub struct Price {
 pub struct Refused {
     /// The method.
     pub method: Candidate,
-    /// Why; none if the budget left no time.
+    /// Why; `None` if the budget left no time.
     pub why: Option<Error>,
 }
 
@@ -148,7 +151,7 @@ impl Price {
 }
 
 impl Prices {
-    /// The front: rows than which nothing that is cheaper is as exact, the cheapest first; not those in lanes.
+    /// The Pareto front: the rows for which no cheaper row is as exact, cheapest first, without those in lanes.
     pub fn front(&self) -> impl Iterator<Item = &Price> {
         let mut front: Vec<_> =
             self.rows.iter().filter(|row| row.front && !row.method.is_in_lanes()).collect();
@@ -164,9 +167,9 @@ impl Prices {
         methods
     }
 
-    /// Nanoseconds for each unit of simulated time at which errors of position (of energy, where positions cannot be
-    /// told) reach 10⁻ᵈ, with the method: for d = 1 … 15 those that were reached. Between two rows errors and times are
-    /// powers of the step.
+    /// The least cost for each number of digits: (d, nanoseconds per unit of simulated time, method) such that the
+    /// error of position (of energy, where positions are unpredictable) is 10⁻ᵈ, for those d = 1 … 15 that were
+    /// reached. Between two rows, errors and times are interpolated as powers of the step size.
     #[must_use]
     pub fn digits(&self) -> Vec<(u32, f64, Candidate)> {
         self.digits_of(|method| !method.is_in_lanes())
@@ -199,8 +202,8 @@ impl Prices {
         list
     }
 
-    /// Where rounding takes over: the least error of position (of energy, where positions cannot be told) of a method
-    /// whose shorter steps gave nothing.
+    /// The rounding floor of a method: its least error of position (of energy, where positions are unpredictable), if
+    /// shorter steps were no more exact.
     #[must_use]
     pub fn floor(&self, method: Candidate) -> Option<f64> {
         let rows = self.of(method);
@@ -218,7 +221,8 @@ impl Prices {
         if self.tells_positions() { Quantity::Position } else { Quantity::Energy }
     }
 
-    /// Whether positions can be told on all of the pilot interval; else methods are compared by energy.
+    /// Whether positions are predictable on all of the pilot interval; otherwise methods are compared by their errors
+    /// of energy.
     #[must_use]
     pub fn tells_positions(&self) -> bool {
         self.positions_until > 0.999_999 * self.pilot

@@ -1,4 +1,4 @@
-//! Measuring: what is asked for, and the ladders of all methods.
+//! The measurement: its settings, and series of step sizes for all methods.
 
 use crate::effect::interval::Rule;
 use crate::effect::list::Effects;
@@ -42,9 +42,9 @@ const SHARERS_OF_AIM: usize = 3;
 const USELESS: f64 = 0.3;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// What accuracy costs in time in this scene: asks every method with a ladder of steps, on a pilot interval from
-    /// `start`, and never for longer than the [budget](Pricing::budget). `duration`, in the unit of time, is how long
-    /// the run is to be.
+    /// Measures what accuracy costs in computing time in this scene: runs every method with a series of step sizes on a
+    /// pilot interval from `start`, for no longer than the [budget](Pricing::budget). `duration` is the length of the
+    /// intended run, in the unit of time.
     ///
     /// ```
     /// # use rattle::{links::planar::Rod, potentials::planar::Gravity, BoxedSimulation, Scene, State};
@@ -56,13 +56,15 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// assert!(prices.rows.iter().any(|row| row.position.unwrap() < 1e-9));
     /// # Ok::<(), rattle::Error>(())
     /// ```
+    #[doc(alias = "work-precision diagram")]
+    #[doc(alias = "benchmark")]
     pub fn price<'a>(&'a self, start: &'a State<D>, duration: f64) -> Pricing<'a, C, E, N, D> {
         let (plan, observed) = (Plan::default(), Vec::new());
         Pricing { scene: self, start, duration, plan, observed, beside: None, progress: None }
     }
 }
 
-/// What is to be priced, and how; made by [`Scene::price`].
+/// Settings of a measurement; made by [`Scene::price`].
 #[must_use = "`.measure()` measures"]
 pub struct Pricing<'a, C, E, N, const D: usize> {
     pub(super) scene: &'a Scene<C, E, N, D>,
@@ -88,14 +90,13 @@ impl Default for Plan {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, N, D> {
-    /// Measures for at most so many seconds; for one if nothing is said. A step that takes longer than that is still
-    /// made to its end.
+    /// Measures for at most `seconds`; by default 1. A step that takes longer is still finished.
     pub fn budget(mut self, seconds: f64) -> Self {
         self.plan.budget = seconds;
         self
     }
 
-    /// Tells errors of the average of `what` too, a number of the present state.
+    /// Also measures errors of the time average of `what`, a function of the state.
     pub fn observe(
         mut self,
         name: impl Into<String>,
@@ -132,7 +133,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         self
     }
 
-    /// Calls `tell` with the part of the budget that is spent, from 0 to 1, after every run.
+    /// Calls `tell` after every run with the fraction of the budget that is spent, from 0 to 1.
     pub fn progress(mut self, tell: impl FnMut(f64) + 'a) -> Self {
         self.progress = Some(Box::new(tell));
         self
@@ -144,10 +145,10 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         self
     }
 
-    /// Measures.
+    /// Runs the measurement.
     ///
     /// # Errors
-    /// Those of [`Scene::simulate`]; that of the step by which every method failed; [`Error::Price`] for a duration or
+    /// Those of [`Scene::simulate`]; that of a failed step, if every method failed; [`Error::Price`] for a duration or
     /// budget that is not positive, a budget too short for a reference, and random forces.
     pub fn measure(mut self) -> Result<Prices, Error> {
         refuse_random(self.scene, self.start, self.duration)?;

@@ -1,4 +1,4 @@
-//! The pilot interval, and the motion on it as exactly as can be had.
+//! The pilot interval, and the reference motion on it, as exact as possible.
 
 use crate::error::Error;
 use crate::methods::composition::{KAHAN_LI_1997_ORDER_8, SOFRONIOU_SPALETTA_2005_ORDER_10};

@@ -84,7 +84,7 @@ impl fmt::Display for Prices {
 }
 
 impl Prices {
-    /// All rows as comma-separated values under a line of names; seconds are for each unit of simulated time.
+    /// All rows as comma-separated values, with names in the first line; seconds are per unit of simulated time.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = String::from(

@@ -1,4 +1,4 @@
-//! A wish: the method and the step that meet it for the least time, and what the run will cost.
+//! A run with a given error: the method and step size that reach it in the least time, and the expected cost.
 
 use crate::effect::list::Effects;
 use crate::error::{Error, Limit, PriceMistake};
@@ -34,15 +34,18 @@ const NOT_SMOOTH: f64 = 4.0;
 const SHORTEST: usize = 4;
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// A run whose error is to be at most this: a distance in position at all times of the run, if nothing else is
-    /// said. Method and step are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
+    /// A run whose error is at most `error`: by default the error of position, a length, at all times of the run.
+    /// Method and step size are chosen by [measuring](Self::price); see [`price`](crate::run::price) for an example.
+    #[doc(alias = "accuracy")]
+    #[doc(alias = "tolerance")]
+    #[doc(alias = "error control")]
     pub fn within(&self, error: f64) -> Within<'_, C, E, N, D> {
         let (what, observed) = (Quantity::Position, Vec::new());
         Within { scene: self, error, what, observed, plan: Plan::default(), progress: None }
     }
 }
 
-/// A wish; made by [`Scene::within`].
+/// Settings of a run with a given error; made by [`Scene::within`].
 #[must_use = "`.simulate(start, duration)` makes the simulation"]
 pub struct Within<'a, C, E, N, const D: usize> {
     scene: &'a Scene<C, E, N, D>,
@@ -54,13 +57,13 @@ pub struct Within<'a, C, E, N, const D: usize> {
 }
 
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N, D> {
-    /// The error wished for is one of the energy, in its unit, at all times.
+    /// Limits the error of the energy instead, in its unit, at all times.
     pub fn in_energy(mut self) -> Self {
         self.what = Quantity::Energy;
         self
     }
 
-    /// The error wished for is one of the average of `what` over the run, a number of the present state.
+    /// Limits the error of the time average of `what` over the run instead, a function of the state.
     pub fn in_average(
         mut self,
         name: impl Into<String>,
@@ -71,13 +74,13 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
         self
     }
 
-    /// Measures for at most so many seconds; for one if nothing is said.
+    /// Measures for at most `seconds`; by default 1.
     pub fn budget(mut self, seconds: f64) -> Self {
         self.plan.budget = seconds;
         self
     }
 
-    /// Calls `tell` with the part of the budget that is spent, from 0 to 1, after every run.
+    /// Calls `tell` after every run with the fraction of the budget that is spent, from 0 to 1.
     pub fn progress(mut self, tell: impl FnMut(f64) + 'a) -> Self {
         self.progress = Some(Box::new(tell));
         self
@@ -89,11 +92,11 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
         self
     }
 
-    /// Measures, and makes the simulation that meets the wish for the least time.
+    /// Measures, and makes the simulation that reaches the error in the least time.
     ///
     /// # Errors
-    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the best that can be had
-    /// and what limits it; else as [`measure`](crate::run::price::Pricing::measure).
+    /// [`PriceMistake::Unreachable`] in [`Error::Price`] where no method is that exact, with the smallest possible
+    /// error and its reason; else as [`measure`](crate::run::price::Pricing::measure).
     pub fn simulate(mut self, start: &State<D>, duration: f64) -> Result<Planned<D>, Error> {
         positive("error wished for", self.error)?;
         refuse_random(self.scene, start, duration)?;
@@ -119,44 +122,43 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
     }
 }
 
-/// A simulation that meets a wish, before its run; `Display` says how and what it will cost.
+/// A simulation with a given error, before its run; `Display` shows method, step size and expected cost.
 #[derive(Debug, Clone)]
 pub struct Planned<const D: usize> {
-    /// The simulation, at its start: [`run`](Self::run) runs it, or whoever wants to watch takes [`steps`](Self::steps)
-    /// of it.
+    /// The simulation, at its start. Call [`run`](Self::run); or, to observe it, take [`steps`](Self::steps) steps of
+    /// it yourself.
     pub simulation: BoxedSimulation<D>,
     /// The method that was chosen.
     pub method: Candidate,
-    /// Its step size.
+    /// The step size.
     pub h: f64,
-    /// Its tolerance, if it has one.
+    /// The tolerance, of an adaptive method.
     pub tolerance: Option<f64>,
     /// Steps of the whole run.
     pub steps: u64,
-    /// The error that the whole run is expected to have, of what was wished for: measured on the pilot interval, and
-    /// grown to the whole time if that is longer, and then doubled, since growth is not steady.
+    /// The expected error of the whole run: measured on the pilot interval, extrapolated to the whole run if that is
+    /// longer, and then doubled, since errors do not grow steadily.
     pub error: f64,
-    /// Seconds that the whole run is expected to take, on one core.
+    /// Expected seconds of the whole run, on one core.
     pub seconds: f64,
-    /// By what part of it the run may take more or less, if a run that is longer than the pilot interval goes on as it
-    /// began.
+    /// The relative uncertainty of `seconds`, if the rest of the run is like the pilot interval.
     pub spread: f64,
-    /// What was measured: ladders as far as they are needed.
+    /// The measurements, as far as they were needed.
     pub prices: Prices,
     clock: Clock,
 }
 
-/// What a run cost; `Display` compares with what was expected.
+/// The cost of a run; `Display` compares it with the expected cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spent {
-    /// Seconds that it took.
+    /// Seconds that the run took.
     pub seconds: f64,
-    /// Seconds that it was expected to take.
+    /// Expected seconds.
     pub expected: f64,
 }
 
 impl<const D: usize> Planned<D> {
-    /// Takes the steps that are left of the run; says what it cost, and what these steps were expected to cost.
+    /// Takes the remaining steps of the run; returns what they cost, and what they were expected to cost.
     ///
     /// # Errors
     /// As [`Simulation::run`](crate::run::simulation::Simulation::run).

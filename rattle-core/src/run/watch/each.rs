@@ -1,4 +1,4 @@
-//! An observer for each trajectory.
+//! One observer for each trajectory.
 
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
@@ -22,19 +22,19 @@ pub struct Each<F, O> {
 }
 
 impl<F: Fn() -> O, O> Each<F, O> {
-    /// Observers that `new` makes, one for each trajectory.
+    /// Observers made by `new`, one for each trajectory.
     pub fn of(new: F) -> Self {
         Self { new, observers: BTreeMap::new() }
     }
 }
 
 impl<F, O> Each<F, O> {
-    /// The observer of this trajectory; none if the trajectory failed before it was seen.
+    /// The observer of this trajectory; `None` if the trajectory failed before it was first seen.
     pub fn get(&self, trajectory: usize) -> Option<&O> {
         self.observers.get(&trajectory)
     }
 
-    /// The trajectories in turn, each with its observer.
+    /// The numbers of the trajectories in order, each with its observer.
     pub fn iter(&self) -> impl Iterator<Item = (usize, &O)> {
         self.observers.iter().map(|(&trajectory, observer)| (trajectory, observer))
     }

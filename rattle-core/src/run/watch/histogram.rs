@@ -4,7 +4,9 @@ use crate::error::Error;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 
-/// How often a quantity fell into each of equal bins.
+/// How often a quantity fell into each of a number of equal bins.
+#[doc(alias = "distribution")]
+#[doc(alias = "density")]
 #[derive(Debug, Clone)]
 pub struct Histogram<Q> {
     quantity: Q,
@@ -31,8 +33,8 @@ impl<Q> Histogram<Q> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Bins`] without bins, with more than there is memory for, or if the numbers are not finite, or the
-    /// first not below the second.
+    /// [`Error::Bins`] for no bins or more than there is memory for, and unless `from` and `to` are finite with `from`
+    /// < `to`.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where
@@ -48,13 +50,13 @@ impl<Q> Histogram<Q> {
         Ok(Self { quantity, from, to, density, counts, outside: 0 })
     }
 
-    /// Sights by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins; to rounding of x −
+    /// Counts by bin: bin i holds from + i w ≤ x < from + (i + 1) w, with w = (to − from)/bins, to rounding of x −
     /// from.
     pub fn counts(&self) -> &[u64] {
         &self.counts
     }
 
-    /// The number of sights whose quantity was outside of all bins, or NaN.
+    /// How often the quantity was outside of all bins, or NaN.
     pub fn outside(&self) -> u64 {
         self.outside
     }

@@ -3,10 +3,12 @@
 use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 
-/// Number, mean and variance of a quantity over all sights.
+/// Number, mean and variance of a quantity over all [sights](Sight) (observed states).
 ///
-/// Sums are formed over 64 sights at a time, and joined by the formulas of Chan, Golub and LeVeque (1979); so are the
-/// sums of different groups of trajectories. So the processor need not wait for one sight before it adds the next.
+/// Sums over 64 sights at a time, and those of different groups of trajectories, are joined by the formulas of Chan,
+/// Golub and LeVeque (1979). So the processor need not wait for one sight before it adds the next.
+#[doc(alias = "average")]
+#[doc(alias = "expectation")]
 #[derive(Debug, Clone)]
 pub struct Mean<Q> {
     quantity: Q,
@@ -61,7 +63,7 @@ fn sum_of(all: &[f64], term: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl<Q> Mean<Q> {
-    /// The mean of this quantity, one number of each sight.
+    /// The mean of this quantity, a function of a sight.
     pub fn of<const D: usize>(quantity: Q) -> Self
     where
         Q: Fn(&Sight<'_, D>) -> f64,
@@ -93,7 +95,8 @@ impl<Q> Mean<Q> {
     /// The mean square deviation from the mean, with n − 1 in the denominator; NaN if there were fewer than two sights.
     ///
     /// √(variance/n) is the standard error of the mean only where sights are independent. Successive sights of one
-    /// trajectory are not: average over blocks longer than the motion remembers, or over trajectories.
+    /// trajectory are not: average over blocks longer than the correlation time, or over trajectories.
+    #[doc(alias = "standard deviation")]
     pub fn variance(&self) -> f64 {
         let Moments { number, squares, .. } = self.moments();
         if number < 2.0 { f64::NAN } else { squares / (number - 1.0) }

@@ -1,19 +1,19 @@
-//! Observers: what is kept of a run, of one simulation or of an ensemble.
+//! Observers: they collect data from a run of a simulation or an ensemble.
 //!
-//! An [`Observer`] is shown a [`Sight`] of each trajectory after every so many steps. The same observers watch
-//! [a simulation](crate::run::simulation::Simulation::observe) and
-//! [an ensemble](crate::run::ensemble::Ensemble::observe):
+//! An [`Observer`] is shown a [`Sight`] of each trajectory (its state at one time) after every so many steps. The same
+//! observers watch [a simulation](crate::run::simulation::Simulation::observe) and [an
+//! ensemble](crate::run::ensemble::Ensemble::observe):
 //!
-//! | observer | what it keeps |
+//! | observer | data |
 //! |---|---|
 //! | [`Trajectory`] | times, positions and momenta, row by row; of a simulation multipliers too |
 //! | [`Mean`], [`Histogram`] | mean, variance and distribution of a quantity |
 //! | [`Section`] | crossings of a Poincaré section |
-//! | [`ShadowEnergy`] | what RATTLE keeps to a higher order than the energy |
-//! | [`Recorder`] | a table of what is asked for, in memory or handed on to a file |
+//! | [`ShadowEnergy`] | an energy that RATTLE conserves to a higher order than H |
+//! | [`Recorder`] | a table of chosen quantities, in memory or passed to a file |
 //! | [`Each`] | one observer for each trajectory of an ensemble |
-//! | [`Progress`] | nothing; it calls a closure that shows how far the run is |
-//! | `(A, B)`, `[A; N]` | what its members keep |
+//! | [`Progress`] | none; it calls a closure that shows the progress of the run |
+//! | `(A, B)`, `[A; N]` | those of its members |
 //!
 //! ```
 //! # use rattle::{Scene, State, Rattle, Trajectory, watch::{Each, Mean, Sight}};

@@ -1,14 +1,14 @@
-//! What an observer is.
+//! The trait of observers.
 
 use crate::error::Error;
 use crate::run::watch::sight::Sight;
 
-/// Is shown trajectories as they go: that of a [simulation](crate::run::simulation::Simulation::observe), or those of
-/// an [ensemble](crate::run::ensemble::Ensemble::observe). A pair and an array of observers are observers too.
+/// Watches the trajectory of a [simulation](crate::run::simulation::Simulation::observe), or those of an
+/// [ensemble](crate::run::ensemble::Ensemble::observe), as they are computed. A pair and an array of observers are
+/// observers too.
 ///
-/// In an ensemble each group of trajectories has an observer of its own, which is shown them in turn. At the end these
-/// observers are joined in the order of the trajectories; so the outcome is the same, bit for bit, for any number of
-/// threads.
+/// In an ensemble each group of trajectories has its own observer. At the end these observers are joined in the order
+/// of the trajectories, so the result is the same, bit for bit, for any number of threads.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, watch::{Observer, Sight}};
@@ -38,25 +38,27 @@ use crate::run::watch::sight::Sight;
 /// assert!((largest.multiplier - 0.5).abs() < 1e-4); // |v|²/|∇g|, and ∇g has length 2
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "callback")]
+#[doc(alias = "hook")]
 pub trait Observer<const D: usize> {
-    /// Is shown a trajectory now, and as it was at the sight before; at the first sight, as it was at the start.
+    /// Called with a trajectory as it is now, and as it was at the previous sight; at the first sight, as it was at the
+    /// start.
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>);
-    /// Takes over what another observer saw of the trajectories that come next. A simulation is one trajectory, and
-    /// joins nothing.
+    /// Adds the data of the observer of the next trajectories. Not called in a simulation, which is one trajectory.
     fn join(&mut self, next: Self)
     where
         Self: Sized;
-    /// Why it can watch no more: a simulation then ends its run with that, as it was at the last sight, and an ensemble
-    /// ends its run some steps later.
+    /// Why the observer has failed, if it has: a simulation then ends its run with this error at the last sight, and an
+    /// ensemble ends its run some steps later.
     #[inline(always)]
     fn failure(&self) -> Option<Error> {
         None
     }
-    /// Is told λ of a position equation, in every step of a simulation. Ensembles do not tell it; see
+    /// Called with λ of a position equation, in every step of a simulation. Not called in ensembles; see
     /// [`Sight::multipliers`].
     #[inline(always)]
     fn position_multiplier(&mut self, _equation: usize, _lambda: f64) {}
-    /// Is told μ of a momentum equation, in every step of a simulation.
+    /// Called with μ of a momentum equation, in every step of a simulation.
     #[inline(always)]
     fn momentum_multiplier(&mut self, _equation: usize, _mu: f64) {}
 }

@@ -6,8 +6,9 @@ use crate::run::watch::sight::Sight;
 /// Calls a closure after every `every` sights with the number of sights since the last call, and at the end of the run
 /// with the rest.
 ///
-/// A simulation that is observed after every k-th step has steps/k sights; an ensemble has as many of each trajectory
-/// that does not fail. In a run of 10⁸ steps with a hundred sights the cost was too small to be measured.
+/// A sight is one observation: a simulation that is observed after every k-th step has steps/k sights, an ensemble as
+/// many for each trajectory that does not fail. In a run of 10⁸ steps with a hundred sights the cost was too small to
+/// be measured.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, watch::Progress};

@@ -1,7 +1,7 @@
-//! Records of a run: a table of what was asked for, kept in memory or handed on, block by block, to what writes it.
+//! Recorders: a table of chosen quantities along a run, kept in memory or passed on, block by block, to a writer.
 //!
-//! A recorder keeps no more than a block of rows; how much a [`Sink`] keeps is its own affair. So the memory of a run
-//! whose rows go to a file does not grow.
+//! A recorder holds only one block of rows, and passes full blocks to a [`Sink`]. So the memory of a run whose rows go
+//! to a file does not grow.
 
 use crate::error::Error;
 use crate::run::watch::observer::Observer;
@@ -17,7 +17,7 @@ const ROWS: usize = 1024;
 /// What a number or some are called, and what they are at a sight.
 type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync>;
 
-/// What is to be recorded, beside step, trajectory and time, which every row has.
+/// The columns to be recorded, besides step, trajectory and time, which every row has.
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows, Sight}};
@@ -31,6 +31,8 @@ type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send 
 /// assert_eq!(rows.numbers("height").next(), Some(&[1.0][..]));
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "output")]
+#[doc(alias = "log")]
 #[derive(Clone)]
 pub struct Columns<const D: usize> {
     columns: Vec<(String, usize, Quantity<D>)>,
@@ -45,50 +47,49 @@ impl<const D: usize> Columns<D> {
         Self { columns: Vec::new(), times: None }
     }
 
-    /// And positions `q` of all bodies, shape [bodies, D].
+    /// Adds positions `q` of all bodies, shape [bodies, D].
     #[must_use]
     pub fn positions(self) -> Self {
         self.with("q", D, |now, to| now.positions.iter().for_each(|q| to.extend(q.iter())))
     }
 
-    /// And momenta `p`, shape [bodies, D].
+    /// Adds momenta `p`, shape [bodies, D].
     #[must_use]
     pub fn momenta(self) -> Self {
         self.with("p", D, |now, to| now.momenta.iter().for_each(|p| to.extend(p.iter())))
     }
 
-    /// And `energies`, kinetic and potential.
+    /// Adds `energies`: kinetic and potential.
     #[must_use]
     pub fn energies(self) -> Self {
         self.with("energies", 1, |now, to| to.extend([now.kinetic_energy(), now.potential_energy()]))
     }
 
-    /// And `effect_energies`, the potential energy of each effect in the order in which the scene names them; none of
-    /// flows.
+    /// Adds `effect_energies`, the potential energy of each effect in the order of the scene, without flows.
     #[must_use]
     pub fn effect_energies(self) -> Self {
         self.with("effect_energies", 1, |now, to| to.extend(now.effect_energies()))
     }
 
-    /// And `residuals` g(q, t) of the equations, each in the unit of its g.
+    /// Adds `residuals` g(q, t) of the equations, each in the unit of its g.
     #[must_use]
     pub fn residuals(self) -> Self {
         self.with("residuals", 1, |now, to| to.extend(now.residuals()))
     }
 
-    /// And the `temperature` kT, an energy.
+    /// Adds the `temperature` kT, an energy.
     #[must_use]
     pub fn temperature(self) -> Self {
         self.quantity("temperature", |now: &Sight<'_, D>| now.temperature())
     }
 
-    /// And multipliers `lambda` of the equations such that g̈ = 0.
+    /// Adds multipliers `lambda` of the equations, from g̈ = 0.
     #[must_use]
     pub fn multipliers(self) -> Self {
         self.with("lambda", 1, |now, to| to.extend(now.multipliers()))
     }
 
-    /// And `constraint_forces` Gᵀλ on all bodies, shape [bodies, D].
+    /// Adds `constraint_forces` Gᵀλ on all bodies, shape [bodies, D].
     #[must_use]
     pub fn constraint_forces(self) -> Self {
         self.with("constraint_forces", D, |now, to| {
@@ -96,9 +97,9 @@ impl<const D: usize> Columns<D> {
         })
     }
 
-    /// And `iterations`, the corrections of position equations since the start: of linked bodies that are moved one
-    /// simulation at a time, NaN elsewhere. On surfaces, and in lanes, [`Counted`](crate::kernel::counted::Counted)
-    /// counts evaluations, which a [`quantity`](Self::quantity) records.
+    /// Adds `iterations`, the number of corrections in the solution of position equations since the start: for linked
+    /// bodies that are not computed in lanes; NaN elsewhere. On surfaces, and in lanes,
+    /// [`Counted`](crate::kernel::counted::Counted) counts evaluations, which a [`quantity`](Self::quantity) records.
     ///
     /// ```
     /// # use rattle::{prelude::*, surfaces::Sphere, watch::{Columns, Recorder, Rows}};
@@ -120,14 +121,14 @@ impl<const D: usize> Columns<D> {
         })
     }
 
-    /// And a number of your own.
+    /// Adds a number of your own, a function of a sight.
     #[must_use]
     pub fn quantity(self, name: &str, of: impl Fn(&Sight<'_, D>) -> f64 + Send + Sync + 'static) -> Self {
         self.with(name, 1, move |now, to| to.push(of(now)))
     }
 
-    /// Only at the sights that are the first at or after one of these times, in any order. Looks as
-    /// often as the run is observed.
+    /// Records only the first sight at or after each of these times, given in any order. Times are not met more exactly
+    /// than the run is observed.
     #[must_use]
     pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         let mut times = times.into_iter().collect::<Vec<_>>();
@@ -172,35 +173,35 @@ impl<const D: usize> fmt::Debug for Columns<D> {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// The shape of what a row has of it; empty for a number.
+    /// The shape of its entry in a row; empty for a single number.
     pub shape: Vec<usize>,
-    /// Where in a row it begins, and ends.
+    /// The range of a row that it occupies.
     pub place: std::ops::Range<usize>,
 }
 
 /// Rows of a table: all of it, or a block.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Rows {
-    /// What stands in a row; empty before the first.
+    /// The columns of a row; empty before the first row.
     pub columns: Arc<[Column]>,
     /// Steps since the run was made.
     pub steps: Vec<u64>,
-    /// Which trajectory of an ensemble; 0 of a simulation.
+    /// Trajectory numbers; 0 for a simulation.
     pub trajectories: Vec<u64>,
     /// Times.
     pub times: Vec<f64>,
-    /// The columns, row by row.
+    /// The values, row by row.
     pub numbers: Vec<f64>,
 }
 
 impl Rows {
-    /// How many there are.
+    /// The number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
         self.times.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.times.is_empty()
@@ -212,7 +213,7 @@ impl Rows {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// The numbers of a column, row by row; nothing where there is no such column.
+    /// The numbers of a column, row by row; empty where there is no such column.
     pub fn numbers(&self, name: &str) -> impl Iterator<Item = &[f64]> {
         let width = self.columns.last().map_or(1, |last| last.place.end).max(1);
         let place = self.column(name).map(|column| column.place.clone());
@@ -221,14 +222,14 @@ impl Rows {
     }
 }
 
-/// Where rows go.
+/// The receiver of rows.
 pub trait Sink: Send {
-    /// Takes a block of rows, which is then empty, its memory to be used again.
+    /// Takes a block of rows and leaves it empty, so that its memory can be used again.
     ///
     /// # Errors
-    /// Why rows cannot be taken; none is handed over after that.
+    /// Why rows cannot be taken; no more rows are passed after an error.
     fn take(&mut self, rows: &mut Rows) -> Result<(), String>;
-    /// Takes over what went to that of the trajectories that come next.
+    /// Adds the rows of the sink of the next trajectories.
     fn join(&mut self, next: Self)
     where
         Self: Sized;
@@ -250,8 +251,12 @@ impl Sink for Rows {
     }
 }
 
-/// Records columns of each sight. In an ensemble the rows of each group of trajectories stand together in memory; what
-/// is handed on comes as it comes, and says its trajectory.
+/// Records columns of each sight. In an ensemble, rows kept in memory are grouped by trajectory group; blocks passed to
+/// a writer come in any order. Each row has its trajectory.
+#[doc(alias = "log")]
+#[doc(alias = "output")]
+#[doc(alias = "dump")]
+#[doc(alias = "csv")]
 #[derive(Debug)]
 pub struct Recorder<S, const D: usize> {
     columns: Columns<D>,
@@ -262,15 +267,15 @@ pub struct Recorder<S, const D: usize> {
 }
 
 impl<S: Sink, const D: usize> Recorder<S, D> {
-    /// Of these columns, into this.
+    /// A recorder of these columns into `sink`.
     pub fn of(columns: &Columns<D>, sink: S) -> Self {
         Self { columns: columns.clone(), rows: Rows::default(), sink, handed_on: 0, failure: None }
     }
 
-    /// What rows went to, with the last of them.
+    /// Passes on the last rows, and returns the sink.
     ///
     /// # Errors
-    /// [`Error::Recorder`] where they could not be taken.
+    /// [`Error::Recorder`] where rows could not be taken.
     pub fn finish(mut self) -> Result<S, Error> {
         self.hand_on();
         self.failure.map_or(Ok(self.sink), Err)

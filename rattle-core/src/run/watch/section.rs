@@ -6,8 +6,12 @@ use nalgebra::SVector;
 
 /// A Poincaré section: where and when trajectories pass from s < 0 to s ≥ 0.
 ///
-/// Between two sights the path of a body is taken to be the cubic through both places with the velocities there;
-/// momenta are taken for velocities, as those of unit masses are. The crossing is where s is zero on that path.
+/// Between two sights the path of a body is approximated by the cubic through both positions with the velocities there
+/// (Hermite interpolation). Momenta are used as velocities, which assumes unit masses. The crossing is where s is zero
+/// on that path.
+#[doc(alias = "event detection")]
+#[doc(alias = "Poincaré map")]
+#[doc(alias = "return map")]
 #[derive(Debug, Clone)]
 pub struct Section<Q, const D: usize> {
     quantity: Q,
@@ -17,18 +21,18 @@ pub struct Section<Q, const D: usize> {
 /// A crossing of a [`Section`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crossing<const D: usize> {
-    /// Which trajectory.
+    /// The number of the trajectory.
     pub trajectory: usize,
-    /// When.
+    /// The time.
     pub time: f64,
-    /// Positions of its bodies.
+    /// Positions of the bodies.
     pub positions: Vec<SVector<f64, D>>,
-    /// Momenta of its bodies.
+    /// Momenta of the bodies.
     pub momenta: Vec<SVector<f64, D>>,
 }
 
 impl<Q: Fn(&Sight<'_, D>) -> f64, const D: usize> Section<Q, D> {
-    /// A section where this quantity s passes zero upwards.
+    /// A section where this quantity s passes zero from below.
     pub fn of(quantity: Q) -> Self {
         Self { quantity, crossings: Vec::new() }
     }

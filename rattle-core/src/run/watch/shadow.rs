@@ -1,8 +1,8 @@
-//! Shadow energies: what RATTLE keeps to a higher order than the energy, and so sees faults that the energy does not
-//! show.
+//! Shadow energies: quantities that RATTLE conserves to a higher order than the energy. They show faults that the
+//! energy does not.
 //!
-//! A symplectic method follows a nearby mechanical system almost exactly; its energy differs from H by O(h²) and is
-//! kept to rounding, or to exp(−c/h). Two approximations, for constraints at rest:
+//! A symplectic method follows a nearby mechanical system almost exactly. The energy of that system differs from H by
+//! O(h²) and is conserved to rounding, or to exp(−c/h). Two approximations of it, for constraints that do not move:
 //!
 //! ```text
 //! H₂ = H + h² ( aᵀM a/24 + Ü/12 ),   a = M⁻¹(f + Gᵀλ),   Ü = d²U/dt² along the motion      from one state, to h⁴
@@ -10,10 +10,10 @@
 //! E  = U + Σₖ 2h²ᵏ⁻²/(2k)! ( Σⱼ₌₁ᵏ⁻¹ (−1)ʲ⁻¹ ⟨x⁽ʲ⁾, M x⁽²ᵏ⁻ʲ⁾⟩ + (−1)ᵏ⁻¹ ⟨x⁽ᵏ⁾, M x⁽ᵏ⁾⟩/2 ),   k = 1 … K   from positions
 //! ```
 //!
-//! x is the smooth curve through the positions, its derivatives differences of 2K + 1 of them: E is kept to h²ᴷ.
-//! It is the energy of (2M/h²)(cosh hD − 1) x = f + Gᵀλ, the equation of the positions of RATTLE, SHAKE and, without
-//! constraints, of the leapfrog; momenta do not enter. H₂ is that of momenta along the constraints, of RATTLE alone.
-//! A composition's inner steps are not even, and neither holds for it.
+//! Here x is the smooth curve through the positions, with its derivatives from differences of 2K + 1 positions; E is
+//! conserved to h²ᴷ. E is the energy of (2M/h²)(cosh hD − 1) x = f + Gᵀλ, D = d/dt, the equation for the positions of
+//! RATTLE, SHAKE and, without constraints, the leapfrog method; momenta do not enter. H₂ needs momenta tangent to the
+//! constraints, and is for RATTLE alone. Neither holds for a composition, whose inner steps differ in length.
 
 use crate::motion::capability::Rates;
 use crate::motion::method::Method;
@@ -26,8 +26,8 @@ use nalgebra::SVector;
 use std::collections::VecDeque;
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// The shadow energy H₂ of the present state: kept by RATTLE to h⁴ where the energy is kept to h². NaN in phase
-    /// space, where no masses are known.
+    /// The shadow energy H₂ of the present state, which RATTLE conserves to h⁴, and the energy only to h². NaN in phase
+    /// space, which has no masses.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State};
@@ -35,6 +35,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// assert_eq!(simulation.shadow_energy(), simulation.energy()); // nothing acts
     /// # Ok::<(), rattle::Error>(())
     /// ```
+    #[doc(alias = "modified Hamiltonian")]
     pub fn shadow_energy(&self) -> f64 {
         let (system, h) = (self.system(), self.method().step_size());
         let mut accelerations = vec![[0.0; D]; self.bodies()];
@@ -63,9 +64,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     }
 }
 
-/// Keeps the shadow energy E of a run, from positions alone. It wants to see every step: where steps are missing
-/// between two sights it begins anew, and so does it where the trajectory is another ([`Each`](crate::run::watch::Each)
-/// keeps those of an ensemble apart).
+/// Records the shadow energy E of a run, from positions alone. It must see every step: where steps are missing between
+/// two sights, or the trajectory changes, it begins again. (For an ensemble use one for each trajectory:
+/// [`Each`](crate::run::watch::Each).)
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, watch::{Each, ShadowEnergy}, State};
@@ -82,6 +83,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 /// assert!((shadows.get(1).unwrap().values()[6] - 0.5).abs() < 1e-13);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "modified Hamiltonian")]
 #[derive(Debug, Clone)]
 pub struct ShadowEnergy<const D: usize> {
     form: Vec<Vec<f64>>,
@@ -100,10 +102,10 @@ struct Place<const D: usize> {
 }
 
 impl<const D: usize> ShadowEnergy<D> {
-    /// An observer of E that is kept to h to the power of `order`, 2K.
+    /// An observer of E with 2K = `order`, which is conserved to h to this power.
     ///
     /// # Panics
-    /// If the order is not one of 2, 4, … 12: higher ones drown in the rounding of positions.
+    /// If the order is not one of 2, 4, … 12: for higher ones the rounding of positions dominates.
     #[must_use]
     #[track_caller]
     pub fn new(order: usize) -> Self {

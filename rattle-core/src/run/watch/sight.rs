@@ -1,25 +1,28 @@
-//! What an observer is shown: a trajectory at one time.
+//! Sights: a trajectory at one time, as an observer is shown it.
 
 use nalgebra::SVector;
 use std::fmt;
 
-/// Where a [`Sight`] gets energies, multipliers and forces from. They are evaluated when an observer asks for them.
+/// Provides energies, multipliers and forces to a [`Sight`], evaluated when an observer asks for them.
 pub trait Source<const D: usize> {
-    /// Kinetic and potential energy of this trajectory, which goes on, at a sight that may lie between two steps.
+    /// Kinetic and potential energy of this trajectory, which has not failed, at a sight that may lie between two
+    /// steps.
     fn energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> [f64; 2];
     /// λ of each equation, and Gᵀλ on each body.
     fn constraints(&self, trajectory: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>);
-    /// U of each effect that is no flow, in the order in which the scene names them.
+    /// U of each effect that is not a flow, in the order of the scene.
     fn effect_energies(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
     /// g of each equation.
     fn residuals(&self, trajectory: usize, sight: &Sight<'_, D>) -> Vec<f64>;
-    /// kT: twice the kinetic energy that is not imposed, divided by the number of independent momenta.
+    /// kT: twice the kinetic energy, without that imposed by moving constraints, divided by the number of independent
+    /// momenta.
     fn temperature(&self, trajectory: usize, sight: &Sight<'_, D>) -> f64;
-    /// Corrections of position equations since the start, where they are counted.
+    /// The number of corrections in the solution of position equations since the start; `None` where they are not
+    /// counted.
     fn corrections(&self) -> Option<u64> {
         None
     }
-    /// aᵀM b, for changes of position of a body.
+    /// aᵀM b, for changes a and b of the position of a body.
     fn mass_product(&self, trajectory: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64;
     /// The step size of the method.
     fn step_size(&self) -> f64;
@@ -27,6 +30,9 @@ pub trait Source<const D: usize> {
 
 /// A trajectory at one time: number, steps, time, positions and momenta. Energies and multipliers are evaluated on
 /// request.
+#[doc(alias = "snapshot")]
+#[doc(alias = "frame")]
+#[doc(alias = "sample")]
 #[derive(Clone, Copy)]
 pub struct Sight<'a, const D: usize> {
     /// The number of the trajectory in the ensemble, counted from 0; 0 in a simulation.
@@ -35,9 +41,9 @@ pub struct Sight<'a, const D: usize> {
     pub step: u64,
     /// The time.
     pub time: f64,
-    /// Positions of its bodies.
+    /// Positions of the bodies.
     pub positions: &'a [SVector<f64, D>],
-    /// Momenta of its bodies.
+    /// Momenta of the bodies.
     pub momenta: &'a [SVector<f64, D>],
     /// What answers further questions, and under which number it knows the trajectory.
     pub(crate) source: (&'a dyn Source<D>, usize),
@@ -56,9 +62,9 @@ impl<const D: usize> Sight<'_, D> {
         self.momenta[0]
     }
 
-    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). As that of a
-    /// [`Simulation`](crate::run::simulation::Simulation::kinetic_energy) but for rounding; evaluated when it is asked
-    /// for.
+    /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies; in phase space all of the energy H(q, p). Agrees to
+    /// rounding with that of a [`Simulation`](crate::run::simulation::Simulation::kinetic_energy); evaluated at each
+    /// call.
     #[must_use]
     pub fn kinetic_energy(&self) -> f64 {
         self.energies()[0]
@@ -77,8 +83,8 @@ impl<const D: usize> Sight<'_, D> {
         kinetic + potential
     }
 
-    /// U of each effect in the order in which the scene names them, [flows](crate::effect::Flow) aside, which have
-    /// none. A call allocates.
+    /// U of each effect in the order of the scene, without [flows](crate::effect::Flow), which have none. A call
+    /// allocates.
     #[must_use]
     pub fn effect_energies(&self) -> Vec<f64> {
         let (source, trajectory) = self.source;
@@ -101,23 +107,22 @@ impl<const D: usize> Sight<'_, D> {
     }
 
     /// Multipliers λ of all equations, from g̈ = 0, as
-    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers). A call allocates. Asked of the
-    /// sight before, it also evaluates the constraints there.
+    /// [`Simulation::multipliers`](crate::run::simulation::Simulation::multipliers). A call allocates. For the previous
+    /// sight it also evaluates the constraints there.
     #[must_use]
     pub fn multipliers(&self) -> Vec<f64> {
         let (source, trajectory) = self.source;
         source.constraints(trajectory, self).0
     }
 
-    /// The force Gᵀλ of all constraints on each body, in the unit of force; as
-    /// [`multipliers`](Self::multipliers) evaluated when asked for.
+    /// The force Gᵀλ of all constraints on each body, in the unit of force; evaluated at each call.
     #[must_use]
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         let (source, trajectory) = self.source;
         source.constraints(trajectory, self).1
     }
 
-    /// Corrections of position equations since the start of a simulation, where they are counted, as
+    /// The number of corrections in the solution of position equations since the start of a simulation, as
     /// [`Simulation::corrections`](crate::run::simulation::Simulation::corrections).
     #[must_use]
     pub fn corrections(&self) -> Option<u64> {

@@ -1,4 +1,4 @@
-//! The whole of a run: times, positions and momenta, row by row.
+//! Trajectories in memory: times, positions and momenta, row by row.
 
 use crate::motion::method::Method;
 use crate::motion::system::System;
@@ -9,8 +9,8 @@ use nalgebra::SVector;
 
 /// Times, positions and momenta of a run, row by row from its start; multipliers on request.
 ///
-/// A row holds the bodies in turn, a body its D coordinates: positions and momenta have the shape [rows, bodies, D], as
-/// NumPy arrays and pages take it. An ensemble's trajectories are kept apart by [`Each`](crate::run::watch::Each).
+/// Positions and momenta have the shape [rows, bodies, D], with the last index fastest, as NumPy arrays and pages take
+/// it. For an ensemble use one for each trajectory, by [`Each`](crate::run::watch::Each).
 ///
 /// ```
 /// # use rattle::{Rattle, Scene, State, Trajectory};
@@ -21,6 +21,9 @@ use nalgebra::SVector;
 /// assert_eq!(trajectory.shape(), [11, 2, 2]);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "history")]
+#[doc(alias = "output")]
+#[doc(alias = "time series")]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Trajectory {
     bodies: usize,
@@ -37,7 +40,7 @@ pub struct Trajectory {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multipliers {
     /// λ of the step that led to the row; in the first row λ(t₀) of the exact motion. NaN in an ensemble, where
-    /// observers are not told multipliers.
+    /// observers do not receive multipliers.
     pub position: Vec<f64>,
     /// μ of the step that led to the row; in the first row λ(t₀) of the exact motion.
     pub momentum: Vec<f64>,
@@ -96,10 +99,10 @@ impl Trajectory {
         &self.positions
     }
 
-    /// The positions of one body, row by row; each D coordinates.
+    /// The positions of one body, row by row, D coordinates each.
     ///
     /// # Panics
-    /// If there are not so many bodies.
+    /// If there is no such body.
     #[track_caller]
     pub fn path(&self, body: usize) -> impl ExactSizeIterator<Item = &[f64]> {
         assert!(body < self.bodies, "body {body} of {}", self.bodies);
@@ -112,7 +115,7 @@ impl Trajectory {
         &self.momenta
     }
 
-    /// How many equations multipliers are kept of; 0 if they were not asked for.
+    /// The number of equations whose multipliers are kept; 0 if they were not asked for.
     #[must_use]
     pub fn equations(&self) -> usize {
         self.under_way.position.len()

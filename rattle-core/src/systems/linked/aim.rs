@@ -1,10 +1,10 @@
-//! Whether guesses were off as usual, equation by equation: what tells that a sheet has been passed over, see
+//! Whether the errors of guesses are as expected, equation by equation, to detect a step onto another sheet, see
 //! [`crate::solve::aim`].
 //!
-//! What a guess is off by in an equation is the residual there, gᵢ/|∇gᵢ|. It is known anyway, and knows nothing of how
-//! far apart the sheets of other equations are. In a long chain some equation is always where its residual changes
-//! sign. So only equations whose residual is not as usual are looked at inside the step, and where the root is
-//! followed, only those that did not look right there.
+//! The error of a guess in equation i is its residual gᵢ/|∇gᵢ|, which is known anyway, and does not depend on the
+//! distance of sheets of other equations. In a long chain some residual is always near a change of sign. So only
+//! equations with an unexpected residual are examined inside the step; and where the root is followed, only those that
+//! failed there.
 
 use crate::number::vector::{dot, largest};
 use crate::solve::aim::{INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, grows_to};

@@ -1,5 +1,5 @@
-//! Position equations of linked bodies by one matrix that is kept, that of the guess or that of the start: see
-//! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not plain, Newton's method makes the
+//! Position equations of linked bodies with one fixed matrix, that of the guess or that of the start: see
+//! [`crate::motion::iteration`]. Where residuals do not shrink, or the root is not trusted, Newton's method repeats the
 //! step.
 
 use crate::motion::failure::Failure;

@@ -1,14 +1,15 @@
 //! Collocation of linked bodies: the stages of [`lobatto`](crate::methods::lobatto) solved together.
 //!
 //! An iteration evaluates g, its gradients and the forces once at every stage and forms the new sums. The linearised
-//! constraints are solved with the normals of the start in place of those of the stages, so that one factor, that of
-//! the last step's end, serves all stages:
+//! constraints are solved with the normals of the start instead of those of the stages, so that one factorisation, that
+//! of the end of the last step, serves all stages:
 //!
 //! ```text
 //! δλⱼ = −Σᵢ (h² a)⁻¹ⱼᵢ (G₀M⁻¹G₀ᵀ)⁻¹ rᵢ
 //! ```
 //!
-//! That contracts by the part of a right angle that normals turn within the step: well while steps are accurate.
+//! This contracts by about the angle that normals turn within the step, relative to a right angle: fast for accurate
+//! steps.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;

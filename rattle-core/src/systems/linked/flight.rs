@@ -7,17 +7,17 @@
 //! r(x) = g(q + free + W x) = 0
 //! ```
 //!
-//! and is solved by Newton's method with the derivative G(q′)W of the first guess, taken anew where that contracts less
-//! than fourfold. The first guess is the one with g̈ = 0, so that a step is a pure function of the state.
+//! and is solved by Newton's method with the derivative G(q′)W of the first guess, evaluated again where a correction
+//! is not a fourth of the one before. The first guess has λ from g̈ = 0, so a step is a pure function of the state.
 //!
-//! **Stopping.** Residuals are measured as lengths, |gᵢ|/|∇gᵢ|, against the rounding ε·ℓ of the coordinates that
-//! equation i touches; neither the scale of g nor the rest of a long chain matters. From two residuals the
-//! contraction is known, and the solve ends without an evaluation once what the next residual would be is spare
-//! ([`crate::solve::stop`]). It also ends where a fresh derivative, equal to the one before, does not make residuals
-//! smaller: then they are the rounding of g itself.
+//! **Stopping.** Residuals are measured as lengths, |gᵢ|/|∇gᵢ|, relative to the rounding ε·ℓ of the coordinates in
+//! equation i, so neither the scale of g nor the rest of a long chain matters. Two residuals give the contraction, and
+//! the solve ends without a further evaluation once the next residual is expected to be negligible
+//! ([`crate::solve::stop`]). It also ends where a newly evaluated derivative does not reduce the residuals: then they
+//! are the rounding of g itself.
 //!
-//! **Which root**: see [`crate::solve::root`]. Upright means here that pivots stay positive, and a path is short in
-//! which the normals turn by less than a half.
+//! **Which root**: see [`crate::solve::root`]. Here "upright" means that pivots remain positive, and a path is short if
+//! normals change by less than half of themselves.
 
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, largest, sum};

@@ -1,4 +1,4 @@
-//! A network holds its bodies.
+//! Networks as the constraints of a scene.
 
 use crate::effect::list::Effects;
 use crate::error::Error;

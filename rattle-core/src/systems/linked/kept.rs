@@ -1,4 +1,4 @@
-//! A network of bodies, and what is kept from one step to the next.
+//! A network of bodies, and the quantities kept from step to step.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -16,7 +16,7 @@ use std::array::from_fn;
 use std::fmt;
 use std::sync::Arc;
 
-/// A network of constraints on bodies in a field of force.
+/// The system of a [network](crate::systems::network) of constraints on bodies, with forces.
 #[derive(Debug, Clone)]
 pub struct Linked<F, N, const D: usize> {
     pub(crate) shape: Arc<Shape<D>>,
@@ -24,7 +24,7 @@ pub struct Linked<F, N, const D: usize> {
     pub(super) count: N,
 }
 
-/// What is kept at the positions, and room to work in.
+/// Quantities kept at the positions, and working memory.
 #[derive(Clone)]
 pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) force: Vec<F::Force>,
@@ -57,10 +57,10 @@ pub(crate) struct Crowd {
     pub(super) near: bool,
 }
 
-/// What the position equations have cost since the start of a simulation.
+/// The cost of the position equations since the start of a simulation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Solves: one per component and step, or stage of a step.
+    /// Solves: one for each component and step, or stage of a step.
     pub solves: u64,
     /// Newton corrections.
     pub corrections: u64,
@@ -120,7 +120,7 @@ impl<F, N, const D: usize> Linked<F, N, D> {
         Self { shape: Arc::new(shape), effects, count }
     }
 
-    /// The components, and how the multipliers of each are found.
+    /// The components (groups of coupled equations), and how the multipliers of each are found.
     pub fn components(&self) -> impl ExactSizeIterator<Item = Report> + '_ {
         self.shape.components.iter().map(|component| Report::of(&component.rows, &component.solver))
     }

@@ -1,4 +1,4 @@
-//! Bodies tied together by a [network](crate::systems::network): any number of constraints and any masses.
+//! Linked bodies: a [network](crate::systems::network) of any number of constraints, with any masses.
 
 mod aim;
 mod chords;

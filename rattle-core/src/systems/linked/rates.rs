@@ -1,4 +1,4 @@
-//! Rates of change of linked bodies, and their way back onto the constraints.
+//! Rates of change of linked bodies, and projection onto their constraints.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;

@@ -6,8 +6,8 @@
 //! k M vₖ = fₖ₋₁ + Σⱼ λⱼ₋₁ nₖ₋ⱼ,   Σⱼ nⱼ·vₖ₋ⱼ + rₖ = 0,   qₖ₊₁ = vₖ/(k + 1)
 //! ```
 //!
-//! nₖ and rₖ are known from q₀ … qₖ. What is not known of the first sum is G₀ᵀλₖ₋₁, so that the second one gives λₖ₋₁
-//! by the factors of G₀M⁻¹G₀ᵀ that the last step left: one solve for each order.
+//! nₖ and rₖ are known from q₀ … qₖ. The only unknown of the first sum is G₀ᵀλₖ₋₁, so the second one gives λₖ₋₁ by the
+//! factors of G₀M⁻¹G₀ᵀ from the last step: one solve for each order.
 
 use crate::effect::list::Forces;
 use crate::kernel::recurrences::Recurrences;

@@ -1,14 +1,14 @@
-//! Whether a step of a method that follows no root has ended at the roots that it began on, where equations have
-//! several.
+//! Whether a step of a method that does not follow roots has ended on the sheets on which it began, where equations
+//! have several.
 //!
-//! Two signs tell that it may be at others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change
-//! where bodies are moved along them as far as the step may have led astray; or an equation *inside* the step, on a
-//! curve through its ends, is not as small as it is along one root. Either is a reason to go there: bodies are led
-//! along the curve in parts of the step, each of which lands as a step of RATTLE does. From another root one arrives
-//! beside. Going there allocates.
+//! Two signs show that it may be on others, as on surfaces ([`crate::systems::surface::sheets`]): gradients change if
+//! bodies are displaced along them as far as the step may have gone wrong; or an equation *inside* the step, on a curve
+//! through its ends, is not as small as it is along one sheet. In either case bodies are moved along the curve in parts
+//! of the step, each with a step of RATTLE. If the step ended on another sheet, they arrive at another point. This
+//! allocates.
 //!
-//! The curve is Hermite's cubic, and where an equation is not small on that one, the quartic that knows the
-//! acceleration at the end as well.
+//! The curve is Hermite's cubic, and where an equation is not small on it, the quartic that also matches the
+//! acceleration at the end.
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;

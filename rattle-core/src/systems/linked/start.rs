@@ -1,4 +1,4 @@
-//! The start of linked bodies: checked always, moved onto the constraints only when asked.
+//! Starts of linked bodies: always checked, projected onto the constraints only on request.
 
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::motion::bodies::Body;

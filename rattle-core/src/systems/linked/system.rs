@@ -1,5 +1,5 @@
-//! Bodies tied together by a [network](crate::systems::network): the verbs of a [`System`] for any number of
-//! constraints and any masses.
+//! The operations of a [`System`] for bodies linked by a [network](crate::systems::network) of any number of
+//! constraints, with any masses.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner};

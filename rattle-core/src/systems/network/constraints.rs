@@ -1,8 +1,8 @@
-//! Bodies tied together: any number of constraints between any bodies, with masses, pins and motion in time.
+//! Networks: any number of constraints between any bodies, with masses, pins and constraints that move.
 //!
-//! A **kernel**, what `constraint!` writes, is a small local function. A **topology** says which bodies each copy of it
-//! ties together. From the two, components that share no body are found; each is solved by itself, with the linear
-//! algebra that suits it.
+//! A **kernel**, written by `constraint!`, is a function of few bodies. A **topology** says which bodies each copy of
+//! the kernel links. From these the components, which share no body, are found; each is solved by itself, with suitable
+//! linear algebra.
 //!
 //! ```text
 //! M q̈ = f(q) + G(q, t)ᵀ λ,    g(q, t) = 0,    one block of M for each body
@@ -23,7 +23,7 @@ pub(crate) use crate::systems::network::solver::Solver;
 use crate::error::{Error, NetworkMistake};
 use std::sync::Arc;
 
-/// Constraints between bodies, and their masses; made by [`Scene`](crate::scene::Scene)'s methods.
+/// Constraints between bodies, and their masses; made by the methods of [`Scene`](crate::scene::Scene).
 #[derive(Debug, Clone)]
 pub struct Network<const D: usize> {
     pub(crate) groups: Vec<Arc<dyn Group<D>>>,

@@ -1,10 +1,10 @@
-//! Elimination for many equations: G M⁻¹Gᵀ factored by rows on a pattern that is found once.
+//! Elimination for many equations: G M⁻¹Gᵀ is factored by rows on a sparsity pattern that is found once.
 //!
-//! The pattern is symmetric, the matrix need not be: in the position equation the normals are those of two places.
-//! Pivots stay on the diagonal, which is safe as long as the normals turn by less than a right angle; a pivot that is
-//! not positive says that they did. The order is one of minimum degree: chains and trees fill in nothing, so that a
-//! step costs as many operations as there are equations. Displacements of bodies with many equations are unknowns too
-//! ([`super::hubs`]).
+//! The pattern is symmetric; the matrix need not be, since the position equation has normals at two positions. Pivots
+//! are taken on the diagonal, which is safe as long as normals turn by less than a right angle; a pivot that is not
+//! positive shows that they turned further. The order is one of minimum degree: chains and trees have no fill-in, so
+//! the cost of a step is proportional to the number of equations. Displacements of bodies with many equations are
+//! unknowns too ([`super::hubs`]).
 
 use crate::number::vector::{add_scaled, dot};
 use crate::systems::network::algebra::LinearAlgebra;

@@ -1,8 +1,8 @@
 //! L and U of a sparse matrix, row by row on a fixed pattern.
 //!
-//! In nets most of the work is in the last rows, where many rows of U have the same columns. These are subtracted
-//! together: what they are subtracted from lies side by side meanwhile, and is read once for four of them. Each entry
-//! goes through the same operations in the same order as if they came one by one.
+//! In nets most of the work is in the last rows, where many rows of U have the same columns. These rows are subtracted
+//! together: their target is stored contiguously meanwhile, and is read once for four of them. Each entry goes through
+//! the same operations in the same order as if rows were subtracted one by one.
 
 use crate::systems::network::pattern::Pattern;
 use std::array::from_fn;

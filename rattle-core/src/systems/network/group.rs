@@ -1,4 +1,4 @@
-//! A kernel and its topology: one small function, and the bodies that each copy of it ties together.
+//! A kernel and its topology: a function, and the bodies that each copy of it links.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::kinks::{Kink, first_kink, sign_changes};

@@ -1,7 +1,7 @@
-//! Bodies of many equations: their displacements are unknowns beside the multipliers.
+//! Hubs: bodies with many equations, whose displacements are unknowns besides the multipliers.
 //!
-//! All equations of one body are neighbours of each other in G M⁻¹Gᵀ, so that a star of n links would be a full matrix
-//! of n rows. With the displacement of such a **hub**, as y = Lᵀδ for M = L Lᵀ, it is as sparse as the links are:
+//! All equations of one body are coupled in G M⁻¹Gᵀ, so a star of n links would give a full matrix of n rows. With the
+//! displacement of such a **hub** as a further unknown, y = Lᵀδ for M = L Lᵀ, the matrix is as sparse as the links:
 //!
 //! ```text
 //! A Λ + B y = r        A   G M⁻¹Gᵀ over all other bodies

@@ -1,7 +1,7 @@
-//! Links of a network for trajectories side by side: each number of a link is a row of numbers, one of each trajectory.
+//! Links of a network for trajectories in lanes: each number of a link is a row of numbers, one for each trajectory.
 //!
-//! Made of a [`Group`](crate::systems::network::group::Group) for ensembles alone, and nothing in it knows how many
-//! coordinates a body has: what is built on it is compiled once, not for every scene.
+//! Made from a [`Group`](crate::systems::network::group::Group) for ensembles alone. Its type does not contain the
+//! number of coordinates of a body, so code that uses it is compiled once, not for every scene.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::instructions::{Fusing, Work};

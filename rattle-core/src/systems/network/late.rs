@@ -1,4 +1,4 @@
-//! Equations that are solved for after all others, as a border of the factor.
+//! Late equations: equations that are solved after all others, as a border of the factorisation.
 //!
 //! Where bodies are unknowns beside the multipliers ([`super::hubs`]), an equation that holds well may have no pivot
 //! among the equations before it: a rod from a hub to a body, and one in the same line from there to a pin. Such an

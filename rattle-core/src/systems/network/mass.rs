@@ -5,9 +5,10 @@ use nalgebra::SMatrix;
 use std::array::from_fn;
 
 /// The mass of one body with D coordinates.
+#[doc(alias = "inertia")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mass<const D: usize> {
-    /// 1: momenta are velocities.
+    /// Mass 1: momenta are velocities.
     Unit,
     /// One mass for each coordinate.
     Diagonal([f64; D]),

@@ -1,4 +1,4 @@
-//! The normals of a few equations as an orthonormal basis: for equations that nearly, or wholly, depend on each other.
+//! An orthonormal basis of the normals of a few equations, which may be nearly or exactly dependent.
 //!
 //! ```text
 //! L⁻¹Gᵀ S⁻¹ Π = Q R        M = L Lᵀ,  S the lengths of the columns,  Π puts the most independent first

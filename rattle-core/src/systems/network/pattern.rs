@@ -1,4 +1,4 @@
-//! Where L and U have entries: found once, from the rows that share a body.
+//! The sparsity pattern of L and U, found once from the rows that share a body.
 
 use crate::systems::network::order::minimum_degree;
 

@@ -1,4 +1,4 @@
-//! A component: equations that are tied together by the bodies they share. Each is solved by itself.
+//! A component: equations coupled by the bodies that they share. Each component is solved by itself.
 
 use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;

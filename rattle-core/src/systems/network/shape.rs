@@ -1,4 +1,4 @@
-//! A network made ready for so many bodies: components, and their equations evaluated.
+//! A network prepared for a number of bodies: its components, and the evaluation of their equations.
 
 use crate::effect::interval::Inertia;
 use crate::systems::network::group::Group;

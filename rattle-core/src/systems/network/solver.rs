@@ -1,4 +1,4 @@
-//! Which linear algebra a component gets.
+//! The choice of linear algebra for a component.
 
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::elimination::Elimination;
@@ -245,18 +245,19 @@ impl<const D: usize> Solver<D> {
     }
 }
 
-/// What one component of linked bodies is, and how its multipliers are found.
+/// The size of a component of linked bodies, and how its multipliers are found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
     /// Bodies that can move.
     pub bodies: usize,
-    /// Equations.
+    /// The number of equations.
     pub equations: usize,
-    /// Independent ones among them.
+    /// The number of independent equations.
     pub rank: usize,
-    /// What is used; not [`LinearAlgebra::Automatic`].
+    /// The linear algebra in use; never [`LinearAlgebra::Automatic`].
     pub by: LinearAlgebra,
-    /// Entries of the factor below the diagonal that the links themselves do not have; 0 for chains and trees.
+    /// Fill-in: entries of the factor below the diagonal that are not in the pattern of the links; 0 for chains and
+    /// trees.
     pub fill: usize,
 }
 

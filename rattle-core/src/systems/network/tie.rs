@@ -7,7 +7,7 @@ use crate::systems::network::group::Links;
 
 /// What links, pins and masses can be added to.
 pub trait Tie<const D: usize>: Hold<D> {
-    /// The same as a network of so many bodies.
+    /// The same constraints as a network of `bodies` bodies.
     fn network(self, bodies: usize) -> Network<D>;
 }
 

@@ -1,12 +1,12 @@
-//! Motion along a fibre: the flow whose Hamiltonian is −σ·g, for a time 1.
+//! Motion along a fibre: the flow with the Hamiltonian −σ·g for the time 1.
 //!
 //! ```text
 //! q̇ = −∂(σ·g)/∂p      ṗ = ∂(σ·g)/∂q
 //! ```
 //!
-//! The fibres of a general constraint have no formula, so the flow is computed to rounding: by the Gauss method of five
-//! stages, order 10, which is symmetric, keeps quadratic g, and here takes parts so short that its error stays below
-//! 1e-16 of the motion. For g(q) the flow is the kick p + Gᵀσ, found at once.
+//! The fibres of a general constraint have no formula, so the flow is computed to rounding by the Gauss method of five
+//! stages, order 10. The method is symmetric and conserves quadratic g; its steps are so short that the error is below
+//! 1e-16 of the motion. For g(q) the flow is the kick p + Gᵀσ.
 
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::systems::phase::point::Point;

@@ -1,4 +1,4 @@
-//! A constraint and an energy hold a body in phase space.
+//! Constraint and energy in phase space as the constraints of a scene.
 
 use crate::effect::list::{Effects, Forces};
 use crate::error::Error;

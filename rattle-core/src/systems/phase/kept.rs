@@ -5,11 +5,11 @@
 //! ṗ = −∂H/∂q + (∂g/∂q)ᵀ λ        g(q, p) = 0
 //! ```
 //!
-//! with the sign of λ as everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0, with
-//! {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q; one equation always is, and equations of positions alone are. The flows of the
-//! gᵢ then make *fibres* within g = 0, and λ moves along them. The motion is where hᵢ = {gᵢ, H} = 0, the hidden
-//! constraint, which a start must satisfy too; it is determined where Nᵢⱼ = ∂hᵢ/∂σⱼ, along the fibre, has an inverse. A
-//! step is
+//! with the sign of λ used everywhere in this library. Constraints must be *coisotropic*: {gᵢ, gⱼ} = 0 where g = 0,
+//! with {a, b} = ∂a/∂q·∂b/∂p − ∂a/∂p·∂b/∂q. A single equation always is, and so are equations of positions alone. The
+//! flows with the gᵢ as Hamiltonians then make *fibres* within g = 0, and λ moves along them. The motion satisfies the
+//! hidden constraint hᵢ = {gᵢ, H} = 0, which a start must satisfy too. The motion is determined where the matrix Nᵢⱼ =
+//! ∂hᵢ/∂σⱼ, with σ the parameters along the fibre, is invertible. A step is
 //!
 //! ```text
 //! z̃  = z slid along its fibre by h/2 λ
@@ -17,15 +17,15 @@
 //! z′ = z* slid along its fibre by h/2 μ    μ such that {g, H}(z′) = 0
 //! ```
 //!
-//! with the Störmer–Verlet step Φₕ of H as if it were free. It is symplectic on the hidden constraint, symmetric and of
-//! second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::methods::rattle). What z* is does not depend
-//! on where on its fibre z was: SHAKE, which leaves the last slide out, is the same map of fibres, and no method of its
-//! own.
+//! with the Störmer–Verlet step Φₕ of H without constraints. The step is symplectic on the hidden constraint, symmetric
+//! and of second order, and for g(q) and H = |p|²/2 + U(q) it is [RATTLE](crate::methods::rattle). z* does not depend
+//! on where z is on its fibre. So SHAKE, which leaves out the last move, is the same map of fibres, and not a separate
+//! method here.
 //!
-//! Where N loses its inverse the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes
+//! Where N becomes singular the motion ends; for one equation |N| falls like √(t* − t). A step within which N changes
 //! by half of itself is refused.
 //!
-//! H is told as kinetic energy, and no shadow energy is known (NaN).
+//! H is reported as kinetic energy; the shadow energy is NaN.
 //!
 //! Source: R. McLachlan, K. Modin, O. Verdier, M. Wilkins, *Geometric generalisations of SHAKE and RATTLE*, Found.
 //! Comput. Math. 14 (2014) 339.
@@ -46,7 +46,7 @@ pub struct PhaseSpace<G, H, const M: usize> {
     pub hamiltonian: H,
 }
 
-/// Bodies in phase space, each under its own g and H.
+/// Bodies in phase space, each with its own g and H.
 #[derive(Debug, Clone)]
 pub struct InPhaseSpace<K, H, N, const M: usize> {
     pub(super) constraint: K,
@@ -54,7 +54,7 @@ pub struct InPhaseSpace<K, H, N, const M: usize> {
     pub(super) count: N,
 }
 
-/// What is kept of a body from step to step.
+/// The quantities kept for a body from step to step.
 #[derive(Debug, Clone, Copy)]
 pub struct OfBody<const M: usize> {
     /// N at its point.
@@ -63,7 +63,7 @@ pub struct OfBody<const M: usize> {
     pub(super) aims: [Aim<f64>; M],
 }
 
-/// What is kept from step to step.
+/// The quantities kept from step to step.
 #[derive(Debug, Clone)]
 pub struct Kept<N: Count, const M: usize> {
     pub(super) bodies: N::Of<OfBody<M>>,

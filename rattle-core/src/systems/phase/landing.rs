@@ -1,13 +1,12 @@
-//! Where the first half of a step lands: on the sheet of g = 0 that the motion leads to.
+//! The first half of a step, which must end on the sheet of g = 0 that continues the motion.
 //!
-//! Newton's iteration finds a slide after which g = 0; where sheets of g lie side by side that may be another one.
-//! Which one is right is told as on surfaces ([`crate::solve::aim`], [`crate::solve::root`]), equation by equation: by
-//! what g is at the guess, as a part of the terms that its rounding is made of. If guesses were off as usual, a landing
-//! is taken at its word. If not, g is looked at inside the step, and where that looks wrong the root is followed from
-//! h = 0.
+//! Newton's iteration finds a point of g = 0 along the fibre. Where sheets of g are near each other it may be on a
+//! wrong one. That is detected as on surfaces ([`crate::solve::aim`], [`crate::solve::root`]), equation by equation, by
+//! the value of g at the guess relative to the size of its terms. If this error is as expected from earlier steps, the
+//! result is accepted. If not, g is examined inside the step, and where that fails the root is followed from h = 0.
 //!
-//! The unknown that is followed is Λ = s σ after the share s of a step: like the displacement by a constraint on a
-//! surface it goes with s², and what its guess is off by with s³.
+//! The unknown that is followed is Λ = s σ after the fraction s of a step: like the displacement by a constraint on a
+//! surface it is proportional to s², and the error of its guess to s³.
 
 use crate::error::StepFailure;
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};

@@ -1,4 +1,4 @@
-//! A point (q, p) of phase space, what constraint and energy are there, and the step of the energy alone.
+//! A point (q, p) of phase space, constraint and energy there, and the step of the energy alone.
 
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::number::linear::solve;

@@ -1,4 +1,4 @@
-//! The verbs of a [`System`] in phase space.
+//! The operations of a [`System`] in phase space.
 
 use crate::error::{Error, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};

@@ -1,9 +1,9 @@
 //! Free attitude of rigid bodies: RATTLE on QᵀQ = 1, reduced to three unknowns.
 //!
-//! A body with centre of mass at rest turns with attitude Q (body → space). In the nine entries of Q its kinetic energy
-//! is that of a point with masses d₁, d₂, d₃ in the columns, I₁ = d₂ + d₃ and so on, and RATTLE under the six equations
-//! QᵀQ = 1 is the map of J. Moser and A. Veselov (Comm. Math. Phys. 139, 1991). In the angular momentum m of the body
-//! frame:
+//! A body with its centre of mass at rest has the attitude Q (body → space). In terms of the nine entries of Q its
+//! kinetic energy is that of a point with masses d₁, d₂, d₃ for the columns, I₁ = d₂ + d₃ and so on. RATTLE under the
+//! six equations QᵀQ = 1 is then the map of J. Moser and A. Veselov (Comm. Math. Phys. 139, 1991). In terms of the
+//! angular momentum m in the body's frame:
 //!
 //! ```text
 //! m½ = m + c τ(Q)              τ̂ = QᵀF − FᵀQ,  F = −∂U/∂Q       c = h/2
@@ -12,7 +12,7 @@
 //! m′ = m½′ + c τ(Q′)
 //! ```
 //!
-//! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are kept to
+//! (R. McLachlan, A. Zanna, Found. Comput. Math. 5, 2005.) Energy and angular momentum of a free body are conserved to
 //! rounding.
 
 use crate::effect::interval::Inertia;
@@ -27,12 +27,13 @@ pub(crate) const CROOKED: f64 = 1e-14;
 /// Halvings of a failed step that are tried, to say which would pass.
 pub(crate) const HALVINGS: i32 = 40;
 
-/// Rigid bodies with these moments of inertia, turning about their centres of mass: one, or with
-/// [`bodies`](crate::scene::Scene::bodies) several alike, with effects on each or [over](crate::kernel::over::Over)
-/// several. Their centres do not move, and they take no links; a body under QᵀQ = 1 in a network does.
+/// A rigid body with these moments of inertia that turns about its centre of mass; with
+/// [`bodies`](crate::scene::Scene::bodies) several equal ones, with effects on each or
+/// [over](crate::kernel::over::Over) several. Centres of mass do not move, and links are not possible: for these use a
+/// body under QᵀQ = 1 in a network (`RotationMatrix`).
 ///
 /// Coordinates are the nine entries of the attitude Q, row by row. Momenta are the angular momentum m in the body's
-/// frame, in the first of nine places.
+/// frame, in the first three of nine components; the others are 0.
 ///
 /// ```
 /// use rattle::{Rattle, Rigid, Scene};
@@ -45,6 +46,11 @@ pub(crate) const HALVINGS: i32 = 40;
 /// assert!(simulation.energy_error().abs() < 1e-13);
 /// # Ok::<(), rattle::Error>(())
 /// ```
+#[doc(alias = "rotation")]
+#[doc(alias = "top")]
+#[doc(alias = "gyroscope")]
+#[doc(alias = "attitude")]
+#[doc(alias = "quaternion")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rigid {
     pub(crate) inertia: Vector3<f64>,
@@ -96,7 +102,7 @@ impl Rigid {
     }
 }
 
-/// Moments of inertia, of the angular momentum in the first of nine places.
+/// Moments of inertia, for the angular momentum in the first three of nine components.
 impl Inertia<f64, 9> for Rigid {
     fn velocity(&self, _: usize, p: &[f64; 9]) -> [f64; 9] {
         spread(&Vector3::from_row_slice(&p[..3]).component_div(&self.inertia))

@@ -1,4 +1,4 @@
-//! A rigid body holds its attitude.
+//! Rigid bodies as the constraints of a scene.
 
 use crate::effect::list::Effects;
 use crate::error::{Error, NetworkMistake, StartFailure};

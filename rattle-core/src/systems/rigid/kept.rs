@@ -1,4 +1,4 @@
-//! Rigid bodies in a field of force, and what is kept from one step to the next.
+//! The system of rigid bodies, and the quantities kept from step to step.
 
 use crate::effect::list::Forces;
 use crate::motion::bodies::{Bodies, Count};
@@ -70,7 +70,7 @@ pub(super) fn product(a: &[f64; 9], b: &[f64; 9]) -> [f64; 9] {
     })
 }
 
-/// Rigid bodies in a field of force.
+/// The system of rigid bodies with forces.
 #[derive(Debug, Clone)]
 pub struct Turning<F, N> {
     pub(super) body: Rigid,
@@ -78,7 +78,7 @@ pub struct Turning<F, N> {
     pub(super) count: N,
 }
 
-/// What is kept from one step to the next.
+/// The quantities kept from step to step.
 #[derive(Clone)]
 pub struct Kept<F: Forces<f64, 9>> {
     /// Forces last evaluated.

@@ -1,4 +1,4 @@
-//! Room that methods ask for: power series.
+//! Working memory for methods: power series.
 
 use crate::kernel::series::Products;
 use crate::number::vector::{scaled, sum};

@@ -1,14 +1,14 @@
-//! The rotation of a step of a rigid body, from its momentum.
+//! The rotation of a rigid body in a step, from its momentum.
 //!
 //! ```text
 //! r(e) = e₀ J e + e × J e − h/2 m = 0,     e₀ = √(1 − |e|²)
 //! r′   = e₀ J − J e eᵀ/e₀ + ê J − (J e)̂
 //! ```
 //!
-//! Newton's method, from the first two terms of e in powers of h where e is short, and from the first elsewhere: a
-//! function of the momentum alone. A solve ends with a correction at the rounding floor, or one that no longer shrinks:
-//! where it ended with what the next correction was estimated to be, the energy of a needle drifted by 4e-19 of itself
-//! each step.
+//! Solved by Newton's method, from the first two terms of the power series of e in h where e is short, and from the
+//! first term elsewhere: so e is a function of the momentum alone. A solve ends with a correction at the rounding
+//! floor, or one that no longer shrinks. Ending by an estimate of the next correction made the energy of a needle drift
+//! by a relative 4e-19 per step.
 
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use std::array::from_fn;

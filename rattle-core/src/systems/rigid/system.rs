@@ -1,4 +1,4 @@
-//! The verbs of a [`System`] for rigid bodies.
+//! The operations of a [`System`] for rigid bodies.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner};

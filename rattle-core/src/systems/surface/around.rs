@@ -1,4 +1,4 @@
-//! Bodies in tiles, asked whether other sheets are near: see [`crate::solve::crowd`].
+//! Whether other sheets are near bodies in tiles: see [`crate::solve::crowd`].
 
 use crate::effect::force::Force;
 use crate::kernel::functions::ConstraintKernel;

@@ -1,4 +1,4 @@
-//! Which bodies other sheets are near to, and when that is asked again: see [`crate::solve::crowd`].
+//! Which bodies are near other sheets, and when that is checked again: see [`crate::solve::crowd`].
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};

@@ -1,4 +1,4 @@
-//! Why a step on a surface failed: found out afterwards, out of the way of steps that succeed.
+//! The reason why a step on a surface failed, determined afterwards, so that successful steps do not pay for it.
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;

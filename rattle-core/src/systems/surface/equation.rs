@@ -1,4 +1,4 @@
-//! The equation of one body, as what solves it sees it.
+//! The equation of one body, as the solver sees it.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;

@@ -1,4 +1,4 @@
-//! A constraint of one equation holds each body on a surface of its own.
+//! Constraints of one equation, with a surface for each body, as the constraints of a scene.
 
 use crate::effect::list::Effects;
 use crate::error::Error;

@@ -1,4 +1,4 @@
-//! Bodies each on a surface of its own, and what is kept from one step to the next.
+//! The system of bodies on surfaces, and the quantities kept from step to step.
 
 use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
@@ -12,21 +12,21 @@ use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
 use std::fmt;
 
-/// Each body on its own copy of a surface, in a field of force.
+/// The system of bodies, each on its own copy of a surface, with forces.
 #[derive(Debug, Clone)]
 pub struct OnSurface<K, F, N, L> {
     /// g, one equation per body.
     pub constraint: K,
-    /// The same function for several bodies at a time; or [`OneByOne`].
+    /// The same function for several bodies at a time (SIMD lanes), or [`OneByOne`].
     pub in_lanes: L,
     /// All effects.
     pub effects: F,
-    /// How many bodies there are.
+    /// The number of bodies.
     pub count: N,
 }
 
 impl<K, F, N, L> OnSurface<K, F, N, L> {
-    /// So many bodies on this surface under these effects, `in_lanes` or [`OneByOne`].
+    /// `count` bodies on this surface with these effects, computed `in_lanes` or [`OneByOne`].
     pub fn new(constraint: K, in_lanes: L, effects: F, count: N) -> Self {
         Self { constraint, in_lanes, effects, count }
     }
@@ -56,7 +56,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     }
 }
 
-/// Stands for a kernel in lanes where bodies go one by one.
+/// Stands for a kernel in lanes where bodies are computed one by one.
 #[derive(Debug, Clone, Copy)]
 pub struct OneByOne;
 
@@ -81,12 +81,12 @@ impl<const D: usize> ConstraintKernel<Fused<f64>, D, 1> for OneByOne {
     }
 }
 
-/// What is kept from one step to the next.
+/// The quantities kept from step to step.
 #[derive(Clone)]
 pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
     /// Normals at the positions.
     pub normal: N::Of<Normal<T, D>>,
-    /// Forces last evaluated; of size zero where no effect acts.
+    /// The last forces; of size zero where no effect acts.
     pub force: N::Of<F::Force>,
     /// ∂U/∂t with them, where forces change with time.
     pub(super) power: T,

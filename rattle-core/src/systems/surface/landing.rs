@@ -1,8 +1,8 @@
-//! Where a body lands: on the root of the [position equation](crate::systems::surface::position) that its motion
-//! leads to.
+//! The end of a drift: the root of the [position equation](crate::systems::surface::position) that continues the
+//! motion.
 //!
-//! A root that is not trusted is followed, see [`crate::solve::root`]; where h·κ·|v| > ½ it always is, beyond 1 there
-//! may be none.
+//! A root that is not trusted is followed from h = 0, see [`crate::solve::root`]: always for h·κ·|v| > ½. Beyond 1
+//! there may be no root.
 
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};

@@ -1,8 +1,8 @@
-//! Bodies each on a surface of its own, g(q) = 0: one equation per body, solved in closed form up to one number.
+//! Bodies each on a surface of its own, g(q) = 0: one equation for one unknown number, λ, per body.
 //!
-//! Generic over the scalar, so that several trajectories can go side by side in lanes. Only
-//! [`Scene::lanes`](crate::scene::Scene::lanes) the tests, and lanes that are moved by themselves make use of that: an
-//! ensemble's lanes have [a step of their own](crate::run::ensemble), and so have bodies in tiles. Masses are 1.
+//! Masses are 1. The code is generic in the scalar, so that several trajectories can be computed in lanes: by
+//! [`Scene::lanes`](crate::scene::Scene::lanes), in tests, and for single lanes of an ensemble.
+//! [Ensembles](crate::run::ensemble) and tiles of bodies normally have steps of their own.
 
 mod around;
 pub(crate) mod collocation;

@@ -1,4 +1,4 @@
-//! The normal at a body's position, and what follows from it alone.
+//! The normal at a body's position, and quantities that follow from it alone.
 
 use crate::effect::interval::Normals;
 use crate::number::real::Real;

@@ -1,9 +1,9 @@
-//! Whether a step has passed a singular point: straight on, while the normal turned over.
+//! Whether a step has passed a singular point: straight on, with a normal that reverses.
 //!
-//! Where a smooth surface turns its normal over, the motion turns with it, or the normal turns on the way, as along a
-//! twisted strip. Through the apex of a cone the motion goes straight on, and the normal is the same until there, and
-//! the opposite from there on. So a part of the step at whose ends normals are opposed is halved; at a singular point
-//! one half always is again.
+//! On a smooth surface a normal reverses only together with the motion, or gradually on the way, as along a twisted
+//! strip. Through the apex of a cone the motion goes straight on, and the normal is constant up to the apex and
+//! opposite after it. So a part of the step with opposite normals at its ends is halved; at a singular point one of the
+//! halves always has opposite normals again.
 
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;

@@ -13,14 +13,14 @@
 //! Λ₂ = Λ₁ − g₁/(s₀ (1 − 2 g₁/g₀))
 //! ```
 //!
-//! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not know how g is
-//! scaled. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With
-//! γ = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g do nothing. Once that is spare
-//! ([`crate::solve::stop`]), the slope there is evaluated, which the end of the step needs anyway. Its difference from
-//! the slope s̃ of the parabola tells what third derivatives do: (1 − s̃/s) δ₂ is left of g(q′). If that is spare too
-//! the solve ends. Otherwise it goes on until a correction is at the floor, or a Newton step below √ε of the place is
-//! no longer half the one before although the slope no longer changes: then it is the rounding of g itself. Where g
-//! jumps, Newton's steps do not shrink either, and are long.
+//! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not depend on the scale
+//! of g. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With γ
+//! = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g are negligible. Once that is negligible
+//! ([`crate::solve::stop`]), the slope s there is evaluated, which the end of the step needs anyway. Its difference
+//! from the slope s̃ of the parabola shows the effect of third derivatives: the remaining error is (1 − s̃/s) δ₂. If
+//! that is negligible too, the solve ends. Otherwise it continues until a correction is at the floor, or a Newton step
+//! below √ε of the position is no longer half the one before although the slope no longer changes: then it is the
+//! rounding of g itself. (Where g jumps, Newton steps do not shrink either, but are long.)
 //!
 //! **Other slopes** than the newest ([`crate::motion::iteration`]) leave gradients out, [`Departure::chords`]. The rule
 //! is the same: the next correction is about (δₖ/δₖ₋₁) δₖ, by the secant method (δₖ/δₖ₋₂) δₖ. Once that is spare, the

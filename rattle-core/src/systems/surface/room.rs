@@ -1,4 +1,4 @@
-//! Room that methods ask for: stages that are solved together, and power series.
+//! Working memory for methods: stages that are solved together, and power series.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;

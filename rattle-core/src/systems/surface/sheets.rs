@@ -1,16 +1,15 @@
-//! Whether a step that did not follow its root has ended on the sheet that it began on.
+//! Whether a step that did not follow its root has ended on the sheet on which it began.
 //!
-//! Power series, explicit methods and collocation come to a place on *a* sheet. Two signs tell that it may be another
-//! one: g rises and falls along the normal, as it does where other sheets are near ([`crate::solve::crowd`]); or g
-//! *inside* the step, on a curve through its two ends, is not as small as it is along one sheet. Either is a reason to
-//! ask whether one can walk there: with short ways along the sheet, by way of the step's own curve, each of which lands
-//! as a step of RATTLE does and is looked at inside. On another sheet one arrives beside it, and only a way across is
-//! left.
+//! Power series, explicit methods and collocation end on *some* sheet. Two signs show that it may be a wrong one: g
+//! rises and falls along the normal, as it does where other sheets are near ([`crate::solve::crowd`]); or g *inside*
+//! the step, on a curve through its two ends, is not as small as it is along one sheet. In either case the end is
+//! tested by a walk: with short steps of RATTLE along the curve, each of them examined inside. If the end lies on
+//! another sheet, the walk arrives at a point beside it.
 //!
-//! The curve is Hermite's cubic, and where g is not small on that one, the quartic that knows the acceleration at the
-//! end as well. On the lemniscate at h = 0.02 and 0.05 a fifth and a half of all steps ask for the quartic, and 0.03 %
-//! and 2 % for a walk. Neither sign suffices: of a million random scenes the first one alone misses a sheet in 100 of
-//! those that Lobatto methods and power series move, and the second one, where sheets lie close, in one of 200.
+//! The curve is Hermite's cubic, and where g is not small on it, the quartic that also matches the acceleration at the
+//! end. On the lemniscate at h = 0.02 and 0.05 a fifth and a half of all steps need the quartic, and 0.03 % and 2 % a
+//! walk. Neither sign is sufficient: of a million random scenes the first one alone misses a sheet in 100 of those that
+//! Lobatto methods and power series move, and the second one, where sheets lie close, in one of 200.
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;

@@ -1,4 +1,4 @@
-//! The start: checked always, moved onto the constraint only when asked.
+//! Starts: always checked, projected onto the constraint only on request.
 
 use crate::error::{Error, History, StartFailure};
 use crate::kernel::functions::ConstraintKernel;

@@ -1,4 +1,4 @@
-//! The two halves of a step on a surface: drift to where g(q′) = 0, settle to where ∇g·p′ = 0.
+//! The two halves of a step on a surface: drift to g(q′) = 0, settle to ∇g·p′ = 0.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;

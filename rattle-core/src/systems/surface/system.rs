@@ -1,6 +1,7 @@
-//! Bodies each on a surface of its own, g(q) = 0: one equation per body, solved in closed form up to one number.
+//! The operations of a [`System`] for bodies each on a surface of its own, g(q) = 0: one equation for one number per
+//! body.
 //!
-//! Generic over the scalar, so that several trajectories can go side by side in lanes. Masses are 1.
+//! Generic in the scalar, so that several trajectories can be computed in lanes. Masses are 1.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};

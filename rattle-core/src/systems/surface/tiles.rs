@@ -8,12 +8,11 @@
 //! Λ₁ = Λ₀ − g₀/s₀      Λ₂ = Λ₁ − g₁/(s₀ (1 − 2g₁/g₀))      Λ₃ = Λ₂ − g₂/s₂      sᵢ = ∇gᵢ·∇g(q)
 //! ```
 //!
-//! Corrections at the rounding of the position are not made: who rests stays at rest. A body for which the last step
-//! was not a small one takes more of them by itself. Bodies that do not come to rest, or at a root
-//! that is not clearly the one that the motion leads to, stay where they are, to be moved one by one; so do those near
-//! other sheets ([`crate::systems::surface::around`]).
+//! Corrections below the rounding of the position are not applied, so converged bodies do not change. A body whose last
+//! Newton step was not small takes further ones by itself. Bodies that do not converge, or whose root is not trusted,
+//! are left to be moved one by one; so are those near other sheets ([`crate::systems::surface::around`]).
 //!
-//! What a body does depends on nothing but itself, whatever tile it is in.
+//! The motion of a body does not depend on the other bodies of its tile.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
