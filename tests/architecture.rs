@@ -1,13 +1,13 @@
-//! The house: no circle between files, and no import that runs up from a lower floor to a higher one.
+//! The house: no circle between files, and no import that runs up from a lower layer to a higher one.
 //!
-//! Read off the `use` lines and paths of the sources. `ARCHITECTURE.md` shows the same floors. Documentation may name
+//! Read off the `use` lines and paths of the sources. `ARCHITECTURE.md` shows the same layers. Documentation may name
 //! what stands higher; tests inside a file may import anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Floors from the ground up; a folder is named by its path, and what is beside each other does not know each other.
+/// Layers from the ground up; a folder is named by its path, and what is beside each other does not know each other.
 const CORE: &[&[&str]] = &[
     &["number", "error"],
     &["kernel"],
@@ -184,21 +184,21 @@ impl House {
         self.files.keys().filter(|module| reached(module).contains(*module)).map(|m| m.join("::")).collect()
     }
 
-    /// Imports from a floor to another one beside or above it.
-    fn upwards(&self, within: &[&str], floors: &[&[&str]]) -> Vec<String> {
+    /// Imports from a layer to another one beside or above it.
+    fn upwards(&self, within: &[&str], layers: &[&[&str]]) -> Vec<String> {
         let room = |module: &Module| {
             let inside = module.len() > within.len() && module.iter().zip(within).all(|(a, b)| a == b);
             inside.then(|| module[within.len()].clone())
         };
-        let floor = |room: &str| {
-            let found = floors.iter().position(|rooms| rooms.contains(&room));
-            found.unwrap_or_else(|| panic!("{room} has no floor: give it one here and in ARCHITECTURE.md"))
+        let layer = |room: &str| {
+            let found = layers.iter().position(|rooms| rooms.contains(&room));
+            found.unwrap_or_else(|| panic!("{room} has no layer: give it one here and in ARCHITECTURE.md"))
         };
         let mut found = Vec::new();
         for (from, to) in self.arrows.iter().flat_map(|(from, to)| to.iter().map(move |to| (from, to))) {
             if let (Some(below), Some(above)) = (room(from), room(to))
                 && below != above
-                && floor(&below) <= floor(&above)
+                && layer(&below) <= layer(&above)
                 && (below.as_str(), above.as_str()) != ("number", "error")
             {
                 found.push(format!("{} imports {}", from.join("::"), to.join("::")));

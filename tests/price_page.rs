@@ -1,5 +1,5 @@
-//! The page of what accuracy costs, opened in headless Chromium: it draws, and the pointer tells method, step, error and
-//! cost, on a desk and on a phone.
+//! The page of what accuracy costs, opened in headless Chromium: it draws, and the pointer tells method, step, error
+//! and cost, on a desk and on a phone.
 
 use crate::page::browser::{Browser, find};
 use rattle::price::{Candidate, Numbers, Price, Prices};
@@ -79,7 +79,8 @@ fn the_pointer_tells_method_step_error_and_cost() {
         assert_eq!(page.evaluate(&fits), true, "the page overflows {width} pixels");
         let inside = "[...document.querySelectorAll('#chart text, #chart line')].every(mark => { \
                       const box = mark.getBoundingClientRect(), all = get('chart').getBoundingClientRect(); \
-                      return box.left >= all.left - 1 && box.right <= all.right + 1 && box.bottom <= all.bottom + 1; })";
+                      return box.left >= all.left - 1 && box.right <= all.right + 1 \
+                      && box.bottom <= all.bottom + 1; })";
         assert_eq!(page.evaluate(inside), true, "a mark lies outside of the diagram");
 
         // Each mark tells what it is.
@@ -93,7 +94,8 @@ fn the_pointer_tells_method_step_error_and_cost() {
             page.wait(&format!("told.textContent.startsWith({told:?})"));
         }
         let text = page.evaluate("told.textContent");
-        let cost = "1,000 ns ± 5 % for a unit of time, 500 steps; error in position 1.0e-4, in energy 1.0e-5, order 2.0";
+        let error = "error in position 1.0e-4, in energy 1.0e-5, order 2.0";
+        let cost = format!("1,000 ns ± 5 % for a unit of time, 500 steps; {error}");
         assert_eq!(text, format!("RATTLE, single in lanes, h = 0.0100: {cost}"));
 
         // Lists of digits, a method hidden, errors of energy, another scene.

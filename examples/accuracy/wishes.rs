@@ -1,4 +1,5 @@
-//! Wishes in the two scenes of which no evaluations are counted, against compositions of order 8 and 10 with short steps.
+//! Wishes in the two scenes whose evaluations are not counted, against compositions of order 8 and 10, short steps.
+//! steps.
 
 use crate::clock;
 use rattle::bodies::Count;

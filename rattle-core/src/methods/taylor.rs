@@ -9,7 +9,7 @@
 //! with N²/2 products for each operation. The method has any order, is accurate to rounding if the tolerance asks for
 //! it, and is neither symplectic nor reversible: a reference for tests, and for short runs of high accuracy. Functions
 //! must be smooth: otherwise coefficients are not finite, and the step is an error. With a tolerance it is the fastest
-//! method on a double pendulum for errors below 1e-4, and faster than DOP853 on surfaces for errors below 1e-10
+//! method on a double pendulum for errors below 1e-8, and faster than DOP853 on surfaces for errors below 1e-10
 //! (`examples/accuracy.rs`).
 //!
 //! With a tolerance each step is divided so that the last two terms of every inner step stay below it. No inner step is

@@ -12,7 +12,7 @@ use crate::motion::state::State;
 use crate::run::ensemble::precision::{Compensated, Double, Single};
 use crate::run::ensemble::trajectories::Ensemble;
 use crate::run::price::candidate::{Candidate, Numbers};
-use crate::run::price::moving::{Moving, Rung, Set};
+use crate::run::price::moving::Moving;
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
 
@@ -51,38 +51,35 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
     }
 }
 
-impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
-    /// Trajectories in lanes, from their starts.
-    pub(super) fn begin_in_lanes(
-        &self,
+impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
+    /// Trajectories in lanes, from their starts; the energy of the first is `energy` before it is rounded.
+    pub(super) fn begin<'a>(
+        &'a self,
+        scene: &'a Scene<C, E, N, D>,
         method: Candidate,
         numbers: Numbers,
-        rung: Rung,
-    ) -> Result<Box<dyn Moving + '_>, Error> {
-        let beside = self.beside.as_ref().ok_or(Error::Price(PriceMistake::OneByOne))?;
-        let ensemble = (beside.make)(self.scene, &beside.starts, method, numbers, rung.h)?;
+        h: f64,
+        energy: f64,
+    ) -> Result<Box<dyn Moving + 'a>, Error> {
+        let ensemble = (self.make)(scene, &self.starts, method, numbers, h)?;
         if ensemble.groups.iter().all(|group| group.len() == 1) {
             return Err(Error::Price(PriceMistake::OneByOne));
         }
-        let energy = self.begin_from(Rung { candidate: method, ..rung }, self.start.clone())?.energy();
-        Ok(Box::new(InLanes { set: self, ensemble, rung, method, numbers, energy }))
+        let again = move || self.begin(scene, method, numbers, h, energy);
+        Ok(Box::new(InLanes { ensemble, energy, again: Box::new(again) }))
     }
 }
 
-/// An ensemble of which the first trajectory is looked at.
-struct InLanes<'a, C, E, N, const D: usize> {
-    set: &'a Set<'a, C, E, N, D>,
+/// An ensemble of which the first trajectory is looked at, and what makes it anew.
+struct InLanes<'a, const D: usize> {
     ensemble: Ensemble<D>,
-    rung: Rung,
-    method: Candidate,
-    numbers: Numbers,
-    /// At the start, before it is rounded.
     energy: f64,
+    again: Box<dyn Fn() -> Result<Box<dyn Moving + 'a>, Error> + 'a>,
 }
 
-impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Moving for InLanes<'_, C, E, N, D> {
+impl<const D: usize> Moving for InLanes<'_, D> {
     fn again(&self) -> Result<Box<dyn Moving + '_>, Error> {
-        self.set.begin_in_lanes(self.method, self.numbers, self.rung)
+        (self.again)()
     }
     /// On one thread, since what one core takes is asked.
     fn run(&mut self, steps: u64) -> Result<(), Error> {

@@ -35,6 +35,7 @@ mod moving;
 mod prices;
 mod pricing;
 mod reference;
+mod set;
 mod show;
 mod within;
 

@@ -14,9 +14,10 @@ use crate::run::price::candidate::Candidate;
 use crate::run::price::chaos::Chaos;
 use crate::run::price::clock::Clock;
 use crate::run::price::ladder::{Pilot, Runner, Stop, distances};
-use crate::run::price::moving::{Movable, Observed, Rung, Set};
+use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Average, Longer, Price, Prices, Quantity, Refused};
 use crate::run::price::reference::{Reference, averages, most, pilot, runner_size};
+use crate::run::price::set::{Observed, Set};
 use crate::scene::Scene;
 use std::iter::zip;
 

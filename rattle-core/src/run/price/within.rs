@@ -9,9 +9,10 @@ use crate::run::boxed::BoxedSimulation;
 use crate::run::price::candidate::Candidate;
 use crate::run::price::clock::Clock;
 use crate::run::price::ladder::Runner;
-use crate::run::price::moving::{Movable, Observed, Rung, Set};
+use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
 use crate::run::price::pricing::{Aim, Measured, Plan, measure, positive, price, refuse_random};
+use crate::run::price::set::{Observed, Set};
 use crate::scene::Scene;
 use std::fmt;
 
