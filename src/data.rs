@@ -23,7 +23,7 @@ mod npy;
 use crate::Trajectory;
 use std::collections::HashSet;
 use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Write};
+use std::io::{self, BufReader, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
@@ -36,7 +36,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 #[must_use = "the file is complete only after `finish`"]
 pub struct Npz {
     path: PathBuf,
-    zip: ZipWriter<BufWriter<File>>,
+    zip: ZipWriter<BufWriter<FailsOnce>>,
     names: HashSet<String>,
 }
 
@@ -56,7 +56,11 @@ impl Npz {
         let path = path.as_ref().to_path_buf();
         let file =
             create_with_folder(&path).map_err(|source| DataError::Io { path: path.clone(), source })?;
-        Ok(Self { path, zip: ZipWriter::new(BufWriter::new(file)), names: HashSet::new() })
+        Ok(Self {
+            path,
+            zip: ZipWriter::new(BufWriter::new(FailsOnce { file, failed: false })),
+            names: HashSet::new(),
+        })
     }
 
     /// Adds an array; in `data` the last index runs fastest.
@@ -146,6 +150,38 @@ impl Npz {
     }
 }
 
+/// A file that fails once, and then says no more: a `ZipWriter` that is dropped after its error has been handed on
+/// would try again and print to stderr.
+#[derive(Debug)]
+struct FailsOnce {
+    file: File,
+    failed: bool,
+}
+
+impl FailsOnce {
+    fn once<T>(&mut self, instead: T, act: impl FnOnce(&mut File) -> io::Result<T>) -> io::Result<T> {
+        if self.failed {
+            return Ok(instead);
+        }
+        act(&mut self.file).inspect_err(|error| self.failed = error.kind() != io::ErrorKind::Interrupted)
+    }
+}
+
+impl Write for FailsOnce {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.once(bytes.len(), |file| file.write(bytes))
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.once((), File::flush)
+    }
+}
+
+impl Seek for FailsOnce {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.once(0, |file| file.seek(to))
+    }
+}
+
 /// An array read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Array {
@@ -188,7 +224,7 @@ pub fn read(path: impl AsRef<Path>, name: &str) -> Result<Array, DataError> {
 }
 
 /// What can go wrong with an archive.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum DataError {
     /// The file can't be made, written or read.
@@ -236,6 +272,8 @@ pub enum DataError {
         name: String,
     },
 }
+
+debug_as_display!(DataError);
 
 fn create_with_folder(path: &Path) -> io::Result<File> {
     if let Some(folder) = path.parent() {

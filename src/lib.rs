@@ -44,6 +44,18 @@
 
 extern crate self as rattle; // the macros write `::rattle`, also in here
 
+/// A program that ends with an error prints it by `Debug`: these say there what they say to a person.
+#[allow(unused_macros, reason = "each feature has its errors")]
+macro_rules! debug_as_display {
+    ($($error:ty),*) => {$(
+        impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, f)
+            }
+        }
+    )*};
+}
+
 #[cfg(feature = "checkpoint")]
 pub mod checkpoint;
 pub mod conventions;

@@ -399,7 +399,7 @@ impl Chart {
 }
 
 /// What can go wrong with a chart.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
     /// There is nothing to draw.
@@ -470,3 +470,5 @@ pub enum PlotError {
         source: io::Error,
     },
 }
+
+debug_as_display!(PlotError);

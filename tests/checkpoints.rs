@@ -315,6 +315,30 @@ fn pendulum() -> Simulation<impl rattle::system::System<f64, 2>, Rattle, 2> {
     scene.simulate(State::at([0.6, 0.8]), Rattle::new(0.01)).unwrap()
 }
 
+/// No more is read than a checkpoint may have: neither of what never ends, nor where nothing is.
+#[cfg(unix)]
+#[test]
+fn files_without_an_end_are_refused_at_once() {
+    for endless in ["/dev/full", "/dev/zero"] {
+        assert!(matches!(read(endless), Err(CheckpointError::Foreign { .. })), "{endless}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hole");
+    for (head, promised) in [(0_u64, false), (1 << 45, true)] {
+        let mut bytes = b"\x89RATTLE\n\x01\0\0\0".to_vec();
+        bytes.extend(head.to_le_bytes());
+        fs::write(&path, if promised { bytes } else { Vec::new() }).unwrap();
+        fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(1 << 40).unwrap();
+        let error = read(&path).unwrap_err();
+        let right = match error {
+            CheckpointError::Foreign { .. } => !promised,
+            CheckpointError::Truncated { has, of, .. } => promised && has == 1 << 40 && of == (1 << 45) + 24,
+            _ => false,
+        };
+        assert!(right, "{error:?}");
+    }
+}
+
 /// A file that was written when version 1 was new. Should this fail, files of users cannot be read any more: the
 /// version goes up, and version 1 is read as well.
 #[test]

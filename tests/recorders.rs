@@ -3,6 +3,7 @@
 
 use crate::common::*;
 use rattle::Error;
+use rattle::checkpoint::{Ended, Saving};
 use rattle::effect::LinearDrag;
 use rattle::links::planar::Rod;
 use rattle::prelude::*;
@@ -218,6 +219,117 @@ fn a_full_disk() {
     let mut recorder = Recorder::of(&Columns::new().positions(), stream.sink());
     ring(2).observe(2000, 1, &mut recorder).and_then(|()| recorder.finish()).unwrap(); // they wait for a group
     assert_eq!(stream.finish().unwrap_err().source.kind(), io::ErrorKind::StorageFull);
+}
+
+/// A start is a row where it is asked for, in each trajectory; times that are those of the start are met by it.
+#[test]
+fn a_start_is_a_row_where_it_is_asked_for() {
+    let table = |columns: Columns<3>| {
+        let mut recorder = Recorder::of(&columns, Rows::default());
+        ring(2).observe(4, 2, &mut recorder).unwrap();
+        recorder.finish().unwrap()
+    };
+    let plain = Columns::new().positions();
+    let (without, with) = (table(plain.clone()), table(plain.clone().with_start()));
+    assert_eq!((&without.steps[..], &with.steps[..]), (&[2, 4][..], &[0, 2, 4][..]));
+    assert_eq!(with.numbers[6..], without.numbers);
+    assert_eq!(with.numbers[0], 2.7, "{with:?}");
+    assert_eq!(table(plain.clone().at_times([0.0, 0.03])).times, [0.0, 0.04]);
+    assert_eq!(table(plain.clone().at_times([0.03])).times, [0.04]);
+
+    let starts = (0..70).map(|i| State::at([1.0, 0.0, 0.0]).moving([0.0, 0.01 * f64::from(i), 0.0]));
+    let mut ensemble = Scene::on(Sphere { r: 1.0 }).ensemble(starts, Rattle::new(0.01)).unwrap();
+    let columns = plain.with_start();
+    let rows = ensemble.observe(4, 2, || Recorder::of(&columns, Rows::default())).finish().unwrap();
+    assert_eq!((rows.len(), rows.steps.iter().filter(|&&step| step == 0).count()), (210, 70));
+}
+
+/// What writes into memory that a test can look at while the run goes on.
+#[derive(Clone, Default)]
+struct Shared(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl io::Write for Shared {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().unwrap().extend(bytes);
+        Ok(bytes.len())
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Shared {
+    fn frames(&self) -> usize {
+        String::from_utf8(self.0.lock().unwrap().clone()).unwrap().matches("Time=").count()
+    }
+}
+
+/// Rows are in the file after a flush, at each save of a run that flushes, and after a recorder was dropped; a stream
+/// that ends before its recorder is an error.
+#[test]
+fn no_row_is_lost_without_a_word() {
+    let columns = Columns::<3>::new().positions();
+    let to = Shared::default();
+    let stream = Stream::to(Xyz::to(to.clone(), "X"));
+    let mut recorder = Recorder::of(&columns, stream.sink());
+    let mut run = ring(2);
+    run.observe(30, 1, &mut recorder).unwrap();
+    assert_eq!(to.frames(), 0);
+    recorder.flush().unwrap();
+    assert_eq!(to.frames(), 30);
+
+    let folder = tempfile::tempdir().unwrap();
+    let saving = Saving::to(folder.path().join("run.rattle")).every(25);
+    let mut seen = Vec::new();
+    let ended = saving.run_to_by(&mut run, 117, 10, |run, steps| {
+        seen.push((run.steps(), saving.path().exists(), to.frames()));
+        run.observe(steps, 10, &mut recorder)?;
+        recorder.flush()
+    });
+    assert_eq!(ended.unwrap(), Ended::Done);
+    // Multiples of 25 are met by the next multiple of ten.
+    assert_eq!(seen, [(30, false, 30), (50, true, 32), (80, true, 35), (100, true, 37)]);
+    run.observe(3, 1, &mut recorder).unwrap();
+    drop(recorder);
+    assert_eq!((stream.finish().unwrap(), to.frames()), (41, 41));
+
+    let stream = Stream::to(Xyz::to(Shared::default(), "X"));
+    let mut recorder = Recorder::of(&columns, stream.sink());
+    ring(2).observe(3, 1, &mut recorder).unwrap();
+    let error = stream.finish().unwrap_err();
+    assert!(error.to_string().contains("0 rows were written, then: a recorder still has rows"), "{error:?}");
+    assert_eq!(format!("{error:?}"), error.to_string(), "a program that ends with it says the same");
+    assert!(recorder.finish().is_err());
+}
+
+/// Two columns of one name, and words that would break a file.
+#[test]
+fn names_are_names() {
+    for columns in [
+        Columns::<3>::new().positions().quantity("q", |_| 0.0),
+        Columns::new().quantity("t", |_| 0.0),
+        Columns::new().quantity("", |_| 0.0),
+    ] {
+        let mut recorder = Recorder::of(&columns, Rows::default());
+        let mut run = ring(2);
+        let error = run.observe(1000, 1, &mut recorder).unwrap_err();
+        assert!(
+            error.to_string().contains("a name of its own") && run.steps() <= 1,
+            "{error} at {}",
+            run.steps()
+        );
+    }
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Xyz::create(folder.path().join("a.xyz"), "my atom").is_err());
+    let to = Shared::default();
+    let stream = Stream::to(Xyz::to(to.clone(), "X"));
+    let columns = Columns::<3>::new().positions().quantity("my = \"value\"", |_| 7.0);
+    let mut recorder = Recorder::of(&columns, stream.sink());
+    ring(1).observe(1, 1, &mut recorder).unwrap();
+    recorder.finish().unwrap();
+    stream.finish().unwrap();
+    let text = String::from_utf8(to.0.lock().unwrap().clone()).unwrap();
+    assert!(text.contains(" my____value_=\"7.0\""), "{text}");
 }
 
 /// Python with these packages, of the path or of `target/foreign`; says so where there is none.

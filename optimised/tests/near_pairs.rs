@@ -13,7 +13,7 @@ use rattle::instructions::InstructionSet;
 use rattle::kernel::{Open, PairKernel, Periodic, Space};
 use rattle::lanes::Fused;
 use rattle::nalgebra::SVector;
-use rattle::potentials::LennardJones;
+use rattle::potentials::{LennardJones, Wca};
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surfaces::{Gyroid, Sphere};
@@ -247,6 +247,24 @@ fn potentials_end_as_they_say() {
     assert!(jumps.iter().all(|[energy, ..]| *energy < 1e-6));
     assert!(jumps[0][1] > 0.01 && jumps[1..].iter().all(|[_, force, _]| *force < 1e-6), "{jumps:?}");
     assert!(jumps[1][2] > 0.01 && jumps[2..].iter().all(|[.., bend]| *bend < 1e-3), "{jumps:?}");
+}
+
+/// A potential that ends by itself is not changed by its reach, also where that is the place at which it ends.
+#[test]
+fn what_ends_by_itself_has_no_switch() {
+    let wca = Wca { epsilon: 1.0, sigma: 1.0 };
+    for reach in [2.0_f64.powf(1.0 / 6.0), 1.2, 3.0] {
+        let scene = Scene::points(2).with(wca.within(reach));
+        for r in (1..=30).map(|i| 0.9 + 0.01 * f64::from(i)) {
+            let simulation = scene.simulate(State::of([[0.0], [r]]), Rattle::new(1e-3)).unwrap();
+            let off = simulation.energy() - wca.value(r);
+            assert!(off.abs() <= 1e-15 * (1.0 + wca.value(r)), "reach {reach}, r = {r}: {off:e}");
+        }
+    }
+    let whole = LennardJones { epsilon: 1.0, sigma: 1.0 };
+    let scene = Scene::points(2).with(whole.within(2.5));
+    let simulation = scene.simulate(State::of([[0.0], [2.4]]), Rattle::new(1e-3)).unwrap();
+    assert!((simulation.energy() / whole.value(2.4)) < 0.5, "this one is switched off");
 }
 
 #[test]

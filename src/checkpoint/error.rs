@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 /// Why a run cannot be saved or restored.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
     /// The file can't be written or read.
@@ -60,3 +60,5 @@ pub enum CheckpointError {
     #[error(transparent)]
     Step(Box<Error>),
 }
+
+debug_as_display!(CheckpointError);

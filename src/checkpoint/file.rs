@@ -3,7 +3,7 @@
 use super::error::CheckpointError;
 use rattle_core::motion::record::{Data, Field, Record};
 use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 const MAGIC: &[u8; 8] = b"\x89RATTLE\n";
@@ -85,7 +85,18 @@ pub fn write(record: &Record, path: impl AsRef<Path>) -> Result<(), CheckpointEr
 /// [`CheckpointError`] says what is wrong with the file.
 pub fn read(path: impl AsRef<Path>) -> Result<Record, CheckpointError> {
     let path = path.as_ref();
-    let bytes = fs::read(path).map_err(|source| CheckpointError::Io { path: path.into(), source })?;
+    let failed = |source| CheckpointError::Io { path: path.into(), source };
+    let mut file = File::open(path).map_err(failed)?;
+    let mut bytes = Vec::new();
+    Read::by_ref(&mut file).take(HEAD as u64).read_to_end(&mut bytes).map_err(failed)?;
+    let head = decode(&bytes, path);
+    let Err(CheckpointError::Truncated { of, .. }) = head else { return head };
+    // No more is read than the head promises, and nothing where it promises more than there is: a file may be endless.
+    let metadata = file.metadata().map_err(failed)?;
+    if metadata.is_file() && metadata.len() < of {
+        return Err(CheckpointError::Truncated { path: path.into(), has: metadata.len(), of });
+    }
+    file.take(of.saturating_add(1).saturating_sub(HEAD as u64)).read_to_end(&mut bytes).map_err(failed)?;
     decode(&bytes, path)
 }
 

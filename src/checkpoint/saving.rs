@@ -2,6 +2,7 @@
 
 use super::error::CheckpointError;
 use super::save::Save;
+use crate::Error;
 use rattle_core::run::checkpoint::Checkpoint;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -92,6 +93,42 @@ impl Saving {
     /// [`CheckpointError::Io`] where the run cannot be saved: it then stands at the step that was to be saved, and the
     /// last checkpoint is unchanged.
     pub fn run_to(&self, run: &mut (impl Checkpoint + ?Sized), steps: u64) -> Result<Ended, CheckpointError> {
+        self.run_to_by(run, steps, 1, |run, part| run.take_steps(part))
+    }
+
+    /// As [`run_to`](Self::run_to), where `take` takes the steps, and may watch them: in parts that end at multiples of
+    /// `every` steps, counted from the very start of the simulation, and at the end.
+    ///
+    /// A recorder that is flushed in `take` has all rows in its file that come before a checkpoint. After a kill the
+    /// file may have rows from behind the checkpoint too, which come again: let each start write a file of its own, or
+    /// drop the rows whose step is past that of the checkpoint.
+    ///
+    /// ```
+    /// # use rattle::{checkpoint::Saving, prelude::*, surfaces::Sphere};
+    /// # use rattle::watch::{Columns, Recorder, Rows};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    /// # let rows = Rows::default();
+    /// let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start, Rattle::new(0.01))?;
+    /// let mut recorder = Recorder::of(&Columns::<3>::new().positions(), rows);
+    /// let saving = Saving::to(folder.path().join("run.rattle")).every(1000);
+    /// saving.run_to_by(&mut simulation, 10_000, 100, |simulation, steps| {
+    ///     simulation.observe(steps, 100, &mut recorder)?;
+    ///     recorder.flush()
+    /// })?;
+    /// assert_eq!(recorder.finish()?.len(), 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`run_to`](Self::run_to); [`CheckpointError::Step`] also for other errors of `take`.
+    pub fn run_to_by<R: Checkpoint + ?Sized>(
+        &self,
+        run: &mut R,
+        steps: u64,
+        every: u64,
+        mut take: impl FnMut(&mut R, u64) -> Result<(), Error>,
+    ) -> Result<Ended, CheckpointError> {
         let (mut saved, least) = (Instant::now(), run.at_a_time());
         let mut stretch = least;
         while run.steps_taken() < steps {
@@ -99,8 +136,9 @@ impl Saving {
             let next = self.every.map_or(steps, |every| steps.min((now / every + 1).saturating_mul(every)));
             let looks = self.stop.is_some() || self.seconds.is_some();
             let end = if looks { next.min((now / stretch + 1).saturating_mul(stretch)) } else { next };
+            let end = end.checked_next_multiple_of(every.max(1)).map_or(steps, |end| steps.min(end));
             let begun = Instant::now();
-            if let Err(error) = run.take_steps(end - now) {
+            if let Err(error) = take(run, end - now) {
                 run.save(&self.path)?;
                 return Err(CheckpointError::Step(Box::new(error)));
             }
@@ -114,7 +152,7 @@ impl Saving {
                 run.save(&self.path)?;
                 return Ok(Ended::Stopped);
             }
-            if end == steps || late || self.every.is_some_and(|every| end % every == 0) {
+            if end == steps || late || self.every.is_some_and(|wanted| end / wanted > now / wanted) {
                 run.save(&self.path)?;
                 saved = Instant::now();
             }

@@ -19,6 +19,13 @@ pub trait Writer: Send + 'static {
     /// # Errors
     /// Those of the file system; after an error nothing more is written.
     fn write(&mut self, rows: &Rows) -> io::Result<()>;
+    /// Passes what was written to the system.
+    ///
+    /// # Errors
+    /// What the system says.
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
     /// Completes the file.
     ///
     /// # Errors
@@ -27,7 +34,7 @@ pub trait Writer: Send + 'static {
 }
 
 /// A file could not be written to its end.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[error("{rows} rows were written, then: {source}")]
 pub struct StreamError {
     /// Rows that were written.
@@ -36,9 +43,13 @@ pub struct StreamError {
     pub source: io::Error,
 }
 
+debug_as_display!(StreamError);
+
 /// What a thread is told.
 enum Told {
     Rows(Rows),
+    /// To be answered when everything before is written.
+    Flush(SyncSender<()>),
     End,
 }
 
@@ -48,6 +59,8 @@ enum Told {
 pub struct Stream {
     sender: SyncSender<Told>,
     why: Arc<Mutex<String>>,
+    /// One more for each recorder that is not finished.
+    unfinished: Arc<()>,
     thread: JoinHandle<Result<u64, StreamError>>,
 }
 
@@ -64,25 +77,35 @@ impl Stream {
             }
             ended // the receiver goes after that: who cannot send finds the reason
         });
-        Self { sender, why, thread }
+        Self { sender, why, unfinished: Arc::new(()), thread }
     }
 
     /// A sink for a recorder, which passes its rows to this thread.
     #[must_use]
     pub fn sink(&self) -> Handed {
-        Handed { sender: self.sender.clone(), why: self.why.clone() }
+        Handed {
+            sender: self.sender.clone(),
+            why: self.why.clone(),
+            unfinished: Some(self.unfinished.clone()),
+        }
     }
 
     /// Waits until all rows are written, completes the file, and returns the number of rows. Finish the recorders
     /// first.
     ///
     /// # Errors
-    /// [`StreamError`], with the number of rows that were written.
+    /// [`StreamError`], with the number of rows that were written; also where a recorder is not finished, whose last
+    /// rows then are missing in a file that is complete otherwise.
     pub fn finish(self) -> Result<u64, StreamError> {
         let _ = self.sender.send(Told::End); // a thread that has ended needs no telling
-        self.thread.join().unwrap_or_else(|_| {
+        let rows = self.thread.join().unwrap_or_else(|_| {
             Err(StreamError { rows: 0, source: io::Error::other("the thread that writes panicked") })
-        })
+        })?;
+        if Arc::strong_count(&self.unfinished) > 1 {
+            let source = wrong("a recorder still has rows: finish recorders first, then the stream");
+            return Err(StreamError { rows, source });
+        }
+        Ok(rows)
     }
 }
 
@@ -92,9 +115,18 @@ pub(super) fn wrong(what: &'static str) -> io::Error {
 
 fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, StreamError> {
     let mut written = 0;
-    while let Ok(Told::Rows(rows)) = receiver.recv() {
-        writer.write(&rows).map_err(|source| StreamError { rows: written, source })?;
-        written += rows.len() as u64;
+    loop {
+        match receiver.recv() {
+            Ok(Told::Rows(rows)) => {
+                writer.write(&rows).map_err(|source| StreamError { rows: written, source })?;
+                written += rows.len() as u64;
+            }
+            Ok(Told::Flush(answer)) => {
+                writer.flush().map_err(|source| StreamError { rows: written, source })?;
+                let _ = answer.send(()); // who asked may be gone
+            }
+            Ok(Told::End) | Err(_) => break,
+        }
     }
     writer.finish().map_err(|source| StreamError { rows: written, source })?;
     Ok(written)
@@ -105,11 +137,23 @@ fn write_all(mut writer: impl Writer, receiver: &Receiver<Told>) -> Result<u64, 
 pub struct Handed {
     sender: SyncSender<Told>,
     why: Arc<Mutex<String>>,
+    unfinished: Option<Arc<()>>,
+}
+
+impl Handed {
+    fn why(&self) -> String {
+        let why = self.why.lock().unwrap_or_else(PoisonError::into_inner);
+        if why.is_empty() { "the stream was finished before".into() } else { why.clone() }
+    }
 }
 
 impl std::fmt::Debug for Told {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if matches!(self, Self::Rows(_)) { "rows" } else { "the end" })
+        f.write_str(match self {
+            Self::Rows(_) => "rows",
+            Self::Flush(_) => "flush",
+            Self::End => "the end",
+        })
     }
 }
 
@@ -117,10 +161,15 @@ impl Sink for Handed {
     fn take(&mut self, rows: &mut Rows) -> Result<(), String> {
         let empty = Rows { columns: rows.columns.clone(), ..Rows::default() };
         let sent = self.sender.send(Told::Rows(std::mem::replace(rows, empty)));
-        sent.map_err(|_| {
-            let why = self.why.lock().unwrap_or_else(PoisonError::into_inner);
-            if why.is_empty() { "the stream was finished before".into() } else { why.clone() }
-        })
+        sent.map_err(|_| self.why())
+    }
+    fn flush(&mut self) -> Result<(), String> {
+        let (answer, done) = sync_channel(1);
+        let sent = self.sender.send(Told::Flush(answer)).is_ok();
+        if sent && done.recv().is_ok() { Ok(()) } else { Err(self.why()) }
+    }
+    fn end(&mut self) {
+        self.unfinished = None;
     }
     fn join(&mut self, _: Self) {} // the rows are where they go
 }
@@ -188,13 +237,20 @@ impl Xyz<File> {
     /// Creates the file `path`, and its folder where that is missing. Each body is an atom of this species: "Ar", "X".
     ///
     /// # Errors
-    /// What the system says.
+    /// What the system says; a species that is not one word.
     pub fn create(path: impl AsRef<Path>, species: &str) -> io::Result<Self> {
+        one_word(species)?;
         if let Some(folder) = path.as_ref().parent() {
             fs::create_dir_all(folder)?;
         }
         Ok(Self::to(File::create(path)?, species))
     }
+}
+
+/// Blanks divide what stands in a line.
+fn one_word(species: &str) -> io::Result<()> {
+    let is_word = !species.is_empty() && !species.contains(char::is_whitespace);
+    if is_word { Ok(()) } else { Err(wrong("the species of extended XYZ is one word, such as `Ar`")) }
 }
 
 impl<W: Write> Xyz<W> {
@@ -206,6 +262,7 @@ impl<W: Write> Xyz<W> {
 
 impl<W: Write + Send + 'static> Writer for Xyz<W> {
     fn write(&mut self, rows: &Rows) -> io::Result<()> {
+        one_word(&self.species)?;
         let positions = rows.column("q").ok_or_else(|| wrong("extended XYZ wants recorded positions"))?;
         let &[bodies, coordinates] = &positions.shape[..] else {
             return Err(wrong("extended XYZ wants positions of bodies"));
@@ -217,7 +274,8 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
         vectors.extend(rows.column("p").map(|_| rows.numbers("p").collect()));
         let momenta = if vectors.len() > 1 { ":momenta:R:3" } else { "" };
         let others = rows.columns.iter().filter(|column| !["q", "p"].contains(&&*column.name));
-        let others = others.map(|column| (&column.name, rows.numbers(&column.name).collect::<Vec<_>>()));
+        let key = |name: &str| name.replace(|c: char| c.is_whitespace() || "=\"".contains(c), "_");
+        let others = others.map(|column| (key(&column.name), rows.numbers(&column.name).collect::<Vec<_>>()));
         let others = others.collect::<Vec<_>>();
         for row in 0..rows.len() {
             let (step, trajectory, time) = (rows.steps[row], rows.trajectories[row], rows.times[row]);
@@ -241,6 +299,10 @@ impl<W: Write + Send + 'static> Writer for Xyz<W> {
             }
         }
         Ok(())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
     }
 
     fn finish(mut self) -> io::Result<()> {

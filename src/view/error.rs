@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub(super) const MAX_POINTS: usize = 2048 * 2048;
 
 /// What can go wrong with a page.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum PageError {
     /// The page has no scene.
@@ -116,3 +116,5 @@ pub enum PageError {
         source: io::Error,
     },
 }
+
+debug_as_display!(PageError);

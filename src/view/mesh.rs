@@ -411,7 +411,7 @@ fn length([x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// What can go wrong with a mesh.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// g has one sign at all grid points.
@@ -461,3 +461,5 @@ pub enum MeshError {
         cells: usize,
     },
 }
+
+debug_as_display!(MeshError);

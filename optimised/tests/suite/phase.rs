@@ -3,6 +3,7 @@
 use crate::common::{distance, table};
 use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::{E, apart, ends, larger, largest, unless};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
 use rattle::composition::SOFRONIOU_SPALETTA_2005_ORDER_10;
 use rattle::error::{PhaseMistake, StartFailure, StepFailure};
@@ -12,6 +13,12 @@ phase_constraint! {
     /// The three-sphere, as c·g = 0.
     struct Hopf { c, r }
     |q: [f64; 2], p: [f64; 2]| c * (dot(q, q) + dot(p, p) - r^2)
+}
+
+phase_constraint! {
+    /// Three-spheres, π/k apart in the sum of squares.
+    struct Shells { k }
+    |q: [f64; 2], p: [f64; 2]| sin(k * (dot(q, q) + dot(p, p) - 1))
 }
 
 hamiltonian! {
@@ -115,6 +122,18 @@ pub fn cases() -> Vec<Case> {
         let simulation = simulate((UNIT, FALLING), start("B"), Rattle::new(0.1))?;
         largest(simulation, 20_000, |now| larger(now.constraint_residual(), now.cotangent_residual()))
     }));
+    let shells = Kind {
+        why: "a corrector that converges does not tell which of the shells in phase space it found",
+        expect: "of 300 random motions none leaves its shell; where it could, the step is refused",
+        reason: "each is counted",
+    };
+    for k in [30.0, 1e3, 3e4] {
+        cases.push(
+            shells.case(format!("shells π/{k:e} apart in |q|² + |p|²"), 0.0, move || {
+                Ok(leave_their_shell(k))
+            }),
+        );
+    }
     let refused = Kind {
         why: "no multiplier is determined, or none keeps the constraint: any number is an answer",
         expect: "an error that says which condition fails",
@@ -145,6 +164,32 @@ pub fn cases() -> Vec<Case> {
         cases.push(ends_there.case(format!("Hopf pendulum that ends, h = {h}"), 3.0 * h, move || impasse(h)));
     }
     cases
+}
+
+/// How many of 300 motions of 40 steps get nearer to another shell than to their own.
+fn leave_their_shell(k: f64) -> f64 {
+    let mut random = StdRng::seed_from_u64(1);
+    let (mut wrong, mut steps) = (0, 0);
+    for _ in 0..300 {
+        let mut vector = || [0, 1].map(|_| random.random_range(-1.0..1.0));
+        let scene = Scene::in_phase_space(Shells { k }, FALLING);
+        let Ok(start) = scene.project(&State::at(vector()).moving(vector())) else { continue };
+        let h = 10_f64.powf(random.random_range(-2.5..-0.3));
+        let Ok(run) = scene.simulate(start, Rattle::new(h)) else { continue };
+        let mut run = run.boxed();
+        let level = |run: &BoxedSimulation<2>| {
+            run.positions().chain(run.momenta()).map(|x| x.norm_squared()).sum::<f64>()
+        };
+        let own = level(&run);
+        let mut far = 0.0_f64;
+        while run.steps() < 40 && run.step().is_ok() {
+            far = far.max((level(&run) - own).abs());
+        }
+        steps += run.steps();
+        wrong += u32::from(far > 1.0 / k);
+    }
+    assert!(steps > 500, "many move: {steps} steps");
+    f64::from(wrong)
 }
 
 /// How far from its true end the motion from start A of the references is stopped.

@@ -298,7 +298,7 @@ pub trait PairPotential: Sized {
     /// # Ok::<(), rattle::Error>(())
     /// ```
     fn within(self, reach: f64) -> Within<Self> {
-        Within::new(self, reach)
+        Within::new(self, reach, |of, r| [of.value(r), r * of.slope_over_distance(r)])
     }
 }
 

@@ -22,8 +22,8 @@ use crate::kernel::space::{Open, Periodic};
 /// | from 0.7 | −0.172 | −0.171 | −0.172 | −0.170 |
 ///
 /// All have the second-order error of the method; with `shifted` the energy also wanders by a tenth of that error. The
-/// switch is the default since it does not change U at distances below its beginning. For a potential that is zero at
-/// its reach anyway, such as `Wca`, use `.shifted()`.
+/// switch is the default since it does not change U at distances below its beginning. A potential that ends by itself
+/// at the reach or before, with its slope, as `Wca` does, gets no switch and is not changed.
 ///
 /// **The cost of a step** is proportional to the number of near pairs. Their list is made before the first step, with
 /// memory for half as many more; steps do not allocate unless bodies crowd beyond that. Where more than a fourth of all
@@ -74,9 +74,17 @@ const FROM: f64 = 0.9;
 /// The skin as a part of the reach if nothing else is said.
 const SKIN: f64 = 0.3;
 
+/// A potential whose value and slope at the reach are this part of those from where a switch would begin ends there by
+/// itself.
+const ENDS: f64 = 1e-9;
+
 impl<P> Within<P> {
-    pub(crate) fn new(potential: P, reach: f64) -> Self {
-        let ending = Ending::Switched { from: FROM * reach };
+    /// With what tells U and U′ at a distance.
+    pub(crate) fn new(potential: P, reach: f64, tell: impl Fn(&P, f64) -> [f64; 2]) -> Self {
+        let from = FROM * reach;
+        let [at, before] = [reach, from].map(|r| tell(&potential, r));
+        let ends = (0..2).all(|i| at[i].abs() <= ENDS * before[i].abs());
+        let ending = if ends { Ending::Shifted } else { Ending::Switched { from } };
         Self { potential, reach, ending, skin: SKIN * reach, space: Open }
     }
 }
@@ -88,7 +96,8 @@ impl<P, B> Within<P, B> {
     /// S = 1 − 10x³ + 15x⁴ − 6x⁵        x = (r² − from²)/(reach² − from²), at least 0
     /// ```
     ///
-    /// The force and its derivative are continuous. By default `from` is 0.9 of the reach.
+    /// The force and its derivative are continuous. By default `from` is 0.9 of the reach, and a potential that ends by
+    /// itself has no switch.
     #[must_use]
     pub fn switched(self, from: f64) -> Self {
         Self { ending: Ending::Switched { from }, ..self }

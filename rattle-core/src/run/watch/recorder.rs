@@ -8,11 +8,14 @@ use crate::run::watch::observer::Observer;
 use crate::run::watch::sight::Sight;
 use std::fmt;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// A block is handed on when it has so many numbers, …
 const NUMBERS: usize = 8192;
-/// … or rows.
+/// … or rows, …
 const ROWS: usize = 1024;
+/// … or, where rows come seldom, when it has waited so long.
+const WAITS: Duration = Duration::from_secs(1);
 
 /// What a number or some are called, and what they are at a sight.
 type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send + Sync>;
@@ -37,6 +40,7 @@ type Quantity<const D: usize> = Arc<dyn Fn(&Sight<'_, D>, &mut Vec<f64>) + Send 
 pub struct Columns<const D: usize> {
     columns: Vec<(String, usize, Quantity<D>)>,
     times: Option<Arc<[f64]>>,
+    with_start: bool,
 }
 
 impl<const D: usize> Columns<D> {
@@ -44,7 +48,7 @@ impl<const D: usize> Columns<D> {
     /// [`quantity`](Self::quantity) the compiler has to know the number of coordinates: `Columns::<3>::new()`.
     #[must_use]
     pub fn new() -> Self {
-        Self { columns: Vec::new(), times: None }
+        Self { columns: Vec::new(), times: None, with_start: false }
     }
 
     /// Adds positions `q` of all bodies, shape [bodies, D].
@@ -127,8 +131,25 @@ impl<const D: usize> Columns<D> {
         self.with(name, 1, move |now, to| to.push(of(now)))
     }
 
-    /// Records only the first sight at or after each of these times, given in any order. Times are not met more exactly
-    /// than the run is observed.
+    /// Adds a row of the start, before the first step that is observed.
+    ///
+    /// ```
+    /// # use rattle::{Rattle, Scene, State, watch::{Columns, Recorder, Rows}};
+    /// # let start = State::at([0.0]).moving([1.0]);
+    /// let mut simulation = Scene::points(1).simulate(start, Rattle::new(0.5))?;
+    /// let mut recorder = Recorder::of(&Columns::<1>::new().positions().with_start(), Rows::default());
+    /// simulation.observe(4, 2, &mut recorder)?;
+    /// assert_eq!(recorder.finish()?.numbers, [0.0, 1.0, 2.0]);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_start(mut self) -> Self {
+        self.with_start = true;
+        self
+    }
+
+    /// Records only the first sight at or after each of these times, given in any order; the start counts as a sight.
+    /// Times are not met more exactly than the run is observed.
     #[must_use]
     pub fn at_times(mut self, times: impl IntoIterator<Item = f64>) -> Self {
         let mut times = times.into_iter().collect::<Vec<_>>();
@@ -153,6 +174,23 @@ impl<const D: usize> Columns<D> {
         let (from, to) = (before.time.min(now.time), before.time.max(now.time));
         let up_to = |time: f64| times.partition_point(|&x| x <= time);
         up_to(to) > up_to(from)
+    }
+
+    /// Whether a row of the start is wanted.
+    fn wants_start(&self, start: &Sight<'_, D>) -> bool {
+        self.with_start || self.times.as_ref().is_some_and(|times| times.contains(&start.time))
+    }
+
+    /// What is wrong with the names.
+    fn mistake(&self) -> Option<String> {
+        let mut names = vec!["step", "trajectory", "t"];
+        for (name, ..) in &self.columns {
+            if name.is_empty() || names.contains(&&**name) {
+                return Some(format!("a column needs a name of its own, found `{name}` again"));
+            }
+            names.push(name);
+        }
+        None
     }
 }
 
@@ -229,6 +267,15 @@ pub trait Sink: Send {
     /// # Errors
     /// Why rows cannot be taken; no more rows are passed after an error.
     fn take(&mut self, rows: &mut Rows) -> Result<(), String>;
+    /// Waits until the rows that were taken are where they belong, such as in a file.
+    ///
+    /// # Errors
+    /// Why they cannot get there.
+    fn flush(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+    /// Learns that no more rows come.
+    fn end(&mut self) {}
     /// Adds the rows of the sink of the next trajectories.
     fn join(&mut self, next: Self)
     where
@@ -258,37 +305,86 @@ impl Sink for Rows {
 #[doc(alias = "dump")]
 #[doc(alias = "csv")]
 #[derive(Debug)]
-pub struct Recorder<S, const D: usize> {
+pub struct Recorder<S: Sink, const D: usize> {
     columns: Columns<D>,
     rows: Rows,
-    sink: S,
+    /// None once the recorder is finished.
+    sink: Option<S>,
     handed_on: u64,
+    /// When rows were handed on last.
+    at: Instant,
+    /// Steps of the start.
+    start: Option<u64>,
     failure: Option<Error>,
 }
 
 impl<S: Sink, const D: usize> Recorder<S, D> {
-    /// A recorder of these columns into `sink`.
+    /// A recorder of these columns into `sink`. Where two columns have one name, the run that it observes ends with
+    /// [`Error::Recorder`] at its first row.
     pub fn of(columns: &Columns<D>, sink: S) -> Self {
-        Self { columns: columns.clone(), rows: Rows::default(), sink, handed_on: 0, failure: None }
+        let failure = columns.mistake().map(|why| Error::Recorder { rows: 0, why });
+        let (rows, at) = (Rows::default(), Instant::now());
+        Self { columns: columns.clone(), rows, sink: Some(sink), handed_on: 0, at, start: None, failure }
     }
 
-    /// Passes on the last rows, and returns the sink.
+    /// Passes on the last rows, and returns the sink. A recorder that is dropped passes them on too, and cannot say
+    /// what went wrong.
     ///
     /// # Errors
     /// [`Error::Recorder`] where rows could not be taken.
     pub fn finish(mut self) -> Result<S, Error> {
         self.hand_on();
-        self.failure.map_or(Ok(self.sink), Err)
+        let sink = self.sink.take().map(|mut sink| {
+            sink.end();
+            sink
+        });
+        match (self.failure.take(), sink) {
+            (None, Some(sink)) => Ok(sink),
+            (failure, _) => {
+                Err(failure.unwrap_or(Error::Recorder { rows: 0, why: "it was finished".into() }))
+            }
+        }
+    }
+
+    /// Passes on all rows, and waits until they are where they belong, such as in a file: before a checkpoint, so that
+    /// no row before it is missing.
+    ///
+    /// # Errors
+    /// [`Error::Recorder`] where rows could not be taken.
+    pub fn flush(&mut self) -> Result<(), Error> {
+        self.hand_on();
+        if let (None, Some(Err(why))) = (&self.failure, self.sink.as_mut().map(Sink::flush)) {
+            self.failure = Some(Error::Recorder { rows: self.handed_on, why });
+        }
+        self.failure.clone().map_or(Ok(()), Err)
     }
 
     fn hand_on(&mut self) {
+        let Some(sink) = &mut self.sink else { return };
         if self.failure.is_some() || self.rows.is_empty() {
             return;
         }
         let rows = self.rows.len() as u64;
-        match self.sink.take(&mut self.rows) {
+        match sink.take(&mut self.rows) {
             Ok(()) => self.handed_on += rows,
             Err(why) => self.failure = Some(Error::Recorder { rows: self.handed_on, why }),
+        }
+        self.at = Instant::now();
+    }
+
+    fn write(&mut self, now: &Sight<'_, D>) {
+        if self.rows.columns.is_empty() {
+            self.lay_out(now);
+        }
+        self.rows.steps.push(now.step);
+        self.rows.trajectories.push(now.trajectory as u64);
+        self.rows.times.push(now.time);
+        self.columns.columns.iter().for_each(|(_, _, write)| write(now, &mut self.rows.numbers));
+        let rows = self.rows.len();
+        let is_full = self.rows.numbers.len() >= NUMBERS || rows >= ROWS;
+        // The clock is asked seldom where rows come fast.
+        if is_full || rows.is_power_of_two() && self.at.elapsed() >= WAITS {
+            self.hand_on();
         }
     }
 
@@ -311,20 +407,25 @@ impl<S: Sink, const D: usize> Recorder<S, D> {
     }
 }
 
+impl<S: Sink, const D: usize> Drop for Recorder<S, D> {
+    fn drop(&mut self) {
+        self.hand_on();
+        if let Some(sink) = &mut self.sink {
+            sink.end();
+        }
+    }
+}
+
 impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
     fn see(&mut self, before: &Sight<'_, D>, now: &Sight<'_, D>) {
-        if self.failure.is_some() || !self.columns.wants(before, now) {
+        if self.failure.is_some() {
             return;
         }
-        if self.rows.columns.is_empty() {
-            self.lay_out(now);
+        if *self.start.get_or_insert(before.step) == before.step && self.columns.wants_start(before) {
+            self.write(before);
         }
-        self.rows.steps.push(now.step);
-        self.rows.trajectories.push(now.trajectory as u64);
-        self.rows.times.push(now.time);
-        self.columns.columns.iter().for_each(|(_, _, write)| write(now, &mut self.rows.numbers));
-        if self.rows.numbers.len() >= NUMBERS || self.rows.len() >= ROWS {
-            self.hand_on();
+        if self.columns.wants(before, now) {
+            self.write(now);
         }
     }
 
@@ -332,8 +433,10 @@ impl<S: Sink, const D: usize> Observer<D> for Recorder<S, D> {
         self.hand_on();
         next.hand_on();
         self.handed_on += next.handed_on;
-        self.failure = self.failure.take().or(next.failure);
-        self.sink.join(next.sink);
+        self.failure = self.failure.take().or(next.failure.take());
+        if let (Some(sink), Some(next)) = (&mut self.sink, next.sink.take()) {
+            sink.join(next);
+        }
     }
 
     fn failure(&self) -> Option<Error> {
