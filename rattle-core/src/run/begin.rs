@@ -21,7 +21,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     ///
     /// # Errors
     /// [`Error::Start`] if a start is off the constraints, a momentum not tangent (beyond a relative
-    /// 1e-10, see [`crate::START_TOLERANCE`]), or a constraint singular there; see [`Self::project`].
+    /// 1e-10, see [`START_TOLERANCE`](crate::START_TOLERANCE)), or a constraint singular there; see [`Self::project`].
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     #[doc(alias = "run")]

@@ -108,7 +108,7 @@ impl<const D: usize> Checkpoint for Ensemble<D> {
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
-    /// A record of everything needed to continue from here bit for bit, see [`crate::run::checkpoint`].
+    /// A record of everything needed to continue from here bit for bit, see [`checkpoint`](crate::run::checkpoint).
     #[doc(alias = "dump")]
     #[doc(alias = "save")]
     pub fn checkpoint(&self) -> Record {
@@ -118,8 +118,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         record
     }
 
-    /// Continues from a checkpoint of the same scene and method, see [`crate::run::checkpoint`]. Where it is refused,
-    /// the simulation is unchanged.
+    /// Continues from a checkpoint of the same scene and method, see [`checkpoint`](crate::run::checkpoint). Where it
+    /// is refused, the simulation is unchanged.
     ///
     /// # Errors
     /// [`Error::Record`] for a checkpoint of another run, with the first part that differs.

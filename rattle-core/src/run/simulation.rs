@@ -26,8 +26,8 @@ pub(crate) const MOST_HALVINGS: u32 = 16;
 
 /// A scene, its present state, and the method that moves it.
 ///
-/// Made by [`crate::scene::Scene::simulate`]. A step neither allocates nor panics; if it fails, the simulation is
-/// as it was before the step, bit for bit.
+/// Made by [`Scene::simulate`](crate::scene::Scene::simulate). A step neither allocates nor panics; if it fails, the
+/// simulation is as it was before the step, bit for bit.
 #[doc(alias = "integrator")]
 #[doc(alias = "solver")]
 pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
@@ -312,9 +312,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(())
     }
 
-    /// Takes `steps` steps and shows the simulation to `observer` after every `every` steps, see [`crate::run::watch`].
-    /// Steps beyond the last multiple of `every` are taken and not shown. Observers of multipliers receive those of
-    /// every step. Positions and momenta are copied each time that the simulation is shown.
+    /// Takes `steps` steps and shows the simulation to `observer` after every `every` steps, see
+    /// [`watch`](crate::run::watch). Steps beyond the last multiple of `every` are taken and not shown. Observers of
+    /// multipliers receive those of every step. Positions and momenta are copied each time that the simulation is
+    /// shown.
     ///
     /// ```
     /// # use rattle::{Rattle, Scene, State, watch::{Mean, Sight}};

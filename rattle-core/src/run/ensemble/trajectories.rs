@@ -306,8 +306,8 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// A record of everything needed to continue bit for bit; see [`crate::run::checkpoint`]. For a failed trajectory
-    /// the record holds the text of its error, not the [`Error`] itself.
+    /// A record of everything needed to continue bit for bit; see [`checkpoint`](crate::run::checkpoint). For a failed
+    /// trajectory the record holds the text of its error, not the [`Error`] itself.
     #[must_use]
     pub fn checkpoint(&self) -> Record {
         let mut record = Record::default();
