@@ -145,6 +145,18 @@ fn what_limits_accuracy_is_named() {
     }
 }
 
+/// Steps with a tolerance are made shorter where whole ones lead too far.
+#[test]
+fn methods_with_a_tolerance_find_a_step() {
+    let ellipsoid = Several { quadric: 1.0, c: 1.0 / 2.25, ..NONE };
+    let scene = on("ellipsoid", ellipsoid, Forces { g: 9.81, ..FREE }, State::at([1.0, 0.0, 0.0]), 10.0);
+    let prices = scene.scene.price(&scene.start, 10.0).budget(2.0).clock(scene.clock()).measure().unwrap();
+    for method in [Candidate::Dop853, Candidate::Taylor] {
+        let rows = prices.rows.iter().filter(|row| row.method == method);
+        assert!(rows.clone().count() > 2, "{method}: {prices}");
+    }
+}
+
 #[test]
 fn senseless_wishes_are_refused() {
     let scene = sphere();

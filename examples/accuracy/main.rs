@@ -94,7 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("on {}, one core, {budget} s for each scene", processor());
     let mut all = Vec::new();
     let mut price = |report: Report| -> Result<(), Box<dyn Error>> {
-        println!("\n{}\n\n{}", report.title, report.prices);
+        println!("\n{}\n\n{:#}", report.title, report.prices);
         draw(&report)?;
         fs::write(format!("{FOLDER}/{}.csv", report.file), report.prices.csv())?;
         all.push(report);

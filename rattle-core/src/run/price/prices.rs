@@ -4,7 +4,8 @@ use crate::error::Error;
 use crate::run::price::candidate::Candidate;
 
 /// What accuracy costs in computing time in one scene, for each method that can move it. Made by
-/// [`Scene::price`](crate::scene::Scene::price); `Display` shows tables, [`csv`](Self::csv) gives all numbers.
+/// [`Scene::price`](crate::scene::Scene::price); `{}` shows the rows of the front, `{:#}` all of them, and
+/// [`csv`](Self::csv) gives all numbers.
 #[derive(Debug, Clone)]
 pub struct Prices {
     /// The length of the run that was asked about, in the unit of time.

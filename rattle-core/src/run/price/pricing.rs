@@ -360,6 +360,10 @@ fn climb(runner: &Runner<'_>, to_climb: &Climb<'_>, method: Candidate) -> (Vec<P
                 if hopeless || (method.is_adaptive() && !rows.is_empty()) {
                     break;
                 }
+                if method.is_adaptive() {
+                    steps *= 2; // a whole step that leads too far fails whatever its tolerance
+                    continue;
+                }
             }
         }
         if stuck == 2 || enough == ENOUGH || dearer == DEARER {

@@ -30,6 +30,10 @@ impl fmt::Display for Prices {
         }
         let names = self.methods().into_iter().map(|method| method.to_string().chars().count() + 2);
         let wide = names.max().unwrap_or(0).max(34);
+        if !f.alternate() {
+            let (front, all) = (self.rows.iter().filter(|row| row.front).count(), self.rows.len());
+            writeln!(f, "the {front} of {all} rows that nothing cheaper is as exact as; `{{:#}}` shows all")?;
+        }
         writeln!(
             f,
             "\n{:wide$}  {:>9}  {:>9}  {:>9}  {:>6}  {:>11}  {:>5}  {:>9}",
@@ -42,7 +46,7 @@ impl fmt::Display for Prices {
             "±",
             "steps"
         )?;
-        for row in &self.rows {
+        for row in self.rows.iter().filter(|row| row.front || f.alternate()) {
             let mark = if row.front { "*" } else { "" };
             let order = row.order.map_or(String::new(), |order| format!("{order:.1}"));
             let order = if row.rounding { "floor".into() } else { order };
