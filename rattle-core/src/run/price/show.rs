@@ -46,7 +46,8 @@ impl fmt::Display for Prices {
             "±",
             "steps"
         )?;
-        for row in self.rows.iter().filter(|row| row.front || f.alternate()) {
+        let all = f.alternate();
+        for row in self.rows.iter().filter(|row| row.front || all) {
             let mark = if row.front { "*" } else { "" };
             let order = row.order.map_or(String::new(), |order| format!("{order:.1}"));
             let order = if row.rounding { "floor".into() } else { order };
