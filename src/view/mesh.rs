@@ -336,8 +336,9 @@ fn box_around(
     let size = start.into_iter().fold(0.0, |size: f64, x| size.max(x.abs()));
     let half = 1e-3 * if size > 0.0 { size } else { 1.0 };
     let (mut low, mut high) = (start.map(|x| x - half), start.map(|x| x + half));
+    // Once a sheet was found to be thin, all grids are as fine: a coarser one would see a part of it.
+    let mut coarse = COARSE.min(cells);
     for _ in 0..BOXES {
-        let mut coarse = COARSE.min(cells);
         let mesh = loop {
             match Mesh::net(g, low, high, coarse, Border::Open) {
                 // A sheet between two points of the grid.
