@@ -34,6 +34,9 @@ use std::time::Duration;
 
 type Outcome = Result<(), Box<dyn Error>>;
 
+/// Places of a path.
+const FRAMES: u32 = 240;
+
 fn main() -> Outcome {
     std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     fs::create_dir_all("docs/gallery")?;
@@ -127,12 +130,12 @@ where
     let mut path = Vec::new();
     simulation.run_with((time / 0.02) as u64, |now| path.push((now.position().x, now.position().y)))?;
     let chart = Chart::new(name).x("x").y("y").equal_aspect().map("U", [-half, half], [-half, half], rows);
-    save(page, name, &chart.line("", path))
+    save(page, name, &chart.marked("", path.first().copied()).line("", path))
 }
 
 fn wells(page: &mut String) -> Outcome {
     let side = |x: f64, y: f64| State::at([x, 0.0]).moving([0.0, y]);
-    well(page, "Gravity", Gravity { g: 1.0 }, State::at([-1.4, -0.9]).moving([1.3, 1.9]), 2.4)?;
+    well(page, "Gravity", Gravity { g: 1.0 }, State::at([-1.4, -0.9]).moving([1.3, 1.9]), 2.1)?;
     let centre = [0.0, 0.0];
     well(page, "Harmonic", Harmonic { stiffness: 1.0, centre }, side(1.2, 0.6), 6.2)?;
     let uneven = AnisotropicHarmonic { stiffness: [1.0, 2.3], centre };
@@ -176,9 +179,9 @@ fn draw<Y: System<f64, D>, const D: usize>(
     let places = |now: &Simulation<Y, Rattle, D>| -> Vec<(f64, f64)> { now.positions().map(seen).collect() };
     let start = places(&simulation);
     let mut paths = vec![Vec::new(); start.len()];
-    for _ in 0..=60 {
+    for frame in 0..=FRAMES {
         paths.iter_mut().zip(places(&simulation)).for_each(|(path, q)| path.push(q));
-        simulation.run_until(simulation.time() + time / 60.0)?;
+        simulation.run_until(time * f64::from(frame + 1) / f64::from(FRAMES))?;
     }
     let far = simulation.constraint_residual();
     assert!(far < 1e-13, "{name}: {far:e} off");
@@ -223,7 +226,7 @@ fn links_in_space(page: &mut String) -> Outcome {
         rods.simulate(start, method)
     };
     let quarter = std::f64::consts::FRAC_PI_2;
-    draw(page, "Torsion", twisted(quarter).or_else(|_| twisted(-quarter)), 3.0, &[&[0, 1, 2, 3]])?;
+    draw(page, "Torsion", twisted(quarter).or_else(|_| twisted(-quarter)), 1.4, &[&[0, 1, 2, 3]])?;
 
     let guide = Slider { point: [0.0; 3], direction: [1.0, 0.0, 0.0] };
     let scene = Scene::points::<3>(2).link(guide, [[0]]).link(rod, [[0, 1]]).with(heavy);
