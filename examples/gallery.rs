@@ -118,9 +118,9 @@ fn potentials() -> Outcome {
 }
 
 /// U in colours, and where a free body goes.
-fn well<P: Copy>(page: &mut String, name: &str, potential: P, start: State<2>, time: f64) -> Outcome
+fn well<P>(page: &mut String, name: &str, potential: P, start: State<2>, time: f64) -> Outcome
 where
-    P: Potential<2> + Send + Sync + 'static,
+    P: Potential<2> + Copy + Send + Sync + 'static,
 {
     let (grid, half) = (80, 1.5);
     let at = |i: usize| half * (2.0 * i as f64 / (grid - 1) as f64 - 1.0);
