@@ -122,7 +122,7 @@ fn well<P>(page: &mut String, name: &str, potential: P, start: State<2>, time: f
 where
     P: Potential<2> + Copy + Send + Sync + 'static,
 {
-    let (grid, half) = (80, 1.5);
+    let (grid, half) = (40, 1.5);
     let at = |i: usize| half * (2.0 * i as f64 / (grid - 1) as f64 - 1.0);
     let value = |x: f64, y: f64| potential.value(&[x, y].into()).max(-4.0);
     let rows = (0..grid).map(|j| (0..grid).map(|i| value(at(i), at(j))).collect()).collect();
