@@ -153,7 +153,7 @@ fn methods_with_a_tolerance_find_a_step() {
     let prices = scene.scene.price(&scene.start, 10.0).budget(2.0).clock(scene.clock()).measure().unwrap();
     for method in [Candidate::Dop853, Candidate::Taylor] {
         let rows = prices.rows.iter().filter(|row| row.method == method);
-        assert!(rows.clone().count() > 2, "{method}: {prices}");
+        assert!(rows.clone().count() > 2, "{method}: {prices:#}");
     }
 }
 

@@ -21,6 +21,9 @@ use std::fmt;
 
 /// The order of Taylor's method where it is priced.
 const TAYLOR: u32 = 18;
+/// A step of a method with a tolerance may lead too far to be trusted where the pilot did not show it: in the whole run
+/// it is then made in parts, halved at most so often.
+pub(super) const HALVINGS: u32 = 6;
 
 /// A method whose cost is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,9 +41,9 @@ pub enum Candidate {
     Lobatto5,
     /// `Lobatto::<8>::new(h).guess(Extrapolated)`.
     Lobatto8,
-    /// `Taylor::adaptive(18, h, tolerance)`.
+    /// `Taylor::adaptive(18, h, tolerance)`; a planned run with `.retry(6)`.
     Taylor,
-    /// `Dop853::adaptive(h, tolerance)`.
+    /// `Dop853::adaptive(h, tolerance)`; a planned run with `.retry(6)`.
     Dop853,
     /// One of the others with steps of one length, trajectories side by side: `scene.ensemble_in(numbers, starts, …)`.
     /// See [`Pricing::side_by_side`](crate::run::price::Pricing::side_by_side).
@@ -138,6 +141,7 @@ impl Candidate {
         start: State<D>,
         h: f64,
         tolerance: f64,
+        halvings: u32,
     ) -> Result<BoxedSimulation<D>, Error> {
         Ok(match self {
             Self::Rattle => scene.simulate(start, Rattle::new(h))?.boxed(),
@@ -150,9 +154,11 @@ impl Candidate {
             Self::Lobatto3 => scene.simulate(start, Lobatto::<3>::new(h).guess(Extrapolated))?.boxed(),
             Self::Lobatto5 => scene.simulate(start, Lobatto::<5>::new(h).guess(Extrapolated))?.boxed(),
             Self::Lobatto8 => scene.simulate(start, Lobatto::<8>::new(h).guess(Extrapolated))?.boxed(),
-            Self::Taylor => scene.simulate(start, Taylor::adaptive(TAYLOR, h, tolerance))?.boxed(),
-            Self::Dop853 => scene.simulate(start, Dop853::adaptive(h, tolerance))?.boxed(),
-            Self::InLanes(of, _) => return of.simulation(scene, start, h, tolerance),
+            Self::Taylor => {
+                scene.simulate(start, Taylor::adaptive(TAYLOR, h, tolerance))?.retry(halvings).boxed()
+            }
+            Self::Dop853 => scene.simulate(start, Dop853::adaptive(h, tolerance))?.retry(halvings).boxed(),
+            Self::InLanes(of, _) => return of.simulation(scene, start, h, tolerance, halvings),
         })
     }
 }

@@ -57,7 +57,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Movable for Set<'_, C,
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Set<'_, C, E, N, D> {
     fn begin_from(&self, rung: Rung, start: State<D>) -> Result<Box<dyn Moving + '_>, Error> {
         let Rung { candidate, h, tolerance } = rung;
-        let simulation = candidate.simulation(self.scene, start, h, tolerance)?;
+        let simulation = candidate.simulation(self.scene, start, h, tolerance, 0)?;
         Ok(Box::new(Observing { simulation, observed: self.observed }))
     }
 }

@@ -6,7 +6,7 @@ use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
 use crate::motion::state::State;
 use crate::run::boxed::BoxedSimulation;
-use crate::run::price::candidate::Candidate;
+use crate::run::price::candidate::{Candidate, HALVINGS};
 use crate::run::price::clock::Clock;
 use crate::run::price::ladder::Runner;
 use crate::run::price::moving::{Movable, Rung};
@@ -105,7 +105,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         let Choice { rung, price, error, prices } =
             choose(&set, duration, self.error, self.what, &self.plan, &mut *tell)?;
-        let simulation = rung.candidate.simulation(self.scene, start.clone(), rung.h, rung.tolerance)?;
+        let simulation =
+            rung.candidate.simulation(self.scene, start.clone(), rung.h, rung.tolerance, HALVINGS)?;
         let pilots = (duration / prices.pilot).round();
         let surest = if pilots > 1.0 { SUREST_BEYOND } else { SUREST };
         Ok(Planned {
