@@ -297,9 +297,7 @@ impl Notebook {
                     self.matrix.values[place] = f64::from(u8::from(column == row));
                 }
             }
-            if !self.matrix.factorise() {
-                return Err(Trouble::Singular { vertex: 0 });
-            }
+            self.matrix.factorise().map_err(|place| Trouble::Singular { vertex: place / 3 })?;
             self.matrix.solve(&mut change);
             if let Some(place) = change.iter().position(|x| !x.is_finite()) {
                 return Err(Trouble::Singular { vertex: place / 3 });

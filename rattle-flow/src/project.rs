@@ -1,6 +1,7 @@
 //! Functions with jumps as depths at vertices.
 
 use crate::mesh::{Mesh, signed_area};
+use crate::rows::flushed;
 use crate::sparse::Sparse;
 
 /// Each side of a triangle is divided in so many parts to integrate a function.
@@ -39,10 +40,12 @@ impl Mesh {
                 }
             }
         }
-        if matrix.factorise() {
+        let mut iterative = matrix.iterative();
+        let solved = iterative.take(&matrix.values) && iterative.solve(&mut moments, 1e-14, &[]).is_some();
+        if !solved && matrix.factorise().is_ok() {
             matrix.solve(&mut moments);
         }
-        moments
+        moments.into_iter().map(flushed).collect()
     }
 }
 

@@ -54,10 +54,11 @@ impl Sparse {
         (start..end).map(|place| (self.rows[place] as usize, place))
     }
 
-    /// Factorises the numbers. False where one of them is not finite: then nothing was done.
-    pub(crate) fn factorise(&mut self) -> bool {
+    /// Factorises the numbers. Where they have no factors, the column is told that has a number that is not finite,
+    /// else the one whose numbers are the smallest.
+    pub(crate) fn factorise(&mut self) -> Result<(), usize> {
         if !self.values.iter().all(|x| x.is_finite()) {
-            return false;
+            return Err(self.weakest());
         }
         let n = self.columns.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, &self.columns, None, &self.rows);
@@ -67,7 +68,17 @@ impl Sparse {
         }
         let symbolic = self.symbolic.clone();
         self.factors = symbolic.and_then(|symbolic| Lu::try_new_with_symbolic(symbolic, matrix).ok());
-        self.factors.is_some()
+        if self.factors.is_some() { Ok(()) } else { Err(self.weakest()) }
+    }
+
+    fn weakest(&self) -> usize {
+        let size = |column: usize| {
+            let finite = |x: &f64| if x.is_finite() { x.abs() } else { f64::NEG_INFINITY };
+            let places = self.columns[column] as usize..self.columns[column + 1] as usize;
+            let sizes = self.values[places].iter().map(finite);
+            if sizes.clone().any(|size| size < 0.0) { -1.0 } else { sizes.fold(0.0, f64::max) }
+        };
+        (0..self.columns.len() - 1).min_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)
     }
 
     /// The same matrix, to be solved by iteration.
@@ -80,6 +91,42 @@ impl Sparse {
         let n = vector.len();
         if let Some(factors) = &self.factors {
             factors.solve_in_place(MatMut::from_column_major_slice_mut(vector, n, 1));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Sparse;
+
+    #[test]
+    fn where_there_are_no_factors_a_column_is_named() {
+        let mut matrix = Sparse::of_groups(4, [[0_u32, 1], [1, 2], [2, 3]].into_iter());
+        for column in 0..4 {
+            let places: Vec<(usize, usize)> = matrix.column(column).collect();
+            places
+                .iter()
+                .for_each(|&(row, place)| matrix.values[place] = if row == column { 2.0 } else { -1.0 });
+        }
+        assert_eq!(matrix.factorise(), Ok(()));
+        let mut x = [1.0, 0.0, 0.0, 0.0];
+        matrix.solve(&mut x);
+        (0..4).for_each(|i| assert!((x[i] - 0.2 * (4 - i) as f64).abs() < 1e-15, "{x:?}"));
+        let diagonal = matrix.place(2, 2) as usize;
+        matrix.values[diagonal] = f64::NAN;
+        assert_eq!(matrix.factorise(), Err(2));
+        matrix.values[diagonal] = f64::INFINITY;
+        assert_eq!(matrix.factorise(), Err(2));
+        let column: Vec<(usize, usize)> = matrix.column(3).collect();
+        matrix.values[diagonal] = 2.0;
+        column.iter().for_each(|&(_, place)| matrix.values[place] = 0.0);
+        let mut x = [0.0, 0.0, 0.0, 1.0];
+        match matrix.factorise() {
+            Ok(()) => {
+                matrix.solve(&mut x);
+                assert!(!x[3].is_finite());
+            }
+            Err(column) => assert_eq!(column, 3),
         }
     }
 }
