@@ -185,12 +185,12 @@ mod tests {
         }
     }
 
-    /// Lakes that thin films join: strength varies by 10⁶ from patch to patch, and a patch of 7½ cells ends within an
-    /// aggregate. Ten digits take 26 steps at most, on sixteen times as many cells too.
+    /// Lakes that thin films join: strength varies by 10⁶ from patch to patch, and patches end within aggregates. Ten
+    /// digits take 28 steps at most, on sixteen times as many cells too.
     #[test]
     fn steps_do_not_grow_with_the_mesh() {
         for contrast in [1.0, 1e2, 1e6] {
-            for n in [30, 60, 120] {
+            for n in [34, 61, 136] {
                 let patch = |i: usize| {
                     if (4 * (i % n) / n + 4 * (i / n) / n).is_multiple_of(2) { 1.0 } else { contrast }
                 };
@@ -199,7 +199,7 @@ mod tests {
                 let mut x = right(n);
                 assert!(solver.take(&matrix.values) && solver.solve(&mut x, 1e-10, &[]).is_some());
                 let Age::Used { pace, .. } = solver.age else { panic!("used") };
-                assert!(10.0 * pace < 26.5, "{} steps for {n}, {contrast:e}", 10.0 * pace);
+                assert!(10.0 * pace < 28.5, "{} steps for {n}, {contrast:e}", 10.0 * pace);
             }
         }
     }
