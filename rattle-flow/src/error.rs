@@ -1,7 +1,7 @@
 //! Errors, with the numbers that explain them.
 
 /// What is wrong with a mesh.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// A coordinate of a vertex is not finite.
@@ -86,7 +86,7 @@ pub enum MeshError {
 }
 
 /// Why a flow cannot be started, or a step not be taken.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlowError {
     /// A given number is NaN, or out of its range.
@@ -165,3 +165,16 @@ pub enum FlowError {
         y: f64,
     },
 }
+
+/// A program that ends with an error prints it by `Debug`: these say there what they say to a person.
+macro_rules! debug_as_display {
+    ($($error:ty),*) => {$(
+        impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, f)
+            }
+        }
+    )*};
+}
+
+debug_as_display!(MeshError, FlowError, crate::ReadError);

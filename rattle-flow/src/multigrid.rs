@@ -102,11 +102,12 @@ fn add_up(fine: &[f64], places: &[u32], coarse: &mut [f64]) {
     fine.iter().zip(places).for_each(|(value, &place)| coarse[place as usize] += value);
 }
 
-/// The pair of each vertex, and the largest coupling of each pair's members, given that of each vertex. Who finds nobody
-/// joins a pair, or stays alone.
+/// The pair of each vertex, and the largest coupling of each pair's members, given the largest one of each vertex. A
+/// vertex that finds no other joins a pair, or stays alone.
 ///
-/// What couples is measured by the weaker one's: two lakes that a thin film joins do not become a pair, though on coarse
-/// levels nobody else is left to either. Neither a smoother nor a coarse level would see a difference between them.
+/// A coupling is strong or weak in comparison with the smaller of the two vertices' largest ones. So two lakes that a
+/// thin film joins do not become a pair, though coarse levels have no other neighbours left: neither the smoother nor a
+/// coarser level could tell the one from the other.
 fn paired(matrix: &Rows, heaviest: &[f64]) -> (Vec<u32>, Vec<f64>) {
     let across = matrix.across();
     let mut pairs = vec![NONE; matrix.size()];

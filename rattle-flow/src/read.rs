@@ -4,7 +4,7 @@ use crate::error::MeshError;
 use std::path::Path;
 
 /// A file that cannot be read.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
     /// The file cannot be opened or read.

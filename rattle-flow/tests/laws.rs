@@ -213,6 +213,7 @@ fn what_is_wrong_is_named() {
     let flow = || Flow::over(mesh.clone(), UNIT);
     let hole = start(flow().terrain(|[x, y]| if x + y > 1.9 { f64::NAN } else { 0.0 }), &depth, 0.1);
     assert!(matches!(hole, FlowError::Given { what: "the terrain", .. }), "{hole}");
+    assert_eq!(format!("{hole:?}"), hole.to_string()); // a program that ends with it prints that
     assert!(matches!(start(flow(), &depth[1..], 0.1), FlowError::Count { .. }));
     assert!(matches!(start(flow(), &depth, f64::NAN), FlowError::TimeStep { .. }));
     assert!(matches!(
