@@ -21,7 +21,7 @@ pub fn expand(which: Macro, input: TokenStream) -> TokenStream {
     let Some(item) = parse(input, &mut problems) else { return problems.report() };
     let which = which.of(&item);
     let mut graph = Graph::new();
-    let Lowered { roots, named } = lower(&item, which.expectation(), &mut graph, &mut problems);
+    let Lowered { roots, named, .. } = lower(&item, which.expectation(), &mut graph, &mut problems);
     which.check(&item, roots.len(), &mut problems);
     let sizes = which.sizes(&item, roots.len());
     if problems.any() || roots.is_empty() {

@@ -25,7 +25,7 @@
 //! call  rules  schedule  formula
 //! arithmetic  algebra
 //! names  parse  graph  interface
-//! value  parse_expression  macros  operation
+//! value  parse_expression  macros  operation  headings
 //! syntax  node
 //! problems  tokens  ratio  functions  limits
 //! ```
@@ -42,6 +42,7 @@ mod expand;
 mod limits;
 
 // Reading: tokens to a graph.
+mod headings;
 mod macros;
 mod parse;
 mod parse_expression;

@@ -25,6 +25,9 @@ struct Lowering<'a> {
     scope: Scope,
     /// What the `let`s around the equations are, outside of loops.
     named: Vec<(Id, String)>,
+    /// How many roots there are up to each element of the outermost list.
+    parts: Vec<usize>,
+    in_list: bool,
     rounds: usize,
     /// Expressions read so far, in every round of a loop.
     steps: usize,
@@ -41,6 +44,8 @@ pub(crate) struct Lowered {
     pub(crate) roots: Vec<Id>,
     /// The numbers that have names, for the documentation.
     pub(crate) named: Vec<(Id, String)>,
+    /// How many roots there are up to each element of the outermost list.
+    pub(crate) parts: Vec<usize>,
 }
 
 /// The equations of an item. Problems are noted; the roots are then incomplete.
@@ -55,6 +60,8 @@ pub(crate) fn lower(
         problems,
         scope: Scope::default(),
         named: Vec::new(),
+        parts: Vec::new(),
+        in_list: false,
         rounds: 0,
         steps: 0,
         unreadable: false,
@@ -62,7 +69,7 @@ pub(crate) fn lower(
         of_time: expected.of_time,
     };
     let roots = lowering.item(item, expected);
-    Lowered { roots, named: lowering.named }
+    Lowered { roots, named: lowering.named, parts: lowering.parts }
 }
 
 impl Lowering<'_> {
@@ -121,8 +128,12 @@ impl Lowering<'_> {
                 self.each(binders, &mut |lowering| lowering.equations(body, expected, roots));
             }
             Kind::Array(list) if expected.several => {
+                let outermost = !std::mem::replace(&mut self.in_list, true);
                 for equation in list {
                     self.equations(equation, expected, roots);
+                    if outermost {
+                        self.parts.push(roots.len());
+                    }
                 }
                 if list.is_empty() {
                     self.wrong(expr.extent, "there is no equation in this list");

@@ -15,6 +15,7 @@ use crate::emit::{Emitter, Frame};
 use crate::expand::{reported, structure};
 use crate::formula;
 use crate::graph::Graph;
+use crate::headings::{Headings, headings};
 use crate::kernel::components;
 use crate::limits::TooLarge;
 use crate::lower::{Lowered, lower};
@@ -23,22 +24,12 @@ use crate::node::{Id, Input};
 use crate::parse::parse;
 use crate::problems::Problems;
 use crate::routine::{LARGE, Routines};
-use crate::syntax::Item;
-use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, TokenStream, TokenTree};
+use crate::syntax::{Item, UNKNOWN};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{format_ident, quote};
 
 /// So many numbers of an element can be eliminated.
 const MOST_ELIMINATED: usize = 3;
-
-/// The input with its headings taken out: an item as the other macros have it.
-struct Headings {
-    item: TokenStream,
-    /// How many of the variables are unknowns; the others are given.
-    unknowns: usize,
-    eliminated: Vec<Ident>,
-    /// Whether the components are followed by those that are differentiated in their stead.
-    linearised: bool,
-}
 
 /// Which numbers of an element are which.
 struct Roles {
@@ -51,8 +42,12 @@ struct Roles {
 /// The struct and its kernel, generated for the input of `residual!`.
 pub fn residual(input: TokenStream) -> TokenStream {
     let mut problems = Problems::default();
-    let headings = headings(input);
+    let headings = headings(input, &mut problems);
     let Some(item) = parse(headings.item.clone(), &mut problems) else { return problems.report() };
+    let roles = roles(&item, &headings, &mut problems);
+    if headings.broken {
+        return refused(&item, &roles, roles.unknowns, problems);
+    }
     let mut graph = Graph::new();
     let expected = Expectation {
         several: true,
@@ -61,101 +56,46 @@ pub fn residual(input: TokenStream) -> TokenStream {
         noun: "the residual",
         of_time: "a residual knows no time; hand it over with what is given",
     };
-    let Lowered { roots, .. } = lower(&item, expected, &mut graph, &mut problems);
-    let roles = roles(&item, &headings, &mut problems);
-    let written = if headings.linearised { roots.len() / 2 } else { roots.len() };
-    if !problems.any() && headings.linearised && roots.len() % 2 == 1 {
-        let message =
-            format!("expected as many components to linearise as there are, found {} in all", roots.len());
-        problems.note_at(&item.name, message);
-    }
-    if !problems.any() && !roles.eliminated.is_empty() && written != roles.unknowns {
-        let message = format!(
-            "to eliminate some of {} unknowns takes as many components, in their order; found {written}",
-            roles.unknowns
-        );
-        problems.note_at(&item.name, message);
+    let Lowered { roots, parts, .. } = lower(&item, expected, &mut graph, &mut problems);
+    let written = match (&headings.linearise, parts.first()) {
+        (Some(_), Some(&first)) => first,
+        _ => roots.len(),
+    };
+    if !problems.any() {
+        check(&headings, &roles, written, roots.len(), &mut problems);
     }
     if problems.any() || roots.is_empty() {
-        let (stub, report) = (structure(&item, &[]), reported(&item, problems));
-        return quote!(#stub #report);
+        let components = if written > 0 { written } else { roles.unknowns };
+        return refused(&item, &roles, components, problems);
     }
     match routines(graph, &roots, written, &roles) {
         Ok(routines) => implementation(&item, &headings, &routines, &roles),
         Err(large) => {
             problems.note_at(&item.name, large);
-            let (stub, report) = (structure(&item, &[]), reported(&item, problems));
-            quote!(#stub #report)
+            refused(&item, &roles, written, problems)
         }
     }
 }
 
-fn is_punct(token: &TokenTree, c: char) -> bool {
-    matches!(token, TokenTree::Punct(punct) if punct.as_char() == c)
-}
-
-fn is_ident(token: &TokenTree, name: &str) -> bool {
-    matches!(token, TokenTree::Ident(ident) if ident == name)
-}
-
-/// Takes `given |…|`, `eliminate(…)` and `linearise …` out of the tokens.
-fn headings(input: TokenStream) -> Headings {
-    let tokens: Vec<TokenTree> = input.into_iter().collect();
-    let bars: Vec<usize> = (0..tokens.len()).filter(|&i| is_punct(&tokens[i], '|')).collect();
-    let whole = |item| Headings { item, unknowns: usize::MAX, eliminated: Vec::new(), linearised: false };
-    let &[first, second, ..] = &bars[..] else { return whole(tokens.into_iter().collect()) };
-    let mut variables = tokens[first + 1..second].to_vec();
-    let names =
-        |list: &[TokenTree]| list.split(|token| is_punct(token, ',')).filter(|part| !part.is_empty()).count();
-    let unknowns = names(&variables);
-    let mut next = second + 1;
-    if let (true, &[_, _, third, fourth, ..]) =
-        (tokens.get(next).is_some_and(|t| is_ident(t, "given")), &bars[..])
+/// How many components there must be: so many are written, of all that there are.
+fn check(headings: &Headings, roles: &Roles, written: usize, all: usize, problems: &mut Problems) {
+    if let Some(word) = &headings.linearise
+        && all != 2 * written
     {
-        if !variables.last().is_some_and(|token| is_punct(token, ',')) {
-            variables.push(TokenTree::Punct(Punct::new(',', Spacing::Alone)));
-        }
-        variables.extend(tokens[third + 1..fourth].iter().cloned());
-        next = fourth + 1;
+        let found = all - written;
+        let message =
+            format!("expected as many components after `linearise` as before it, {written}; found {found}");
+        problems.note_at(word, message);
     }
-    let mut eliminated = Vec::new();
-    if let (true, Some(TokenTree::Group(group))) =
-        (tokens.get(next).is_some_and(|t| is_ident(t, "eliminate")), tokens.get(next + 1))
+    if let Some(name) = headings.eliminated.first()
+        && written != roles.unknowns
     {
-        let own = group.stream().into_iter();
-        eliminated.extend(
-            own.filter_map(|token| if let TokenTree::Ident(name) = token { Some(name) } else { None }),
+        let message = format!(
+            "to eliminate some of {} unknowns takes as many components, in their order; found {written}",
+            roles.unknowns
         );
-        next += 2;
+        problems.note_at(name, message);
     }
-    let (body, linearised) = body(&tokens[next..]);
-    let head = &tokens[..=first];
-    let item = head.iter().chain(&variables).chain([&tokens[second]]).cloned().chain(body).collect();
-    Headings { item, unknowns, eliminated, linearised }
-}
-
-/// `{ lets; A linearise B }` as `{ lets; [A, B] }`, and `A linearise B` as `[A, B]`.
-fn body(tokens: &[TokenTree]) -> (TokenStream, bool) {
-    if let [TokenTree::Group(group)] = tokens
-        && group.delimiter() == Delimiter::Brace
-    {
-        let inner: Vec<TokenTree> = group.stream().into_iter().collect();
-        let start = inner.iter().rposition(|token| is_punct(token, ';')).map_or(0, |last| last + 1);
-        let (result, linearised) = both(&inner[start..]);
-        let mut block = Group::new(Delimiter::Brace, inner[..start].iter().cloned().chain(result).collect());
-        block.set_span(group.span());
-        return (TokenTree::Group(block).into(), linearised);
-    }
-    both(tokens)
-}
-
-fn both(tokens: &[TokenTree]) -> (TokenStream, bool) {
-    let Some(place) = tokens.iter().position(|token| is_ident(token, "linearise")) else {
-        return (tokens.iter().cloned().collect(), false);
-    };
-    let (first, second): (TokenStream, TokenStream) =
-        (tokens[..place].iter().cloned().collect(), tokens[place + 1..].iter().cloned().collect());
-    (quote!([#first, #second]), true)
 }
 
 fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
@@ -170,18 +110,23 @@ fn roles(item: &Item, headings: &Headings, problems: &mut Problems) -> Roles {
         }
         all += size;
     }
-    for name in &headings.eliminated {
+    // Variables that could not be read are reported already.
+    let readable = !item.variables.is_empty() && item.variables.iter().all(|v| v.shape != UNKNOWN);
+    for name in headings.eliminated.iter().filter(|_| readable) {
         let known = item.variables.iter().take(headings.unknowns).any(|variable| variable.name == *name);
         if !known {
             problems.note_at(name, format!("`{name}` is no unknown; those stand between the first bars"));
         }
     }
-    if eliminated.len() > MOST_ELIMINATED || (eliminated.len() == unknowns && unknowns > 0) {
+    if let Some(first) = headings.eliminated.first()
+        && readable
+        && (eliminated.len() > MOST_ELIMINATED || eliminated.len() == unknowns)
+    {
         let message = format!(
             "expected at most {MOST_ELIMINATED} numbers to eliminate and some that stay, found {} of {unknowns}",
             eliminated.len()
         );
-        problems.note_at(headings.eliminated.first().unwrap_or(&item.name), message);
+        problems.note_at(first, message);
     }
     let kept = (0..unknowns).filter(|i| !eliminated.contains(i)).collect();
     Roles { unknowns, given: all - unknowns, kept, eliminated }
@@ -280,7 +225,7 @@ fn routines(mut source: Graph, roots: &[Id], components: usize, roles: &Roles) -
 
 /// The struct with its formulas in the documentation, and the kernel.
 fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: &Roles) -> TokenStream {
-    let letter = if headings.linearised { "[residual, what is linearised]" } else { "R" };
+    let letter = if headings.linearise.is_some() { "[residual, what is linearised]" } else { "R" };
     let mut lines = vec![String::new(), "```text".to_owned()];
     lines.extend(formula::written(item, letter));
     lines.push("```".to_owned());
@@ -292,7 +237,7 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
     lines.extend([String::new(), format!("Operations per call: {}.", counts.join(", "))]);
     let structure = structure(item, &lines);
     let emitter = Emitter::new(routines);
-    let (name, kernel) = (&item.name, format_ident!("{}Kernel", item.name));
+    let kernel = format_ident!("{}Kernel", item.name);
     let mut parameters = Vec::new();
     for parameter in &item.parameters {
         let name = &parameter.name;
@@ -305,19 +250,57 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
         }
         _ => TokenStream::new(), // a kernel's fields depend on parameters only
     });
-    let declarations = emitter.declarations();
     let functions = routines
         .list
         .iter()
         .map(|routine| function(routine.name, &routine.roots, &emitter, routines, roles, &kernel));
+    let kernel = kernel_of(item, roles, emitter.declarations(), construction, functions.collect());
+    quote!(#structure #kernel)
+}
+
+/// What stands in for an item in which something is wrong, and what that is. Functions take arrays of any length, as
+/// it may be the lengths that are wrong, and only satisfy the compiler: no second wave of errors follows.
+fn refused(item: &Item, roles: &Roles, components: usize, problems: Problems) -> TokenStream {
+    let functions = ABOUT.iter().map(|(name, _)| {
+        let (result, of_name) = (result(name, roles, components), format_ident!("{name}"));
+        let step = if *name == "recovered" { quote!(, _: &[T; __K]) } else { TokenStream::new() };
+        let length = if *name == "recovered" {
+            quote!(, const __K: ::core::primitive::usize)
+        } else {
+            TokenStream::new()
+        };
+        quote! {
+            pub fn #of_name<const __N: ::core::primitive::usize, const __D: ::core::primitive::usize #length>(
+                &self,
+                _: &[T; __N],
+                _: &[T; __D]
+                #step
+            ) -> #result {
+                loop {}
+            }
+        }
+    });
+    let (structure, report) = (structure(item, &[]), reported(item, problems));
+    let declarations = quote!(scalar: ::core::marker::PhantomData<T>);
+    let kernel = kernel_of(item, roles, declarations, quote!(loop {}), functions.collect());
+    quote!(#structure #kernel #report)
+}
+
+/// The kernel's type, how it is made, and its functions.
+fn kernel_of(
+    item: &Item,
+    roles: &Roles,
+    declarations: TokenStream,
+    construction: TokenStream,
+    functions: TokenStream,
+) -> TokenStream {
+    let (name, kernel) = (&item.name, format_ident!("{}Kernel", item.name));
     let (conditions, visibility) = (&item.conditions, &item.visibility);
     let quiet = if item.is_deprecated() { quote!(#[allow(deprecated)]) } else { TokenStream::new() };
     let about =
         format!("The functions of [`{name}`] over the scalar `T`: of one element, or of several in lanes.");
     let [n, d, k] = [roles.unknowns, roles.given, roles.kept.len()].map(Literal::usize_unsuffixed);
     quote! {
-        #structure
-
         #conditions
         #quiet
         #[doc = #about]
@@ -348,7 +331,7 @@ fn implementation(item: &Item, headings: &Headings, routines: &Routines, roles: 
         #[automatically_derived]
         #[allow(dead_code, clippy::all)]
         impl<T: ::rattle::real::Real> #kernel<T> {
-            #(#functions)*
+            #functions
         }
     }
 }
@@ -371,22 +354,14 @@ fn function(
     kernel: &Ident,
 ) -> TokenStream {
     let about = ABOUT.iter().find(|(own, _)| *own == name).map_or("", |(_, about)| about);
-    let [n, d, k, e] = [roles.unknowns, roles.given, roles.kept.len(), roles.eliminated.len()]
-        .map(Literal::usize_unsuffixed);
+    let [n, d, k] = [roles.unknowns, roles.given, roles.kept.len()].map(Literal::usize_unsuffixed);
     let components = routines.named("residual").map_or(0, |routine| routine.roots.len());
-    let m = Literal::usize_unsuffixed(components);
     let mut arguments: Vec<(Ident, TokenStream)> =
         vec![(format_ident!("__u"), quote!(&[T; #n])), (format_ident!("__d"), quote!(&[T; #d]))];
     if name == "recovered" {
         arguments.push((format_ident!("__step"), quote!(&[T; #k])));
     }
-    let result = match name {
-        "residual" => quote!([T; #m]),
-        "residual_and_jacobian" => quote!(([T; #m], [[T; #n]; #m])),
-        "condensed_residual" => quote!([T; #k]),
-        "condensed" => quote!(([T; #k], [[T; #k]; #k])),
-        _ => quote!([T; #e]),
-    };
+    let result = result(name, roles, components);
     let unknowns = roles.unknowns as u32;
     let spelling = move |input| match input {
         Input::Variable(i) if i < unknowns => component("__u", i),
@@ -417,6 +392,19 @@ fn function(
             #statements
             #value
         }
+    }
+}
+
+/// What a function returns.
+fn result(name: &str, roles: &Roles, components: usize) -> TokenStream {
+    let [n, m, k, e] =
+        [roles.unknowns, components, roles.kept.len(), roles.eliminated.len()].map(Literal::usize_unsuffixed);
+    match name {
+        "residual" => quote!([T; #m]),
+        "residual_and_jacobian" => quote!(([T; #m], [[T; #n]; #m])),
+        "condensed_residual" => quote!([T; #k]),
+        "condensed" => quote!(([T; #k], [[T; #k]; #k])),
+        _ => quote!([T; #e]),
     }
 }
 
