@@ -8,11 +8,11 @@
 //! **Volume**: fluxes cancel in pairs and the storage term is linear, so every full Newton step conserves the volume to
 //! rounding. **Sign**: where hᵢ′ < 0 nothing would flow out, so Mᵢ(hᵢ′ − hᵢ)/Δt = inflow ≥ 0, a contradiction. Negative
 //! depths that the finished iteration leaves are rounding errors, and are covered by the nearby vertex with the most
-//! water. **Rest**: a dry shore above the level of a lake has no water to give, and a level lake has p = 0, so lakes
-//! stay at rest.
+//! water. **Rest**: a dry shore above the level of a lake has no water to give and gets none, and a level lake has
+//! p = 0, so lakes stay at rest.
 //!
-//! Infiltration is the smaller of the infiltration capacity and the water there; where the capacity is larger the
-//! vertex becomes dry, h′ = 0.
+//! Infiltration is the smaller of the infiltration capacity and of what comes: an active set of vertices that are dry,
+//! h′ = 0, where all that comes seeps away.
 
 use crate::budget::Budget;
 use crate::flow::{Flow, Resistance};
@@ -56,9 +56,11 @@ pub struct Conservative {
     /// By how much more of it leaves with more depth.
     widening: Vec<f64>,
     change: Vec<f64>,
-    /// Where more can seep away than is there: now, and when the factors were made, with what stood in these rows.
+    /// Where all seeps away that comes: now, and when the factors were made, with what stood in these rows.
     dry_now: Vec<usize>,
     dry: Vec<usize>,
+    /// The residual as if nothing seeped away.
+    unseeped: Vec<f64>,
     dry_entries: Vec<Vec<(usize, f64)>>,
     settings: Settings,
 }
@@ -69,6 +71,19 @@ const REUSED: f64 = 0.1;
 
 /// Up to here LU factors, used again, take about as long as iterations.
 const DIRECT: usize = 500;
+
+/// In the second half of the iterations that are allowed, changes may be so much larger: fluxes go with the root of the
+/// slope, so where steps are long lakes at rest are rounded to no more digits.
+const LATE: f64 = 1e3;
+
+/// |p| is at most so many times √|∇(b + h)|.
+const FARTHEST: f64 = 4.0;
+
+/// Sums are rounded to this many parts of 2⁻⁵². Where this part of the water is lacking, a step has failed.
+const ROUNDED: f64 = 64.0;
+const ASTRAY: f64 = 1e-6;
+/// Depths are changed by less than this part of them.
+const MOST_MENDED: f64 = 1e-3;
 
 /// What may be left of linear equations that are solved by iteration: at least this, and at most that where the change
 /// is about to be smaller than asked for. With 1e-8 the dam break on 17 000 vertices took 1.7 times as long, and 1e-2
@@ -82,7 +97,8 @@ pub struct Settings {
     /// converge.
     pub epsilon: f64,
     /// The iteration ends where the remaining error, estimated from the ratio of the last two changes of depth, is
-    /// below this fraction of the largest depth.
+    /// below this fraction of the largest depth, before or after the step; in the second half of the iterations that
+    /// are allowed, below 1000 times as much.
     pub tolerance: f64,
     /// The largest number of iterations.
     pub most: usize,
@@ -124,6 +140,7 @@ impl Conservative {
             change: vec![0.0; n],
             dry_now: Vec::new(),
             dry: Vec::new(),
+            unseeped: vec![0.0; n],
             dry_entries: Vec::new(),
             settings,
         }
@@ -153,9 +170,14 @@ impl Conservative {
         for (block, slope) in self.blocks.iter().zip(&mut self.slopes) {
             let of_block = gather(block, &self.change);
             let step = kernel.recovered(&unknowns(block, depth, slope), &block.given, &of_block);
-            for k in 0..2 {
-                slope[k] = slope[k] + Wide::from_f64(part) * step[k];
-            }
+            let part = Wide::from_f64(part);
+            let (now, before) = (from_fn(|i| gather(block, depth)[i] + part * of_block[i]), *slope);
+            let next: [Wide; 2] = from_fn(|k| before[k] + part * step[k]);
+            // From p near 0 Newton's method leads far too far, to 1/ε, and then halves p in each iteration.
+            let most = Wide::from_f64(FARTHEST) * root(sloping(block, &now));
+            let size = (next[0] * next[0] + next[1] * next[1]).sqrt();
+            let far = most.lt(size);
+            *slope = next.map(|p| Wide::select(far, p * (most / size), p));
         }
     }
 
@@ -172,7 +194,7 @@ impl Conservative {
         }
     }
 
-    /// Sources, sinks and storage in the residual; lists where more can seep away than is there.
+    /// Sources, sinks and storage in the residual.
     fn add_sources(
         &mut self,
         flow: &Flow,
@@ -182,17 +204,14 @@ impl Conservative {
         (rain, inflow): (&[f64], &[f64]),
     ) {
         let (shares, power) = (flow.mesh.shares(), flow.resistance.power());
-        self.dry_now.clear();
         for i in 0..depth.len() {
             let supply = shares[i] * depth[i] / step + rain[i] + inflow[i];
             let leaving =
                 if flow.outlet[i] > 0.0 { flow.outlet[i] * guess[i].max(0.0).powf(power) } else { 0.0 };
             let stored = shares[i] * guess[i] / step;
             self.leaving[i] = leaving;
-            self.residual[i] += stored - supply + leaving + flow.infiltration[i];
-            if flow.infiltration[i] > 0.0 && self.residual[i] > stored {
-                self.dry_now.push(i);
-            }
+            self.unseeped[i] = self.residual[i] + (stored - supply + leaving);
+            self.residual[i] = self.unseeped[i] + flow.infiltration[i];
         }
     }
 
@@ -240,9 +259,7 @@ impl Conservative {
         let shares = flow.mesh.shares();
         let (mut last, mut last_length) = (f64::INFINITY, f64::INFINITY);
         let mut fresh = true;
-        // The largest depth there may be: what is there, and what comes.
-        let coming = (0..depth.len()).map(|i| depth[i] + step * (sources.0[i] + sources.1[i]) / shares[i]);
-        let enough = self.settings.tolerance * coming.fold(f64::MIN_POSITIVE, f64::max);
+        let (deepest, tolerance) = (largest(depth).1, self.settings.tolerance);
         for iteration in 1..=self.settings.most {
             if !fresh {
                 self.assemble_residual(kernel, guess);
@@ -252,6 +269,9 @@ impl Conservative {
             if fresh {
                 self.assemble(kernel, guess);
                 self.add_sources(flow, depth, guess, step, sources);
+                if iteration == 1 {
+                    self.first_dry(flow, guess);
+                }
                 self.factorise(flow, guess, step)?;
             }
             self.change.iter_mut().zip(&self.residual).for_each(|(change, residual)| *change = -residual);
@@ -261,6 +281,7 @@ impl Conservative {
             // Changes get smaller as the right side does; the last one need not be exact.
             let length = dot(&self.change, &self.change).sqrt();
             let expected = last * (length / last_length);
+            let enough = tolerance * deepest.max(largest(guess).1);
             let [least, most] = INEXACT;
             let inexact =
                 if expected.is_finite() { (0.1 * enough / expected).clamp(least, most) } else { least };
@@ -274,12 +295,18 @@ impl Conservative {
             let part = if iteration > 2 && size > last { 0.5 } else { 1.0 };
             self.recover(kernel, guess, part);
             guess.iter_mut().zip(&self.change).for_each(|(depth, change)| *depth += part * change);
+            let enough = if 2 * iteration > self.settings.most { LATE } else { 1.0 }
+                * tolerance
+                * deepest.max(largest(guess).1);
             let rate = if iteration == 1 { 1.0 } else { f64::max(size / last, unsure) };
-            if size == 0.0
-                || (part == 1.0 && size * rate.min(1.0) <= enough && guess.iter().all(|&h| h >= -enough))
-            {
+            self.next_dry(flow, guess);
+            let small = size == 0.0 || part == 1.0 && size * rate.min(1.0) <= enough;
+            if small && guess.iter().all(|&h| h >= -enough) && self.seeps(flow) {
                 self.lend(shares, guess);
-                return Ok(StepInfo { iterations: iteration, booked: self.book(flow, step, sources) });
+                let mut booked = self.book(flow, step, sources);
+                if self.settle(shares, depth, guess, step, &mut booked) {
+                    return Ok(StepInfo { iterations: iteration, booked });
+                }
             }
             fresh = self.iterative.is_some() || iteration > 1 && rate > REUSED;
             last = size;
@@ -288,33 +315,119 @@ impl Conservative {
         Err(Trouble::NotConverged { iterations: self.settings.most, change, vertex })
     }
 
-    /// What the end of the iteration leaves below zero is taken from the vertex with the most water: nearby, or
-    /// anywhere.
+    /// What the end of the iteration leaves below zero is taken from the vertex with the most water: nearby if that has
+    /// enough, else from the wettest of all, one after the other.
     fn lend(&self, shares: &[f64], depth: &mut [f64]) {
         for i in 0..depth.len() {
             if depth[i] < 0.0 {
-                let lacking = -depth[i] * shares[i];
-                let volume = |j: &usize| depth[*j] * shares[*j];
-                let wettest = |a: &usize, b: &usize| volume(a).total_cmp(&volume(b));
-                let near = self.matrix.column(i).map(|(row, _)| row).max_by(wettest);
-                let lender =
-                    near.filter(|j| volume(j) > lacking).or_else(|| (0..depth.len()).max_by(wettest));
-                if let Some(j) = lender.filter(|j| volume(j) > lacking) {
-                    depth[j] -= lacking / shares[j];
-                    depth[i] = 0.0;
+                let mut lacking = -depth[i] * shares[i];
+                depth[i] = 0.0;
+                let volume = |depth: &[f64], j: usize| depth[j] * shares[j];
+                let near = self.matrix.column(i).map(|(row, _)| row);
+                let near = near.max_by(|&a, &b| volume(depth, a).total_cmp(&volume(depth, b)));
+                let mut lender = near.filter(|&j| volume(depth, j) > lacking);
+                while lacking > 0.0 {
+                    let wettest =
+                        || (0..depth.len()).max_by(|&a, &b| volume(depth, a).total_cmp(&volume(depth, b)));
+                    let Some(j) = lender.take().or_else(wettest).filter(|&j| depth[j] > 0.0) else { break };
+                    let all = volume(depth, j);
+                    depth[j] = if all > lacking { (depth[j] - lacking / shares[j]).max(0.0) } else { 0.0 };
+                    lacking -= all;
                 }
             }
         }
     }
 
+    /// Whether the balance of a step closes. Where much more water flows through than is there, the rounding of fluxes
+    /// is more than that of the volume: what is lacking is added, in proportion, to the depths, or to what has left where
+    /// hardly any water stays. What rounding does not explain stays, and shows in the budget; where it is much, the
+    /// iteration has gone astray.
+    fn settle(
+        &self,
+        shares: &[f64],
+        before: &[f64],
+        depth: &mut [f64],
+        step: f64,
+        booked: &mut Budget,
+    ) -> bool {
+        let came = dot(before, shares) + booked.rain + booked.inflow;
+        let (left, now) = (booked.infiltration + booked.outflow, dot(depth, shares));
+        let (lacking, rounding) = (came - left - now, ROUNDED * f64::EPSILON);
+        if lacking.abs() > rounding * came {
+            // About what flows out of vertices: a flux is less than its derivative times the depth.
+            let flows = self.diagonal.iter().zip(&*depth).zip(&self.change);
+            let flows =
+                flows.map(|((&place, h), change)| self.matrix.values[place as usize] * (h + change.abs()));
+            let flows = flows.sum::<f64>() + (0..self.dry.len()).map(|k| self.seeping(k)).sum::<f64>();
+            let explained = lacking.abs() <= (rounding * step * flows).min(ASTRAY * came);
+            if explained && lacking.abs() < MOST_MENDED * now {
+                depth.iter_mut().for_each(|h| *h *= 1.0 + lacking / now);
+            } else if explained && left > 0.0 {
+                let factor = 1.0 + lacking / left;
+                booked.unmet += booked.infiltration * (1.0 - factor);
+                booked.infiltration *= factor;
+                booked.outflow *= factor;
+            }
+        }
+        lacking.abs() <= ASTRAY * came
+    }
+
+    /// Where there is no water, and less comes than can seep away.
+    fn first_dry(&mut self, flow: &Flow, guess: &[f64]) {
+        let dry = |&i: &usize| flow.infiltration[i] > 0.0 && guess[i] <= 0.0 && self.residual[i] > 0.0;
+        self.dry_now.clear();
+        self.dry_now.extend((0..guess.len()).filter(dry));
+    }
+
+    /// The active set: a dry vertex stays dry where less comes than can seep away, and one is dry whose depth is
+    /// negative else. (That fluxes take more than there is says nothing: they will be smaller with less depth.)
+    fn next_dry(&mut self, flow: &Flow, guess: &[f64]) {
+        let mut before = self.dry.iter().enumerate().peekable();
+        self.dry_now.clear();
+        for (i, capacity) in flow.infiltration.iter().enumerate().filter(|(_, capacity)| **capacity > 0.0) {
+            let dry = match before.next_if(|(_, vertex)| **vertex == i) {
+                Some((k, _)) => self.seeped(k) < *capacity,
+                None => guess[i] < 0.0,
+            };
+            if dry {
+                self.dry_now.push(i);
+            }
+        }
+    }
+
+    /// What seeps away, volume per time, at one of the vertices that are dry: all that comes there.
+    fn seeped(&self, k: usize) -> f64 {
+        let moved = self.dry_entries[k].iter().map(|&(j, entry)| entry * self.change[j]);
+        -self.unseeped[self.dry[k]] - moved.sum::<f64>()
+    }
+
+    /// What it is the sum of.
+    fn seeping(&self, k: usize) -> f64 {
+        let moved = self.dry_entries[k].iter().map(|&(j, entry)| (entry * self.change[j]).abs());
+        self.unseeped[self.dry[k]].abs() + moved.sum::<f64>()
+    }
+
+    /// Whether at dry vertices no more seeps away than can, and not less than nothing, but for what is asked of changes
+    /// and rounding.
+    fn seeps(&self, flow: &Flow) -> bool {
+        self.dry.iter().enumerate().all(|(k, &i)| {
+            let (seeped, capacity) = (self.seeped(k), flow.infiltration[i]);
+            let near = self.settings.tolerance * capacity + ROUNDED * f64::EPSILON * self.seeping(k);
+            (-near..=capacity + near).contains(&seeped)
+        })
+    }
+
     /// What the last change did to the volume. The linear equations moved the water, so the books follow them.
     fn book(&self, flow: &Flow, step: f64, (rain, inflow): (&[f64], &[f64])) -> Budget {
         let mut booked = Budget { rain: sum(rain) * step, inflow: sum(inflow) * step, ..Budget::default() };
-        for (&i, row) in self.dry.iter().zip(&self.dry_entries) {
-            let moved: f64 = row.iter().map(|&(j, entry)| entry * self.change[j]).sum();
-            booked.unmet += step * (self.residual[i] + moved);
+        // What seeps away at dry vertices is what comes there; as capacity less what is unmet it would be rounded to a
+        // part of the capacity, however little came.
+        let (mut seeped, mut dry) = (0.0, self.dry.iter().enumerate().peekable());
+        for (i, capacity) in flow.infiltration.iter().enumerate() {
+            seeped += dry.next_if(|(_, vertex)| **vertex == i).map_or(*capacity, |(k, _)| self.seeped(k));
         }
-        booked.infiltration = sum(&flow.infiltration) * step - booked.unmet;
+        booked.infiltration = step * seeped;
+        booked.unmet = step * (sum(&flow.infiltration) - seeped);
         let widened = self.leaving.iter().zip(&self.widening).zip(&self.change);
         booked.outflow =
             step * widened.map(|((leaving, widening), change)| leaving + widening * change).sum::<f64>();
@@ -356,12 +469,21 @@ fn unknowns(block: &Block, depth: &[f64], slope: &[Wide; 2]) -> [Wide; 5] {
     [a, b, c, slope[0], slope[1]]
 }
 
+/// ∇(b + h).
+fn sloping(block: &Block, h: &[Wide; 3]) -> [Wide; 2] {
+    let level = [h[0], h[1] + block.given[12], h[2] + block.given[13]];
+    from_fn(|x| (0..3).fold(Wide::from_f64(0.0), |sum, i| sum + level[i] * block.given[2 * i + x]))
+}
+
+/// The root of the length.
+fn root(slope: [Wide; 2]) -> Wide {
+    (slope[0] * slope[0] + slope[1] * slope[1]).sqrt().sqrt()
+}
+
 /// p with |p| p = ∇(b + h).
 fn slope_of(block: &Block, depth: &[f64]) -> [Wide; 2] {
-    let depth = gather(block, depth);
-    let slope: [Wide; 2] =
-        from_fn(|x| (0..3).fold(block.given[12 + x], |sum, i| sum + depth[i] * block.given[2 * i + x]));
-    let root = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt().sqrt();
+    let slope = sloping(block, &gather(block, depth));
+    let root = root(slope);
     let still = root.le(Wide::from_f64(0.0));
     slope.map(|x| Wide::select(still, Wide::from_f64(0.0), x / root))
 }
@@ -397,10 +519,9 @@ pub(crate) fn given(flow: &Flow, triangle: usize) -> [f64; GIVEN] {
         let weight = (a[0] * b[0] + a[1] * b[1]) / (4.0 * area); // ½ cot at k
         side(i, j).map(|x| weight * x)
     });
-    let bed: [f64; 2] = from_fn(|x| {
-        (0..3).map(|i| grad[i][x] * flow.terrain[flow.mesh.triangles()[triangle][i] as usize]).sum()
-    });
-    let numbers = grad.into_iter().chain(arm).flatten().chain(bed).chain([flow.mobility(triangle)]);
+    let bed = flow.mesh.triangles()[triangle].map(|vertex| flow.terrain[vertex as usize]);
+    let rise = [bed[1] - bed[0], bed[2] - bed[0]];
+    let numbers = grad.into_iter().chain(arm).flatten().chain(rise).chain([flow.mobility(triangle)]);
     let mut result = [0.0; GIVEN];
     result.iter_mut().zip(numbers).for_each(|(slot, number)| *slot = number);
     result

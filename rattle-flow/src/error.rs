@@ -90,9 +90,9 @@ pub enum MeshError {
 #[non_exhaustive]
 pub enum FlowError {
     /// A given number is NaN, or out of its range.
-    #[error("{what} at vertex or triangle {place} is {found} at time {time}; expected {expected}")]
+    #[error("{what} {place} is {found} at time {time}; expected {expected}")]
     Given {
-        /// Which number.
+        /// Which number, up to the place: "rain at vertex".
         what: &'static str,
         /// The number of its vertex; for friction, of its triangle.
         place: usize,
@@ -121,11 +121,15 @@ pub enum FlowError {
         /// The part that it does not support.
         what: &'static str,
     },
-    /// A time step that is not positive and finite.
-    #[error("the time step is {found}; expected a positive number")]
-    TimeStep {
+    /// A number that belongs to no place, such as the time step, is NaN, or out of its range.
+    #[error("{what} is {found}; expected {expected}")]
+    Number {
+        /// Which number.
+        what: &'static str,
         /// What was found.
         found: f64,
+        /// What was expected.
+        expected: &'static str,
     },
     /// Newton's method did not converge, however small the step.
     #[error(

@@ -68,12 +68,14 @@ pub struct Flow {
     /// k or n of each triangle.
     pub(crate) friction: Vec<f64>,
     rain: Vec<Rate>,
-    /// At each vertex, volume per time.
+    /// At each vertex, length per time; of all its share, volume per time.
+    rates: Vec<f64>,
     pub(crate) infiltration: Vec<f64>,
-    /// At each vertex: Σ ½ length · c √slope of its open edges.
+    /// Open edges, by their number in the boundary: slope, and half the length.
+    open: Vec<(usize, f64, f64)>,
+    /// At each vertex: Σ ½ length · c √slope of its open edges, once friction is known.
     pub(crate) outlet: Vec<f64>,
     inflow: Vec<(Vec<(u32, f64)>, Rate)>,
-    wrong: Option<FlowError>,
 }
 
 impl Flow {
@@ -85,10 +87,11 @@ impl Flow {
             terrain: vec![0.0; n],
             friction: vec![1.0; triangles],
             rain: Vec::new(),
+            rates: vec![0.0; n],
             infiltration: vec![0.0; n],
+            open: Vec::new(),
             outlet: vec![0.0; n],
             inflow: Vec::new(),
-            wrong: None,
             mesh,
         }
     }
@@ -103,7 +106,7 @@ impl Flow {
         self
     }
 
-    /// The coefficient of friction, k or n, at the centroid of each triangle. Call it before [`outlet`](Flow::outlet).
+    /// The coefficient of friction, k or n, at the centroid of each triangle.
     #[doc(alias = "roughness")]
     #[doc(alias = "Manning")]
     #[must_use]
@@ -126,31 +129,18 @@ impl Flow {
     /// difference is counted as [unmet](crate::Budget::unmet).
     #[must_use]
     pub fn infiltration(mut self, rate: impl Fn([f64; 2]) -> f64) -> Self {
-        let rates = self.mesh.at_vertices(rate);
-        self.infiltration = rates.iter().zip(self.mesh.shares()).map(|(rate, share)| rate * share).collect();
+        self.rates = self.mesh.at_vertices(rate);
+        self.infiltration =
+            self.rates.iter().zip(self.mesh.shares()).map(|(rate, share)| rate * share).collect();
         self
     }
 
     /// Opens the boundary at edges whose midpoint is `chosen`: water leaves there as it would flow down a plane of this
-    /// slope, q · n = c hᵅ √slope.
+    /// slope, q · n = c hᵅ √slope, with the friction of the triangle at the edge.
     #[must_use]
     pub fn outlet(mut self, slope: f64, chosen: impl Fn([f64; 2]) -> bool) -> Self {
-        if slope.is_nan() || slope < 0.0 {
-            let expected = "a slope that is not negative";
-            self.wrong = Some(FlowError::Given {
-                what: "the slope of an outlet",
-                place: 0,
-                time: 0.0,
-                found: slope,
-                expected,
-            });
-        }
-        let mean = self.friction.iter().map(|&k| self.resistance.mobility(k)).sum::<f64>()
-            / self.friction.len() as f64;
-        for (edge, half) in self.edges(chosen) {
-            edge.iter()
-                .for_each(|&vertex| self.outlet[vertex as usize] += half * mean * slope.max(0.0).sqrt());
-        }
+        let edges = self.edges(chosen);
+        self.open.extend(edges.into_iter().map(|(edge, half)| (edge, slope, half)));
         self
     }
 
@@ -162,22 +152,21 @@ impl Flow {
         discharge: impl Fn([f64; 2], f64) -> f64 + Send + Sync + 'static,
         chosen: impl Fn([f64; 2]) -> bool,
     ) -> Self {
-        let edges = self.edges(chosen);
-        let shares = edges.iter().flat_map(|&(edge, half)| edge.map(|vertex| (vertex, half))).collect();
+        let edges = self.edges(chosen).into_iter();
+        let shares =
+            edges.flat_map(|(edge, half)| self.mesh.boundary()[edge].map(|vertex| (vertex, half))).collect();
         self.inflow.push((shares, Box::new(discharge)));
         self
     }
 
-    /// The chosen edges of the boundary, with half their length.
-    fn edges(&self, chosen: impl Fn([f64; 2]) -> bool) -> Vec<([u32; 2], f64)> {
-        let ends = |edge: [u32; 2]| edge.map(|vertex| self.mesh.points()[vertex as usize]);
-        let middle = |edge| {
-            let [a, b] = ends(edge);
-            [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]
-        };
-        let length = |edge| squared(ends(edge)[0], ends(edge)[1]).sqrt();
-        let boundary = self.mesh.boundary().iter().copied();
-        boundary.filter(|&edge| chosen(middle(edge))).map(|edge| (edge, 0.5 * length(edge))).collect()
+    /// The chosen edges of the boundary, by number, with half their length.
+    fn edges(&self, chosen: impl Fn([f64; 2]) -> bool) -> Vec<(usize, f64)> {
+        let with_ends = self.mesh.boundary().iter().enumerate();
+        let with_ends = with_ends.map(|(edge, ends)| (edge, ends.map(|v| self.mesh.points()[v as usize])));
+        with_ends
+            .filter(|(_, [a, b])| chosen([0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]))
+            .map(|(edge, [a, b])| (edge, 0.5 * squared(a, b).sqrt()))
+            .collect()
     }
 
     /// Whether water is let in over the boundary.
@@ -210,26 +199,36 @@ impl Flow {
         rain.fill(0.0);
         inflow.fill(0.0);
         let vertices = self.mesh.points().iter().zip(self.mesh.shares());
+        let given =
+            |what, place, found| FlowError::Given { what, place, time, found, expected: AT_LEAST_ZERO };
         for rate in &self.rain {
-            for ((&place, share), sum) in vertices.clone().zip(&mut *rain) {
-                *sum += share * rate(place, time);
+            for (vertex, ((&place, share), sum)) in vertices.clone().zip(&mut *rain).enumerate() {
+                let rate = rate(place, time);
+                *sum += share * rate;
+                if !(rate >= 0.0 && sum.is_finite()) {
+                    return Err(given("rain at vertex", vertex, rate));
+                }
             }
         }
         for (shares, discharge) in &self.inflow {
             for &(vertex, half) in shares {
-                inflow[vertex as usize] += half * discharge(self.mesh.points()[vertex as usize], time);
+                let vertex = vertex as usize;
+                let discharge = discharge(self.mesh.points()[vertex], time);
+                inflow[vertex] += half * discharge;
+                if !(discharge >= 0.0 && inflow[vertex].is_finite()) {
+                    return Err(given("inflow at vertex", vertex, discharge));
+                }
             }
         }
-        checked("rain", rain, time, 0.0, AT_LEAST_ZERO)?;
-        checked("inflow", inflow, time, 0.0, AT_LEAST_ZERO)
+        Ok(())
     }
 
     /// A simulation of the flow from this depth at the vertices at time 0, with time steps `step`, by the
     /// [conservative](Conservative) method.
     ///
     /// # Errors
-    /// [`FlowError::Count`], [`FlowError::Given`] for a depth, terrain, friction or infiltration that is negative where
-    /// it must not be, or NaN, and [`FlowError::TimeStep`].
+    /// [`FlowError::Count`]; [`FlowError::Given`] for a depth, terrain, friction or infiltration that is negative where
+    /// it must not be, or NaN; [`FlowError::Number`] for the time step, gravity, and the slope of an outlet.
     #[doc(alias = "integrate")]
     #[doc(alias = "solve")]
     #[doc(alias = "dt")]
@@ -244,22 +243,27 @@ impl Flow {
     /// Those of [`simulate`](Flow::simulate), and [`FlowError::NotServed`] for parts of the flow that the method does
     /// not support.
     pub fn simulate_by<M: Method>(
-        self,
+        mut self,
         depth: Vec<f64>,
         step: f64,
         method: impl FnOnce(&Flow) -> M,
     ) -> Result<Simulation<M>, FlowError> {
-        if let Some(wrong) = self.wrong {
-            return Err(wrong);
-        }
         let expected = self.mesh.points().len();
         if depth.len() != expected {
             return Err(FlowError::Count { what: "depth", found: depth.len(), expected });
         }
-        checked("the terrain", &self.terrain, 0.0, f64::NEG_INFINITY, "a finite height")?;
-        checked("depth", &depth, 0.0, 0.0, AT_LEAST_ZERO)?;
-        checked("friction", &self.friction, 0.0, f64::MIN_POSITIVE, "a positive coefficient")?;
-        checked("infiltration", &self.infiltration, 0.0, 0.0, AT_LEAST_ZERO)?;
+        if let Resistance::DarcyWeisbach { gravity } = self.resistance {
+            number("gravity", gravity, gravity > 0.0, "a positive number")?;
+        }
+        checked("the terrain at vertex", &self.terrain, f64::NEG_INFINITY, "a finite height")?;
+        checked("depth at vertex", &depth, 0.0, AT_LEAST_ZERO)?;
+        checked("friction of triangle", &self.friction, f64::MIN_POSITIVE, "a positive coefficient")?;
+        checked("infiltration at vertex", &self.rates, 0.0, AT_LEAST_ZERO)?;
+        for &(edge, slope, half) in &self.open {
+            number("the slope of an outlet", slope, slope >= 0.0, AT_LEAST_ZERO)?;
+            let conduct = half * self.mobility(self.mesh.at_boundary()[edge] as usize) * slope.sqrt();
+            self.mesh.boundary()[edge].iter().for_each(|&vertex| self.outlet[vertex as usize] += conduct);
+        }
         let method = method(&self);
         method.serves(&self)?;
         Simulation::new(self, depth, step, method)
@@ -268,15 +272,19 @@ impl Flow {
 
 const AT_LEAST_ZERO: &str = "a finite number that is not negative";
 
-fn checked(
-    what: &'static str,
-    numbers: &[f64],
-    time: f64,
-    least: f64,
-    expected: &'static str,
-) -> Result<(), FlowError> {
+fn checked(what: &'static str, numbers: &[f64], least: f64, expected: &'static str) -> Result<(), FlowError> {
     match numbers.iter().position(|&x| !x.is_finite() || x < least) {
-        Some(place) => Err(FlowError::Given { what, place, time, found: numbers[place], expected }),
+        Some(place) => Err(FlowError::Given { what, place, time: 0.0, found: numbers[place], expected }),
         None => Ok(()),
     }
+}
+
+/// An error unless the number is finite and `holds`.
+pub(crate) fn number(
+    what: &'static str,
+    found: f64,
+    holds: bool,
+    expected: &'static str,
+) -> Result<(), FlowError> {
+    if holds && found.is_finite() { Ok(()) } else { Err(FlowError::Number { what, found, expected }) }
 }

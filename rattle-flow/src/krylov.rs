@@ -69,6 +69,14 @@ impl Iterative {
     /// The rows `alone` have a diagonal and nothing else: these are solved exactly, so that the sum over the others is
     /// 0.
     pub(crate) fn solve(&mut self, vector: &mut [f64], tolerance: f64, alone: &[usize]) -> Option<f64> {
+        let scale = scale(vector);
+        vector.iter_mut().for_each(|b| *b /= scale);
+        let unsure = self.solve_scaled(vector, tolerance, alone);
+        vector.iter_mut().for_each(|x| *x *= scale);
+        unsure
+    }
+
+    fn solve_scaled(&mut self, vector: &mut [f64], tolerance: f64, alone: &[usize]) -> Option<f64> {
         self.iterate(vector, tolerance)?;
         let Level { matrix, left: r, solution: x, .. } = &mut self.levels[0];
         alone.iter().for_each(|&i| x[i] = vector[i] * matrix.inverse[i]);
@@ -105,6 +113,12 @@ impl Iterative {
         };
         steps.map(drop)
     }
+}
+
+/// About the largest of the numbers, as a power of two.
+fn scale(vector: &[f64]) -> f64 {
+    let largest = vector.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    if largest > 0.0 { 2.0_f64.powi(largest.log2().clamp(-1000.0, 1000.0) as i32) } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -253,6 +267,21 @@ mod tests {
         let left = matrix.left(&x, &b);
         assert!(alone.iter().all(|&i| left[i].abs() < 1e-15) && length(&left) > 1e-3);
         assert!(left.iter().sum::<f64>().abs() < 1e-13);
+    }
+
+    /// However small or large all numbers are, and to the bit where they differ by a power of two.
+    #[test]
+    fn size_does_not_matter() {
+        let n = 30;
+        let matrix = square(n, 1e-3, |i| 1.0 + (i % 7) as f64);
+        let mut solver = Iterative::of(&matrix.columns, &matrix.rows);
+        let mut solved = |factor: f64| {
+            let mut x: Vec<f64> = right(n).iter().map(|b| factor * b).collect();
+            assert!(solver.take(&matrix.values) && solver.solve(&mut x, 1e-8, &[]).is_some());
+            x.iter().map(|x| x / factor).collect::<Vec<f64>>()
+        };
+        let one = solved(1.0);
+        assert!([-900, -200, 200, 900].iter().all(|&power| solved(2.0_f64.powi(power)) == one));
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub struct Mesh {
     points: Vec<[f64; 2]>,
     triangles: Vec<[u32; 3]>,
     boundary: Vec<[u32; 2]>,
+    /// The triangle at each edge of the boundary.
+    at_boundary: Vec<u32>,
     shares: Vec<f64>,
 }
 
@@ -66,7 +68,8 @@ impl Mesh {
         let mut boundary: Vec<[u32; 2]> =
             sides.keys().copied().filter(|&[from, to]| !sides.contains_key(&[to, from])).collect();
         boundary.sort_unstable();
-        let mesh = Mesh { points, triangles, boundary, shares };
+        let at_boundary = boundary.iter().map(|edge| sides[edge] as u32).collect();
+        let mesh = Mesh { points, triangles, boundary, at_boundary, shares };
         match mesh.hanging() {
             Some(([from, to], vertex)) => {
                 let triangle = sides[&[from, to]];
@@ -121,6 +124,10 @@ impl Mesh {
     /// The edges of the boundary, with the mesh on their left.
     pub fn boundary(&self) -> &[[u32; 2]] {
         &self.boundary
+    }
+    /// The triangle at each edge of the boundary.
+    pub(crate) fn at_boundary(&self) -> &[u32] {
+        &self.at_boundary
     }
     /// The area that belongs to each vertex: a third of the area of each of its triangles.
     pub fn shares(&self) -> &[f64] {

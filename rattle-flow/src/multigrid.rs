@@ -6,6 +6,9 @@
 //! smooth      (D + U) z′ = r − L (z + P e)     last vertex first
 //! ```
 //!
+//! The Krylov method is our own: a cycle has steps of GCR inside and so is no linear map, which faer's BiCGStab asks of
+//! a preconditioner; GCR asks for none, and takes one cycle a step, not two.
+//!
 //! Pairs are of vertices coupled most, and an aggregate is a pair of pairs of pairs. Aggregates are kept while they
 //! serve, and dry land has some too: left out, as Notay does with rows that the diagonal rules, it would ask for new
 //! aggregates wherever it gets wet.

@@ -16,7 +16,7 @@ use std::fmt::Write;
 ///     simulation.step()?;
 ///     page.add(simulation.time(), simulation.depth());
 /// }
-/// let html = page.caption("Twenty seconds of it.").to_html();
+/// let html = page.caption("A second of it.").units("m", "s").to_html();
 /// assert!(html.contains("A dam breaks") && !html.contains("http"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -30,6 +30,7 @@ pub struct Page {
     depths: Vec<f64>,
     lift: f64,
     seconds: f64,
+    units: [String; 2],
 }
 
 impl Page {
@@ -45,6 +46,7 @@ impl Page {
             depths: Vec::new(),
             lift: 1.0,
             seconds: 20.0,
+            units: [const { String::new() }; 2],
         }
     }
 
@@ -73,6 +75,13 @@ impl Page {
         self
     }
 
+    /// The units of lengths and times, for the legend: `"m"` and `"s"`. By default there are none.
+    #[must_use]
+    pub fn units(mut self, length: impl Into<String>, time: impl Into<String>) -> Self {
+        self.units = [length.into(), time.into()];
+        self
+    }
+
     /// How many seconds the whole motion takes on the page; by default 20.
     #[must_use]
     pub fn seconds(mut self, seconds: f64) -> Self {
@@ -90,9 +99,10 @@ impl Page {
         let mut data = String::new();
         let Page { times, lift, seconds, .. } = self;
         let film = 0.002 * deepest;
+        let [length, time] = self.units.each_ref().map(|unit| quoted(unit));
         let _ = write!(
             data,
-            r#"{{"times":{times:?},"deepest":{deepest:e},"film":{film:e},"lift":{lift},"seconds":{seconds},"#
+            r#"{{"times":{times:?},"deepest":{deepest:e},"film":{film:e},"lift":{lift},"seconds":{seconds},"length":{length},"time":{time},"#
         );
         let _ = write!(data, r#""points":"{points}","triangles":"{triangles}","depths":"{depths}"}}"#);
         include_str!("page.html")
@@ -112,6 +122,11 @@ impl Page {
 
 fn encoded(bytes: impl Iterator<Item = u8>) -> String {
     BASE64_STANDARD.encode(bytes.collect::<Vec<u8>>())
+}
+
+/// As a string of JavaScript's inside a script.
+fn quoted(text: &str) -> String {
+    format!("{text:?}").replace('<', "\\x3c")
 }
 
 fn escaped(text: &str) -> String {

@@ -30,8 +30,10 @@ impl Mesh {
             return Err(wrong("it needs three finite corners or more"));
         }
         let [low, high] = bounds(corners);
-        let cells = (high[0] - low[0]) * (high[1] - low[1]) / (spacing * spacing);
-        if spacing.is_nan() || spacing <= 0.0 || cells > MOST {
+        let [wide, tall] = [0, 1].map(|x| (high[x] - low[x]) / spacing + 2.0);
+        let around = (0..corners.len()).map(|i| squared(corners[i], corners[(i + 1) % corners.len()]).sqrt());
+        let too_many = wide * tall > MOST || around.sum::<f64>() / spacing > MOST;
+        if spacing.is_nan() || spacing <= 0.0 || too_many {
             return Err(wrong(
                 "the spacing has to be positive, and not so small that there are millions of points",
             ));

@@ -1,7 +1,6 @@
 //! Functions with jumps as depths at vertices.
 
 use crate::mesh::{Mesh, signed_area};
-use crate::rows::flushed;
 use crate::sparse::Sparse;
 
 /// Each side of a triangle is divided in so many parts to integrate a function.
@@ -45,7 +44,7 @@ impl Mesh {
         if !solved && matrix.factorise().is_ok() {
             matrix.solve(&mut moments);
         }
-        moments.into_iter().map(flushed).collect()
+        moments
     }
 }
 

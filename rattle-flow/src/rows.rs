@@ -10,8 +10,9 @@ pub(crate) struct Rows {
     pub(crate) inverse: Vec<f64>,
 }
 
-/// A depth, or a change of one, that is smaller is 0. Numbers that fade away from vertex to vertex would get subnormal,
-/// where processors are slow: the dam break on 17 000 vertices took twice as long.
+/// A change of a depth that is smaller is 0, where the largest number on the right side is about 1. Numbers that fade
+/// away from vertex to vertex would get subnormal, where processors are slow: the dam break on 17 000 vertices took
+/// twice as long.
 const NOTHING: f64 = 1e-60;
 
 impl Rows {

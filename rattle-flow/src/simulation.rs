@@ -2,7 +2,7 @@
 
 use crate::budget::Budget;
 use crate::error::FlowError;
-use crate::flow::Flow;
+use crate::flow::{Flow, number};
 use crate::method::{Method, StepInfo, Trouble};
 
 /// So often a step that failed is halved.
@@ -31,9 +31,7 @@ pub struct Simulation<M> {
 
 impl<M: Method> Simulation<M> {
     pub(crate) fn new(flow: Flow, depth: Vec<f64>, step: f64, method: M) -> Result<Self, FlowError> {
-        if !(step.is_finite() && step > 0.0) {
-            return Err(FlowError::TimeStep { found: step });
-        }
+        number("the time step", step, step > 0.0, "a positive number")?;
         let volume = flow.mesh.volume(&depth);
         let n = depth.len();
         Ok(Simulation {
@@ -97,15 +95,15 @@ impl<M: Method> Simulation<M> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`step`](Simulation::step), and [`FlowError::TimeStep`] for a tolerance or a longest step that is not
-    /// positive.
+    /// Those of [`step`](Simulation::step), and [`FlowError::Number`] for a tolerance or a longest step that is not
+    /// positive, and an end that is not finite.
     #[doc(alias = "adaptive")]
     #[doc(alias = "tolerance")]
     pub fn run_until(&mut self, end: f64, tolerance: f64, longest: f64) -> Result<usize, FlowError> {
-        for found in [tolerance, longest] {
-            if found.is_nan() || found <= 0.0 {
-                return Err(FlowError::TimeStep { found });
-            }
+        number("the end of the run", end, true, "a time")?;
+        number("the tolerance", tolerance, tolerance > 0.0, "a positive number")?;
+        if longest != f64::INFINITY {
+            number("the longest step", longest, longest > 0.0, "a positive number")?;
         }
         let mut next = self.step.min(longest);
         let mut thrown = 0;

@@ -124,6 +124,24 @@ fn uniform_flow_is_exact() {
     }
 }
 
+/// Friction is that at the outlet, whenever it is given: the lower half has four times as much, and is as much steeper.
+#[test]
+fn water_leaves_by_the_friction_at_the_outlet() {
+    let (slope, h) = (0.04_f64, 0.3_f64);
+    let mesh = strip(20, 2.0);
+    let depth = vec![h; mesh.points().len()];
+    let discharge = h.powf(1.5) * slope.sqrt();
+    let flow = Flow::over(mesh, UNIT)
+        .terrain(move |[x, _]| -slope * (x + 3.0 * (x - 1.0).max(0.0)))
+        .inflow(move |_, _| discharge, |[x, _]| x < 1e-9)
+        .outlet(4.0 * slope, |[x, _]| x > 2.0 - 1e-9)
+        .friction(|[x, _]| if x < 1.0 { 1.0 } else { 4.0 });
+    let mut simulation = flow.simulate(depth, 0.5).unwrap();
+    simulation.run(20).unwrap();
+    assert!(simulation.depth().iter().all(|d| (d - h).abs() < 1e-13), "{:?}", simulation.depth());
+    assert!((simulation.budget().outflow - 10.0 * 0.1 * discharge).abs() < 1e-14);
+}
+
 /// Steady flow with h = 0.5 + 0.1 sin x over the ground that it needs, b′ = −h′ − q²/h³, in the manner of MacDonald.
 #[test]
 fn steady_flow_over_uneven_ground_is_of_first_order() {
@@ -175,6 +193,26 @@ fn a_lake_with_a_dry_island_rests() {
     }
 }
 
+/// Also where triangles at the shore are obtuse, up to 130°, and where it meets the edge of the mesh.
+#[test]
+fn a_lake_rests_on_obtuse_triangles() {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    for (spacing, sheared) in [(0.13, 0.0), (0.07, 0.0), (0.13, 0.5), (0.07, -0.5)] {
+        let plain = Mesh::polygon(&square, spacing).unwrap();
+        let points = plain.points().iter().map(|[x, y]| [x + sheared * y, *y]).collect();
+        let mesh = Mesh::new(points, plain.triangles().to_vec()).unwrap();
+        let ground = move |[x, y]: [f64; 2]| 0.4 * (x - sheared * y) + 0.5 * (7.0 * y).sin();
+        let depth = mesh.at_vertices(|place| (0.3 - ground(place)).max(0.0));
+        let dry = depth.iter().filter(|&&h| h == 0.0).count();
+        assert!(dry > 10 && dry < depth.len() - 10, "{dry}");
+        let mut simulation = Flow::over(mesh, UNIT).terrain(ground).simulate(depth.clone(), 0.1).unwrap();
+        simulation.run(50).unwrap();
+        let moved =
+            simulation.depth().iter().zip(&depth).map(|(h, start)| (h - start).abs()).fold(0.0, f64::max);
+        assert!(moved <= 1e-14, "depth has changed by {moved:e} with {sheared}");
+    }
+}
+
 /// Rain on dry ground that drinks: what there is not cannot seep away, and the books say so.
 #[test]
 fn rain_and_infiltration_are_booked_to_rounding() {
@@ -212,21 +250,52 @@ fn what_is_wrong_is_named() {
     let start = |flow: Flow, depth: &[f64], step| flow.simulate(depth.to_vec(), step).map(drop).unwrap_err();
     let flow = || Flow::over(mesh.clone(), UNIT);
     let hole = start(flow().terrain(|[x, y]| if x + y > 1.9 { f64::NAN } else { 0.0 }), &depth, 0.1);
-    assert!(matches!(hole, FlowError::Given { what: "the terrain", .. }), "{hole}");
+    assert!(matches!(hole, FlowError::Given { what: "the terrain at vertex", .. }), "{hole}");
     assert_eq!(format!("{hole:?}"), hole.to_string()); // a program that ends with it prints that
     assert!(matches!(start(flow(), &depth[1..], 0.1), FlowError::Count { .. }));
-    assert!(matches!(start(flow(), &depth, f64::NAN), FlowError::TimeStep { .. }));
+    assert!(matches!(start(flow(), &depth, f64::NAN), FlowError::Number { what: "the time step", .. }));
     assert!(matches!(
         start(flow().friction(|_| 0.0), &depth, 0.1),
-        FlowError::Given { what: "friction", .. }
+        FlowError::Given { what: "friction of triangle", .. }
     ));
-    assert!(matches!(start(flow().outlet(-1.0, |_| true), &depth, 0.1), FlowError::Given { .. }));
-    assert!(matches!(start(flow(), &vec![-1.0; depth.len()], 0.1), FlowError::Given { what: "depth", .. }));
+    for slope in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = start(flow().outlet(slope, |_| true), &depth, 0.1);
+        assert!(matches!(error, FlowError::Number { what: "the slope of an outlet", .. }), "{error}");
+    }
+    for gravity in [0.0, -9.81, f64::NAN, f64::INFINITY] {
+        let error = start(Flow::over(mesh.clone(), Resistance::DarcyWeisbach { gravity }), &depth, 0.1);
+        assert!(matches!(error, FlowError::Number { what: "gravity", .. }), "{error}");
+    }
+    let error = start(flow().infiltration(|_| -2.0), &depth, 0.1);
+    assert!(error.to_string().starts_with("infiltration at vertex 0 is -2 "), "{error}");
+    for rate in [-2.0, f64::NAN, f64::INFINITY] {
+        let mut simulation =
+            flow().rain(|_, _| 3.0).rain(move |_, _| rate).simulate(depth.clone(), 0.1).unwrap();
+        let error = simulation.step().unwrap_err();
+        assert!(
+            error.to_string().starts_with(&format!("rain at vertex 0 is {rate} at time 0.1;")),
+            "{error}"
+        );
+        let mut simulation = flow().inflow(move |_, _| rate, |_| true).simulate(depth.clone(), 0.1).unwrap();
+        let error = simulation.step().unwrap_err();
+        assert!(matches!(error, FlowError::Given { what: "inflow at vertex", .. }), "{error}");
+    }
+    let mut simulation = flow().simulate(depth.clone(), 0.1).unwrap();
+    for (end, tolerance, longest) in
+        [(f64::NAN, 1e-3, 1.0), (f64::INFINITY, 1e-3, 1.0), (1.0, 0.0, 1.0), (1.0, 1e-3, f64::NAN)]
+    {
+        let error = simulation.run_until(end, tolerance, longest).unwrap_err();
+        assert!(matches!(error, FlowError::Number { .. }), "{error}");
+    }
+    assert!(matches!(
+        start(flow(), &vec![-1.0; depth.len()], 0.1),
+        FlowError::Given { what: "depth at vertex", .. }
+    ));
 
     // Rain that breaks off in numbers: the time is named, the last good state stays.
     let flow = flow().rain(|_, t| if t > 0.25 { f64::INFINITY } else { 0.1 });
     let mut simulation = flow.simulate(depth, 0.1).unwrap();
     let error = simulation.run(10).unwrap_err();
-    assert!(matches!(error, FlowError::Given { what: "rain", time, .. } if time > 0.25), "{error}");
+    assert!(matches!(error, FlowError::Given { what: "rain at vertex", time, .. } if time > 0.25), "{error}");
     assert!((simulation.time() - 0.2).abs() < 1e-12 && simulation.budget().remainder().abs() < 1e-14);
 }

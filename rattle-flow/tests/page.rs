@@ -45,7 +45,11 @@ fn a_browser_plays_the_dam_break() {
     }
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("dam.html");
-    film.caption("An upper basin, a ramp with plants, a lower basin.").write(&file).unwrap();
+    film.caption("An upper basin, a ramp with plants, a lower basin.")
+        .units("<m>", "s")
+        .lift(1.5)
+        .write(&file)
+        .unwrap();
 
     let mut page = Browser::start(&chromium, &[]);
     page.resize(1280, 720, false);
@@ -62,7 +66,10 @@ fn a_browser_plays_the_dam_break() {
         );
         page.evaluate(&put);
         page.wait(&format!("frame == {frame} && !playing && settled"));
-        page.wait(&format!("document.getElementById('now').textContent == 't = {:.2}'", 0.25 * frame as f64));
+        page.wait(&format!(
+            "document.getElementById('now').textContent == 't = {:.2} s'",
+            0.25 * frame as f64
+        ));
         pixels(page)
     };
     let (_, start) = seek(&mut page, 0);
@@ -74,6 +81,9 @@ fn a_browser_plays_the_dam_break() {
     assert!(water(&start) > 10_000, "{}", water(&start));
     assert!(water(&end) as f64 > 1.3 * water(&start) as f64, "{} {}", water(&end), water(&start));
 
+    // What colours, lengths and times are.
+    let legend = page.evaluate("document.getElementById('legend').textContent");
+    assert_eq!(legend, "depth 0  1 <m>; the ground is 3 by 6 <m>, heights drawn 1.5 times as high");
     page.click("#play");
     page.wait("playing && frame < 59 && frame > 0"); // from the end it begins again
 
