@@ -44,9 +44,10 @@ fn run<M: Method>(name: &str, spacing: f64, method: impl FnOnce(&Flow) -> M) -> 
 
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {per_sec} {msg}")?;
     let bar = ProgressBar::new(STEPS as u64).with_style(style);
-    let mut page = Page::new("A dam breaks", simulation.flow()).caption(
+    let page = Page::new("A dam breaks", simulation.flow()).caption(
         "Overland flow by the law of Darcy and Weisbach, from a basin down a ramp with plants into another basin.",
     );
+    let mut page = page.units("m", "s");
     page.add(0.0, simulation.depth());
     let (mut volumes, mut fluxes) = (vec![(0.0, simulation.volume())], vec![(0.0, 0.0)]);
     let mut depths = gauges.map(|(label, vertex)| (label, vec![(0.0, simulation.depth()[vertex])]));
@@ -90,9 +91,9 @@ fn run<M: Method>(name: &str, spacing: f64, method: impl FnOnce(&Flow) -> M) -> 
     create_dir_all(&folder)?;
     page.write(format!("{folder}/index.html"))?;
     let per_thousand = volumes.iter().map(|&(t, v)| (t, 1e3 * (v / budget.start - 1.0)));
-    Chart::new("Volume")
+    Chart::new("Volume: rounding is 2·10⁻¹³ ‰")
         .x("time, s")
-        .y("change, ‰")
+        .y("change of the volume, ‰ of it")
         .line(name, per_thousand)
         .save(format!("{folder}/volume.svg"))?;
     Chart::new("Flux")

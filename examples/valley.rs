@@ -60,7 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut simulation = flow.simulate(dry, 1.0)?;
 
     let mut page = Page::new("Rain in a valley", simulation.flow())
-        .caption("40 mm in half an hour; the outlet is in the south. Heights are drawn three times as high.")
+        .caption("40 mm in half an hour; the outlet is in the south.")
+        .units("m", "min")
         .lift(3.0);
     let mut series = vtu::Series::create("out/valley/valley.pvd")?;
     let (mut leaving, mut before) = (vec![(0.0, 0.0)], 0.0);
@@ -91,7 +92,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             series.add(end, &vtu::text(simulation.flow().mesh(), &level, &depth, &[("flux", &flux)]))?;
         }
     }
-    let rain = (0..=90).map(|minute| (f64::from(minute), if minute <= 30 { RAIN * area } else { 0.0 }));
+    let rain =
+        [(0.0, RAIN), (30.0, RAIN), (30.0, 0.0), (90.0, 0.0)].map(|(minute, rate)| (minute, rate * area));
     Chart::new("Hydrograph")
         .x("time, min")
         .y("volume per time, m³/s")
