@@ -6,8 +6,10 @@ use crate::common::statistics::{DEVIATIONS, fits};
 use rattle::bodies::Many;
 use rattle::curvature::points;
 use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
+use rattle::ensemble::InstructionSet;
 use rattle::error::StepFailure;
 use rattle::links::Rod;
+use rattle::method::Method;
 use rattle::potentials::{Gravity, Harmonic, LennardJones};
 use rattle::prelude::*;
 use rattle::surfaces::{Ellipsoid, Sphere, Torus};
@@ -197,38 +199,43 @@ fn table() {
 }
 
 /// The same noise for any number of threads and neighbours, after a restart, and for another number of the trajectory
-/// another.
+/// another: to the bit, but for rounding where an ensemble goes in lanes.
 #[test]
 fn noise_is_the_same_in_any_company() {
+    same_in_any_company(Rattle::new(0.1), 0.0);
+    same_in_any_company(Baoab::new(0.1), if InstructionSet::widest().fuses() { 1e-9 } else { 0.0 });
+}
+
+fn same_in_any_company<S: Method>(method: S, rounding: f64) {
     let heat = Langevin { friction: 1.0, temperature: 0.5, seed: 9 };
     let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).with(heat);
     let start = State::at([0.0, 0.0, 1.0]);
-    let bits = |q: rattle::nalgebra::SVector<f64, 3>| <[f64; 3]>::from(q).map(f64::to_bits);
     let run = |start: State<3>, steps| {
-        let mut simulation = scene.simulate(start, Baoab::new(0.1)).unwrap();
+        let mut simulation = scene.simulate(start, method.clone()).unwrap();
         simulation.run(steps).unwrap();
         simulation.state()
     };
-    let place = |state: &State<3>| bits(state.positions().next().unwrap());
+    let place = |state: &State<3>| state.positions().next().unwrap();
+    let same = |one: &State<3>, other: &State<3>| (place(one) - place(other)).norm() <= rounding;
     let whole = run(start.clone(), 60);
     assert_eq!(place(&run(run(start.clone(), 25), 35)), place(&whole));
     assert_ne!(place(&run(start.clone().numbered(1), 60)), place(&whole));
-    let mut ensemble = scene.ensemble(vec![start.clone(); 70], Baoab::new(0.1)).unwrap();
+    let mut ensemble = scene.ensemble(vec![start.clone(); 70], method.clone()).unwrap();
     ensemble.run(60);
-    assert_eq!(place(&ensemble.state(0)), place(&whole));
-    assert_eq!(place(&ensemble.state(69)), place(&run(start.clone().numbered(69), 60)));
+    assert!(same(&ensemble.state(0), &whole));
+    assert!(same(&ensemble.state(69), &run(start.clone().numbered(69), 60)));
     // An ensemble goes on from its own states, and one of them alone if it is numbered.
     let states: Vec<_> = (0..70).map(|i| ensemble.state(i)).collect();
-    let mut again = scene.ensemble(states.clone(), Baoab::new(0.1)).unwrap();
+    let mut again = scene.ensemble(states.clone(), method.clone()).unwrap();
     ensemble.run(10);
     again.run(10);
-    assert_eq!(place(&again.state(3)), place(&ensemble.state(3)));
-    assert_eq!(place(&run(states[3].clone().numbered(3), 10)), place(&ensemble.state(3)));
+    assert!(same(&again.state(3), &ensemble.state(3)));
+    assert!(same(&run(states[3].clone().numbered(3), 10), &ensemble.state(3)));
     let other = Langevin { seed: 10, ..heat };
     let mut other = Scene::on(Sphere { r: 1.0 })
         .with(Gravity { g: 1.0 })
         .with(other)
-        .simulate(start, Baoab::new(0.1))
+        .simulate(start, method.clone())
         .unwrap();
     other.run(60).unwrap();
     assert_ne!(place(&other.state()), place(&whole));

@@ -8,6 +8,8 @@ mod ensemble;
 mod ensemble_retry;
 #[path = "../lanes.rs"]
 mod lanes;
+#[path = "../lanes_heat.rs"]
+mod lanes_heat;
 #[path = "../lanes_linked.rs"]
 mod lanes_linked;
 #[path = "../lanes_splittings.rs"]

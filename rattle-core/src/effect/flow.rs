@@ -3,6 +3,7 @@
 use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::error::{EffectMistake, Error};
 use crate::number::lanes::Lane;
 use crate::number::real::Real;
@@ -21,7 +22,7 @@ use std::array::from_fn;
 /// keeps second order. The work of flows is part of [`Simulation::work`](crate::run::simulation::Simulation::work), so
 /// the energy error is that of the method. Only methods with a symmetric step, and with momenta at the time of the
 /// positions, can be split like this; others are refused before a run. Trajectories of an ensemble with flows are
-/// computed one by one, not in lanes.
+/// computed one by one, not in lanes, except for [heat by `Baoab`](Flow::ornstein_uhlenbeck).
 ///
 /// ```
 /// use rattle::effect::{Flow, Interval};
@@ -65,6 +66,13 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
     /// constraints, are removed afterwards. For a rigid body only the first three components count. Neither allocates
     /// nor panics.
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]);
+
+    /// The flow in a time `h` as an Ornstein–Uhlenbeck process, if it is one: [`flow`](Self::flow) then writes
+    /// `lost` p + [`during.normal(seed, body, variance)`](Interval::normal) for every body. Ensembles apply such a flow
+    /// in SIMD lanes, if it is the only flow of the scene and the method applies it inside its step.
+    fn ornstein_uhlenbeck(&self, _h: f64) -> Option<OrnsteinUhlenbeck> {
+        None
+    }
 
     /// Whether the flow changes with time.
     fn changes_with_time(&self) -> bool {
@@ -120,6 +128,9 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     }
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
         self.0.flow(during, changes);
+    }
+    fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
+        self.0.ornstein_uhlenbeck(h)
     }
 
     fn add_forces(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}

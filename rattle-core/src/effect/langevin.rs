@@ -2,6 +2,7 @@
 
 use crate::effect::flow::Flow;
 use crate::effect::interval::{Interval, Rule};
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::error::EffectMistake;
 use crate::number::real::Real;
 use crate::number::vector::{scaled, sum};
@@ -20,7 +21,8 @@ use crate::number::vector::{scaled, sum};
 ///
 /// With [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O (A: drift, B: kick, O: friction
 /// and noise); with [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B. The latter has far smaller errors in
-/// averages over positions at the same cost: use it. Heat counts as [work](crate::run::simulation::Simulation::work),
+/// averages over positions at the same cost, and ensembles of one body on a surface compute it in SIMD lanes: use it.
+/// Heat counts as [work](crate::run::simulation::Simulation::work),
 /// so the energy error is that of the method.
 ///
 /// Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
@@ -55,15 +57,26 @@ pub struct Langevin {
     pub seed: u64,
 }
 
+impl Langevin {
+    fn process(&self, h: f64) -> OrnsteinUhlenbeck {
+        let Self { friction, temperature, seed } = *self;
+        let lost = (-friction * h).exp_m1();
+        OrnsteinUhlenbeck { lost, variance: temperature * -(-2.0 * friction * h).exp_m1(), seed }
+    }
+}
+
 impl<const D: usize> Flow<D> for Langevin {
     const RULE: Rule = Rule::Random;
 
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
-        let lost = (-self.friction * during.h).exp_m1();
-        let variance = self.temperature * -(-2.0 * self.friction * during.h).exp_m1();
+        let OrnsteinUhlenbeck { lost, variance, seed } = self.process(during.h);
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
-            *change = sum(&scaled(T::from_f64(lost), p), &during.normal(self.seed, body, variance));
+            *change = sum(&scaled(T::from_f64(lost), p), &during.normal(seed, body, variance));
         }
+    }
+
+    fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
+        Some(self.process(h))
     }
 
     fn check(&self, _: usize) -> Result<(), EffectMistake> {

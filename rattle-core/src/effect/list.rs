@@ -6,6 +6,7 @@ use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::effect::swept::Swept;
 use crate::error::{EffectMistake, Error};
 use crate::kernel::over::short_name;
@@ -91,11 +92,16 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     ) {
         changes.fill([T::from_f64(0.0); D]);
     }
-    /// Whether the effects can act in the lanes of an ensemble: forces that do not depend on time and need no working
-    /// memory.
+    /// The only flow as an [Ornstein–Uhlenbeck process](Acting::ornstein_uhlenbeck) in a time `h`; `None` where there
+    /// are other flows, or none.
+    fn ornstein_uhlenbeck(&self, _h: f64) -> Option<OrnsteinUhlenbeck> {
+        None
+    }
+    /// Whether the effects that are no flows can act in the lanes of an ensemble: forces that do not depend on time and
+    /// need no working memory.
     #[inline(always)]
     fn in_lanes(&self) -> bool {
-        size_of::<Self::Room>() == 0 && !self.changes_with_time() && Self::FLOWS == 0
+        size_of::<Self::Room>() == 0 && !self.changes_with_time()
     }
 
     /// Sets the force on every body. Neither allocates nor panics.
@@ -284,6 +290,13 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
             self.others.flow(number, &Interval { marks: of_others, ..*during }, others, changes);
         } else {
             self.effect.flow(&Interval { marks: of_own, ..*during }, own, changes);
+        }
+    }
+    fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
+        match (const { A::FLOWS }, const { F::FLOWS }) {
+            (true, 0) => self.effect.ornstein_uhlenbeck(h),
+            (true, _) => None,
+            (false, _) => self.others.ornstein_uhlenbeck(h),
         }
     }
     #[inline(always)]

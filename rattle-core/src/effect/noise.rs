@@ -32,6 +32,7 @@ pub struct Noise {
 impl Noise {
     /// The four words of this draw; a flow may number its draws in any way, below 2⁴⁰.
     #[must_use]
+    #[inline]
     pub fn words(&self, seed: u64, draw: u64) -> [u64; 4] {
         philox([seed, 0], [self.trajectory, self.step, self.effect, (self.place << 40) | draw])
     }

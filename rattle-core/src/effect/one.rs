@@ -3,6 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Manner, Rule};
 use crate::effect::moment::Moment;
+use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::effect::swept::Swept;
 use crate::error::{EffectMistake, Error};
 use crate::kernel::series::Order;
@@ -65,7 +66,8 @@ pub trait Effect<const D: usize, Kind> {
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// The working memory of the effect; `()` for none.
     type Room: Clone + Debug + Send + Sync + 'static;
-    /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta. Such an effect is not computed in lanes.
+    /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta. Such an effect is not computed in lanes,
+    /// except for an [Ornstein–Uhlenbeck process](Self::ornstein_uhlenbeck).
     const FLOWS: bool = false;
     /// Working memory for `bodies` bodies. Everything must be allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
@@ -129,6 +131,12 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Writes the changes of the momenta, as [`Flow::flow`](crate::effect::Flow::flow).
     fn flow(&self, _during: &Interval<'_, T, D>, _room: &mut Self::Room, changes: &mut [[T; D]]) {
         changes.fill([T::from_f64(0.0); D]);
+    }
+
+    /// The flow as an Ornstein–Uhlenbeck process, see
+    /// [`Flow::ornstein_uhlenbeck`](crate::effect::Flow::ornstein_uhlenbeck).
+    fn ornstein_uhlenbeck(&self, _h: f64) -> Option<OrnsteinUhlenbeck> {
+        None
     }
 
     /// The number of blocks of [products](crate::kernel::series) for a coefficient of the forces; `None` without a

@@ -27,6 +27,7 @@
 
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
+use crate::motion::method::{Splitting, Stage};
 use crate::motion::stir;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
@@ -74,7 +75,22 @@ impl Map for KickDriftHeat {
     const ORDER: u32 = 2;
     const SYMMETRIC: bool = false;
     const STIRS: bool = true;
+    const SPLITTING: Splitting = Splitting::Stages;
     const EVALUATIONS: Option<usize> = Some(1);
+
+    fn stages(&self, h: f64) -> Vec<Stage> {
+        let (drifts, kick) = (2 * self.inner, |this: bool| if this { 0.5 * h } else { 0.0 });
+        let stage = |number| Stage {
+            before: kick(number == 0),
+            h: h / f64::from(drifts),
+            after: kick(number + 1 == drifts),
+        };
+        (0..drifts).map(stage).collect()
+    }
+
+    fn stirs_after(&self) -> usize {
+        self.inner as usize
+    }
 
     #[inline(always)]
     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(

@@ -61,6 +61,12 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Whether the map applies the [flows](crate::effect::Flow) of momenta inside its step.
     const STIRS: bool = false;
 
+    /// After how many of its [stages](Self::stages) the map applies the flows, where it [does so](Self::STIRS) and is a
+    /// splitting.
+    fn stirs_after(&self) -> usize {
+        0
+    }
+
     /// Whether the map is a splitting into [stages](Self::stages), which ensembles compute in SIMD lanes.
     const SPLITTING: Splitting = Splitting::Not;
     /// How often a step evaluates the forces, where that does not follow from the stages.
@@ -143,6 +149,9 @@ impl<M: Map> Method for Fixed<M> {
         M::EVALUATIONS.or(stages)
     }
     const STIRS: bool = M::STIRS;
+    fn stirs_after(&self) -> usize {
+        self.map.stirs_after()
+    }
     const SPLITTING: Splitting = M::SPLITTING;
     fn stages(&self) -> Vec<Stage> {
         self.map.stages(self.h)

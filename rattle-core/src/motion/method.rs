@@ -93,6 +93,11 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// half of each flow is applied before the step and half after it.
     const STIRS: bool = false;
 
+    /// After how many of its [stages](Self::stages) a step applies the flows, where it [does so](Self::STIRS).
+    fn stirs_after(&self) -> usize {
+        0
+    }
+
     /// Whether the method has no momenta (overdamped motion), so that the only possible flows are
     /// [pushes](crate::effect::Acting::PUSHES).
     const FORGETS: bool = false;

@@ -14,6 +14,7 @@ const WEYL: [u64; 2] = [0x9E37_79B9_7F4A_7C15, 0xBB67_AE85_84CA_A73B];
 const ROUNDS: usize = 10;
 
 /// Four words of this key and this counter.
+#[inline]
 pub(crate) fn philox(key: [u64; 2], counter: [u64; 4]) -> [u64; 4] {
     let (mut key, mut words) = (key, counter);
     for _ in 0..ROUNDS {
@@ -27,6 +28,7 @@ pub(crate) fn philox(key: [u64; 2], counter: [u64; 4]) -> [u64; 4] {
 
 /// The lower and the upper half of a product.
 #[allow(clippy::cast_possible_truncation, reason = "the halves")]
+#[inline]
 fn wide(a: u64, b: u64) -> (u64, u64) {
     let product = u128::from(a) * u128::from(b);
     (product as u64, (product >> 64) as u64)
@@ -34,6 +36,7 @@ fn wide(a: u64, b: u64) -> (u64, u64) {
 
 /// In (0, 1], on a grid of 2⁻⁵³.
 #[allow(clippy::cast_precision_loss, reason = "53 bits")]
+#[inline(always)]
 pub(crate) fn unit(word: u64) -> f64 {
     ((word >> 11) + 1) as f64 * (0.5 * f64::EPSILON)
 }

@@ -318,13 +318,15 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         }
     }
 
-    /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`].
+    /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`]. A lane's
+    /// momentum is taken to be no less than this.
     #[inline(always)]
-    pub(crate) fn look_around(
+    pub(super) fn look_around(
         &self,
         steps: u64,
         laws: &impl Laws<S, D>,
         parts: &[Part],
+        least: impl Fn(usize) -> f64,
     ) -> Result<(), Stuck> {
         let Part { h, unit, kick, reach, .. } = parts[self.part];
         let Self { q, way, normal, square, guess, past: [last, earlier], .. } = self;
@@ -335,7 +337,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
             // Lengths by their largest coordinate: roots take long.
             let over = S::from_f64(ROOT_3) * largest(&at(normal, i)) / square[i];
-            let along = over * path * largest(&way);
+            let along = over * path * largest(&way).max(S::from_f64(unit * least(i)));
             furthest[i] = (reach * back).min(along) + along + over * largest(&pushed);
         }
         look_around(laws, steps, q, normal, square, &furthest)

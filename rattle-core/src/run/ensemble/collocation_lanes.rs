@@ -101,6 +101,7 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
+        _: u64,
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {

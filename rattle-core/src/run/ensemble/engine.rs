@@ -79,7 +79,7 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     /// The bodies of a lane.
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>>;
     /// Where bodies that obey what a lane does are after so many steps, each in so many equal parts, by themselves:
-    /// each step is looked at, and sums are compensated.
+    /// each step is looked at, and sums are compensated. `from` steps were taken since the start.
     ///
     /// # Errors
     /// Says why they cannot be moved.
@@ -87,9 +87,13 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
+        from: u64,
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure>;
+    /// Says of which trajectory a lane draws the random numbers, and how many steps that trajectory had taken before
+    /// its start here.
+    fn draw_as(&mut self, _lane: usize, _trajectory: u64, _steps: u64) {}
     /// Evaluates the forces on all lanes, as often as a step does, for so many steps: for the [bill](crate::run::bill).
     fn kick_alone(&self, steps: u32);
     /// The names of the types of all forces.

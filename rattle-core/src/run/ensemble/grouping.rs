@@ -32,8 +32,12 @@ pub(super) struct InLanes {
     pub(super) stages: Vec<Stage>,
     /// The step.
     pub(super) h: f64,
+    /// After how many of them flows act.
+    pub(super) stirs_after: usize,
     /// The instructions.
     pub(super) set: Fusing,
+    /// The number of the first trajectory.
+    pub(super) first: usize,
 }
 
 /// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
@@ -147,17 +151,19 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     starts: &[State<D>],
     lanes: &InLanes,
 ) -> Groups<D> {
-    let InLanes { stages, h, set } = lanes;
+    let InLanes { stages, h, set, first, .. } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let bodies = starts.first()?.len();
     let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method, sums, *set)?;
-        return Some(starts.chunks(FEW).map(|starts| side_by_side(row.clone(), starts)).collect());
+        let rows = (*first..).step_by(FEW).zip(starts.chunks(FEW));
+        return Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect());
     }
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
-    Some(starts.chunks(ROW).map(|starts| side_by_side(row.clone(), starts)).collect())
+    let rows = (*first..).step_by(ROW).zip(starts.chunks(ROW));
+    Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect())
 }
 
 /// Whether sums are compensated.
@@ -171,9 +177,13 @@ impl InNumbers for Sums {
     }
 }
 
-/// Trajectories in the lanes of an engine.
-fn side_by_side<const D: usize>(engine: impl Engine<D>, starts: &[State<D>]) -> Box<dyn Group<D>> {
-    Box::new(SideBySide::new(Box::new(engine), starts))
+/// Trajectories in the lanes of an engine, the first of which has this number.
+fn side_by_side<const D: usize>(
+    engine: impl Engine<D>,
+    first: usize,
+    starts: &[State<D>],
+) -> Box<dyn Group<D>> {
+    Box::new(SideBySide::new(Box::new(engine), first, starts))
 }
 
 /// Trajectories by splittings; `EQUAL` says that a step is one stage.
@@ -183,15 +193,15 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
     type Done = Vec<Box<dyn Group<D>>>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, InLanes { stages, h, set }) = self;
+        let Self(obeyed, starts, InLanes { stages, h, stirs_after, set, first }) = self;
         if const { O::ALIKE } && starts.len() == 1 {
             let laws = obeyed.laws::<S, 1>(0);
-            let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *h, *set);
-            return vec![side_by_side(engine, starts)];
+            let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
+            return vec![side_by_side(engine, *first, starts)];
         }
         let laws = obeyed.laws::<S, LANES>(0);
-        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *h, *set);
-        vec![side_by_side(engine, starts)]
+        let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
+        vec![side_by_side(engine, *first, starts)]
     }
 }
 
@@ -205,17 +215,17 @@ where
     type Done = Vec<Box<dyn Group<D>>>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, InLanes { h, set, .. }) = self;
+        let Self(obeyed, starts, InLanes { h, set, first, .. }) = self;
         let row = |(from, starts): (usize, &[State<D>])| {
             let table = const { &Table::<N>::TABLE };
             if const { O::ALIKE } && starts.len() == 1 {
                 let laws = obeyed.laws::<S, 1>(from);
                 let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
-                return side_by_side(engine, starts);
+                return side_by_side(engine, first + from, starts);
             }
             let laws = obeyed.laws::<S, ROW>(from);
             let engine = CollocationLanes::<S, _, ROW, D, SUMS, N>::new(laws, table, *h, *set);
-            side_by_side(engine, starts)
+            side_by_side(engine, first + from, starts)
         };
         (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
     }

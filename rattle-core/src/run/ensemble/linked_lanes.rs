@@ -350,12 +350,13 @@ where
         &self,
         _: usize,
         bodies: &[Body<f64, D>],
+        _: u64,
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
         let ready = self.common.ready(bodies);
         let system = ready.as_ref().unwrap_or(&self.common.system);
-        by_itself::<f64, _, D>(system, &self.common.stages, steps, parts, bodies)
+        by_itself::<f64, _, D>(system, &self.common.stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {

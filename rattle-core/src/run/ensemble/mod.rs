@@ -14,7 +14,8 @@
 //! several trajectories, one in each lane of a register. This is done for
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, or a Lobatto method;
+//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), also with the bath
+//!   [`Langevin`](crate::effect::Langevin), or a Lobatto method;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps.
@@ -62,6 +63,7 @@ mod row;
 mod side_by_side;
 mod splitting_lanes;
 mod stages;
+mod stirring;
 pub mod stream;
 pub mod trajectories;
 

@@ -38,6 +38,8 @@ pub(crate) struct SideBySide<const D: usize> {
     steps: u64,
     /// Times of the starts, and what rounding took from them.
     start_time: Vec<(f64, f64)>,
+    /// By lane: where in the random numbers a trajectory starts.
+    draws: [Draws; LANES],
     /// By lane: whether a trajectory moves in it, else the lane that it is a copy of.
     moving: [bool; LANES],
     copy_of: [usize; LANES],
@@ -49,6 +51,16 @@ pub(crate) struct SideBySide<const D: usize> {
     crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
+}
+
+/// Where in the random numbers a trajectory starts.
+#[derive(Clone, Copy)]
+struct Draws {
+    /// The trajectory's number, and whether its start was given that.
+    trajectory: u64,
+    numbered: bool,
+    /// Steps taken before its start.
+    steps: u64,
 }
 
 /// A trajectory that goes on no more.
@@ -73,15 +85,23 @@ impl<const D: usize> Clone for SideBySide<D> {
 }
 
 impl<const D: usize> SideBySide<D> {
-    /// The trajectories that start so, one per lane, at most as many as there are lanes.
-    pub(crate) fn new(engine: Box<dyn Engine<D>>, starts: &[State<D>]) -> Self {
+    /// The trajectories that start so, one per lane, at most as many as there are lanes; the first one is the
+    /// ensemble's trajectory of this number.
+    pub(crate) fn new(engine: Box<dyn Engine<D>>, first: usize, starts: &[State<D>]) -> Self {
         let number = starts.len().min(engine.width());
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
+        let draws = from_fn(|lane| {
+            let start = starts.get(lane).or(starts.first());
+            let (number, steps) = start.map_or((None, 0), |start| (start.number, start.steps));
+            let trajectory = number.unwrap_or((first + lane) as u64);
+            Draws { trajectory, numbered: number.is_some(), steps }
+        });
         let mut group = Self {
             h: engine.step_size(),
             engine,
             steps: 0,
             start_time,
+            draws,
             moving: from_fn(|lane| lane < number),
             copy_of: from_fn(|lane| if lane < number { lane } else { 0 }),
             ended: Vec::new(),
@@ -91,6 +111,8 @@ impl<const D: usize> SideBySide<D> {
             halvings: 0,
         };
         for (lane, start) in starts.iter().enumerate().take(number) {
+            let Draws { trajectory, steps, .. } = group.draws[lane];
+            group.engine.draw_as(lane, trajectory, steps);
             group.set(lane, &start.bodies);
         }
         for lane in number..group.engine.width() {
@@ -242,7 +264,7 @@ impl<const D: usize> SideBySide<D> {
         steps: u64,
     ) -> Result<Vec<Body<f64, D>>, Error> {
         let bodies = self.bodies_in(lane);
-        let moved = |parts: u32| self.engine.by_itself(lane, &bodies, steps, parts);
+        let moved = |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts);
         let mut failure = match failure.map_or_else(|| moved(1), Err) {
             Ok(bodies) => return Ok(bodies),
             Err(failure) => failure,
@@ -263,8 +285,12 @@ impl<const D: usize> SideBySide<D> {
 
     /// The time of a trajectory, and what rounding took from it.
     fn time(&self, lane: usize) -> (f64, f64) {
-        let steps = self.ended(lane).map_or(self.steps, |ended| ended.steps);
-        after_steps(self.start_time[lane], steps, self.h)
+        after_steps(self.start_time[lane], self.steps_of(lane), self.h)
+    }
+
+    /// The steps of a trajectory since its start here.
+    fn steps_of(&self, lane: usize) -> u64 {
+        self.ended(lane).map_or(self.steps, |ended| ended.steps)
     }
 
     /// What tells this group from another, of the lanes that no other stands in for.
@@ -366,9 +392,11 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     fn state(&self, trajectory: usize) -> State<D> {
         let ended = self.ended(trajectory).map(|ended| ended.bodies.clone());
         let bodies = ended.unwrap_or_else(|| self.bodies_in(trajectory));
-        let (time, time_low) = self.time(trajectory);
+        let ((time, time_low), draws) = (self.time(trajectory), self.draws[trajectory]);
+        let steps = draws.steps + self.steps_of(trajectory);
+        let number = draws.numbered.then_some(draws.trajectory);
         let none: [[f64; D]; 0] = [];
-        State { bodies, time, time_low, ..State::of(none) }
+        State { bodies, time, time_low, steps, number, ..State::of(none) }
     }
 
     fn record(&self, to: &mut Record) {
@@ -376,6 +404,9 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             (self.start_time.iter().map(|&(t, low)| [t, low]).collect(), self.engine.width());
         to.text("what", IN_LANES);
         to.vectors("times of the starts", &times);
+        to.counts("trajectories", self.draws.map(|of| of.trajectory));
+        to.counts("numbered", self.draws.map(|of| u64::from(of.numbered)));
+        to.counts("steps before the starts", self.draws.map(|of| of.steps));
         to.counts("steps", [self.steps]);
         to.counts("moving", self.moving.map(u64::from));
         to.counts("copy of", self.copy_of.map(|lane| lane as u64));
@@ -398,6 +429,14 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Group<D>>, Error> {
         from.expect(IN_LANES)?;
         let times = from.vectors::<2>("times of the starts", self.start_time.len())?;
+        let trajectories = from.counted::<LANES>("trajectories")?;
+        let numbered = from.counted::<LANES>("numbered")?;
+        let before = from.counted::<LANES>("steps before the starts")?;
+        let draws = from_fn(|lane| Draws {
+            trajectory: trajectories[lane],
+            numbered: numbered[lane] != 0,
+            steps: before[lane],
+        });
         let [steps] = from.counted("steps")?;
         let moving = from.counted("moving")?.map(|moves| moves != 0);
         let lane = |lane: u64| (lane as usize).min(self.engine.width() - 1);
@@ -418,6 +457,9 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         }
         let lanes = format!("{} lanes", self.engine.width());
         let mut engine = from.within(&lanes, |from| self.engine.recalled(from))?;
+        for (lane, &Draws { trajectory, steps, .. }) in draws.iter().enumerate().take(engine.width()) {
+            engine.draw_as(lane, trajectory, steps);
+        }
         for (to, &from) in
             copy_of.iter().enumerate().take(self.engine.width()).filter(|&(to, &from)| to != from)
         {
@@ -428,6 +470,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             h: self.h,
             steps,
             start_time: times.iter().map(|&[time, low]| (time, low)).collect(),
+            draws,
             moving,
             copy_of,
             ended,

@@ -1,11 +1,14 @@
 //! Splittings in lanes.
 
+use crate::effect::list::Forces;
+use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::stir;
 use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -17,6 +20,7 @@ use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
+use crate::run::ensemble::stirring::Stirring;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::any::Any;
@@ -30,6 +34,7 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     laws: X,
     stages: Vec<Stage>,
     parts: Vec<Part>,
+    stirring: Option<Box<Stirring<L>>>,
     h: f64,
     set: Fusing,
 }
@@ -40,9 +45,12 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    /// Lanes, none of them set, that obey these laws in steps of h of stages like these.
-    pub(crate) fn new(laws: X, stages: &[Stage], h: f64, set: Fusing) -> Self {
-        Self { block: Block::new(), laws, stages: stages.to_vec(), parts: Part::of::<EQUAL>(stages), h, set }
+    /// Lanes, none of them set, that obey these laws in steps of h of stages like these; flows act after so many of
+    /// them.
+    pub(crate) fn new(laws: X, stages: &[Stage], stirs_after: usize, h: f64, set: Fusing) -> Self {
+        let stirring = Stirring::of(&laws, stirs_after, h);
+        let (block, stages, parts) = (Block::new(), stages.to_vec(), Part::of::<EQUAL>(stages));
+        Self { block, laws, stages, parts, stirring, h, set }
     }
 }
 
@@ -73,10 +81,9 @@ where
     }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
-        let going = Going { block: &self.block, laws: &self.laws, parts: &self.parts, tour };
-        let block = self.set.run_lanes::<L, _>(going)?;
+        let block = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());
-        Ok(Box::new(Self { block, laws, stages, parts, h: self.h, set: self.set }))
+        Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), ..*self }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -91,11 +98,20 @@ where
 
     fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
+        if let Some(stirring) = &mut self.stirring {
+            stirring.copy(from, to);
+        }
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
         if let Some(engine) = (engine as &dyn Any).downcast_ref::<Self>() {
-            self.laws = engine.laws.clone();
+            (self.laws, self.stirring) = (engine.laws.clone(), engine.stirring.clone());
+        }
+    }
+
+    fn draw_as(&mut self, lane: usize, trajectory: u64, steps: u64) {
+        if let Some(stirring) = &mut self.stirring {
+            stirring.draw_as(lane, trajectory, steps);
         }
     }
 
@@ -109,12 +125,14 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
+        from: u64,
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        by_itself::<S, _, D>(&system, &self.stages, steps, parts, bodies)
+        let stirs = self.stirring.as_ref().map(|stirring| (stirring.after, stirring.noise(lane, from)));
+        by_itself::<S, _, D>(&system, &self.stages, stirs, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -136,7 +154,10 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        hallmarks(&self.laws, lane, &bodies[0])
+        let mut marks = hallmarks(&self.laws, lane, &bodies[0]);
+        let stirring = self.stirring.as_ref();
+        marks.extend(stirring.map(|of| Hallmark::new("flow 0", "friction and noise", of.numbers(lane))));
+        marks
     }
 
     fn method(&self) -> Hallmark {
@@ -147,12 +168,14 @@ where
 
 answered_by_laws!(SplittingLanes, EQUAL: bool);
 
-/// Where bodies are after so many steps of these stages, each in so many equal parts.
+/// Where bodies are after so many steps of these stages, each in so many equal parts; with flows that act after so many
+/// stages, and draw these random numbers in the first step.
 #[cold]
 #[inline(never)]
 pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
+    stirs: Option<(usize, Noise)>,
     steps: u64,
     parts: u32,
     places: &[Body<f64, D>],
@@ -166,9 +189,13 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     let stages = stages.iter().map(stage).collect::<Vec<_>>();
     let places = places.iter().map(|body| body.map(S::from_f64)).collect::<Vec<_>>();
     let mut bodies = system.bodies(&places, 0.0);
+    let whole = stages.iter().map(|stage| stage.h).sum();
     for step in 0..steps {
         if step > 0 {
             system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+        }
+        if let Some((_, first)) = stirs {
+            bodies.noise = Noise { step: first.step + step, ..first };
         }
         let start = bodies.saved();
         for _ in 0..parts {
@@ -178,6 +205,9 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
                     system.evaluate_forces(&mut bodies);
                 }
                 system.settle(after, h, &mut bodies, &mut ())?;
+                if stirs.is_some_and(|(after, _)| i + 1 == after) {
+                    stir::in_the_middle(whole, system, &mut bodies)?;
+                }
             }
         }
         system.check_kinks(&start, &bodies)?;
@@ -187,9 +217,7 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
 
 /// A block on a tour.
 struct Going<'a, S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
-    block: &'a Block<S, L, D, SUMS, EQUAL>,
-    laws: &'a X,
-    parts: &'a [Part],
+    lanes: &'a SplittingLanes<S, X, L, D, SUMS, EQUAL>,
     tour: &'a mut dyn Tour<D>,
 }
 
@@ -203,22 +231,24 @@ where
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let Self { block, laws, parts, tour } = self;
+        let Self { lanes: SplittingLanes { block, laws, parts, stirring, .. }, tour } = self;
         let laws = laws.clone(); // out of reach of what the loops write
+        let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
+        let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         while let Some(Leg { from, steps, written }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
-                desk.block.look_around(now, &laws, parts)?;
+                desk.block.look_around(now, &laws, parts, least)?;
             }
             while now < end {
                 let stop = end.min((now / EVERY + 1) * EVERY);
-                for _ in now..stop {
-                    stride(&mut desk, &laws, parts)?;
+                for now in now..stop {
+                    stride(&mut desk, &laws, parts, stirring, now)?;
                 }
                 now = stop;
                 if now % EVERY == 0 || (now == end && written.is_some()) {
-                    desk.block.look_around(now, &laws, parts)?;
+                    desk.block.look_around(now, &laws, parts, least)?;
                 }
             }
             desk.block.check(&laws, parts)?;
@@ -231,19 +261,26 @@ where
     }
 }
 
-/// A step of the method.
+/// A step of the method, after so many.
 #[inline(always)]
 fn whole_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
+    stirring: Option<&Stirring<L>>,
+    steps: u64,
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    for _ in 0..if EQUAL { 1 } else { parts.len() } {
+    for done in 1..=if EQUAL { 1 } else { parts.len() } {
         step(&mut desk.block, laws, parts, &mut desk.scratch)?;
+        if let Some(stirring) = stirring
+            && done == stirring.after
+        {
+            stirring.act(steps, &mut desk.block, laws, &parts[done % parts.len()]);
+        }
     }
     Ok(())
 }
@@ -254,16 +291,18 @@ fn stride<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: 
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
+    stirring: Option<&Stirring<L>>,
+    steps: u64,
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
     if const { X::Constraint::KINKS.is_empty() } {
-        return whole_step(desk, laws, parts);
+        return whole_step(desk, laws, parts, stirring, steps);
     }
     let (from, way) = (desk.block.q, desk.block.way);
-    let stepped = whole_step(desk, laws, parts);
+    let stepped = whole_step(desk, laws, parts, stirring, steps);
     if let Err(Stuck { lane, failure }) = stepped {
         let ahead = S::from_f64(parts.iter().map(|part| part.h).sum::<f64>() / parts[0].unit);
         let from = at(&from, lane);

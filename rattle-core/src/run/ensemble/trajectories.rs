@@ -149,8 +149,14 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let lanes = Fusing::of(set)
-            .map(|set| InLanes { stages: method.stages(), h, set })
+        let mut lanes = Fusing::of(set)
+            .map(|set| InLanes {
+                stages: method.stages(),
+                h,
+                stirs_after: method.stirs_after(),
+                set,
+                first: 0,
+            })
             .filter(|lanes| match S::SPLITTING {
                 Splitting::Not => S::COLLOCATES > 0,
                 Splitting::OneStage => lanes.stages.len() == 1,
@@ -173,9 +179,13 @@ impl<const D: usize> Ensemble<D> {
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let acts_in_lanes = scenes.iter().all(|scene| scene.effects.forces::<f64>().in_lanes());
-            let goes = acts_in_lanes && (C::IS_NETWORK || starts.iter().all(|start| start.len() == 1));
-            let groups = lanes.as_ref().filter(|_| goes).and_then(|lanes| in_lanes(&scenes, &starts, lanes));
+            let goes = (C::IS_NETWORK || starts.iter().all(|start| start.len() == 1))
+                && scenes.iter().all(|scene| act_in_lanes::<S, C, _, D>(&scene.effects.forces(), h));
+            let first = ensemble.len;
+            let groups = lanes.as_mut().filter(|_| goes).and_then(|lanes| {
+                lanes.first = first;
+                in_lanes(&scenes, &starts, lanes)
+            });
             let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
                 let each = (ensemble.len as u64..).zip(scenes.iter().zip(&starts).zip(ready));
                 each.map(|(trajectory, ((scene, start), system))| {
@@ -465,6 +475,13 @@ impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
         group.run(steps, set, Some(&mut onlooker));
         *next = onlooker.next;
     }
+}
+
+/// Whether these effects can act in lanes: forces, and where the method applies flows inside its steps of size `h`, a
+/// single Ornstein–Uhlenbeck process on bodies that are not linked.
+fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(effects: &F, h: f64) -> bool {
+    let flows_do = || const { S::STIRS && !C::IS_NETWORK } && effects.ornstein_uhlenbeck(h).is_some();
+    effects.in_lanes() && (F::FLOWS == 0 || flows_do())
 }
 
 /// What a checkpoint calls an ensemble.
