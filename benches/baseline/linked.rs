@@ -9,7 +9,7 @@ use rattle::system::System;
 
 potential! {
     /// The weight of a top whose centre of mass lies on its third axis; z points up in space.
-    struct Weight { mgl }
+    pub(crate) struct Weight { mgl }
     |q: [[f64; 3]; 3]| mgl * q[2][2]
 }
 

@@ -10,16 +10,17 @@
 //! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h =
 //! 0.01,
 //! |g| ≤ 1e-14; the same by Lobatto of five stages, h = 0.025; the gas of 21 and of 1000 particles; a double pendulum, alone and 10 000 side by side; a chain of 1000
-//! links and a heavy top, each alone. Every opponent is a program that waits for requests; they take
-//! turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the median
-//! over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are timed once
-//! and the fastest go on. Before that, positions, energies and constraints are compared.
+//! links and a heavy top, each alone; 10 000 tops side by side. Every opponent is a program that waits for requests;
+//! they take turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the
+//! median over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are
+//! timed once and the fastest go on. Before that, positions, energies and constraints are compared.
 
 mod by_hand;
 mod conversation;
 mod linked;
 mod ours;
 mod programs;
+mod tops;
 
 use by_hand::{ByHand, Kind};
 use conversation::{Run, serve};
@@ -29,7 +30,7 @@ use std::path::Path;
 const HANDS: [&str; 2] = ["by_hand_previous", "by_hand_quadratic_chord"];
 
 /// Names, trajectories or particles or links, steps.
-const TASKS: [(&str, usize, u64); 9] = [
+const TASKS: [(&str, usize, u64); 10] = [
     ("one after the other", 500, 2000),
     ("side by side", 10_000, 2000),
     ("lobatto", 1000, 1000),
@@ -39,6 +40,7 @@ const TASKS: [(&str, usize, u64); 9] = [
     ("pendulums side by side", 10_000, 1000),
     ("chain of 1000", 1000, 150),
     ("heavy top", 1, 200_000),
+    ("tops side by side", 10_000, 500),
 ];
 
 const LEGEND: &str = "\
@@ -59,6 +61,9 @@ fn main() -> Result<(), String> {
         } else if what == linked::PENDULUMS {
             let rows = [linked::PENDULUMS, linked::SUMS, linked::APART];
             serve(&rows, |row, n, _| linked::pendulums(row, n));
+        } else if what == tops::TOPS {
+            let rows = [tops::TOPS, tops::SUMS, tops::APART];
+            serve(&rows, |row, n, _| tops::tops(row, n));
         } else if programs::LINKED.contains(&what.as_str()) {
             serve(&["linked"], |_, n, _| linked::linked(what, n));
         } else {

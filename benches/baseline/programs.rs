@@ -3,6 +3,7 @@
 use crate::conversation::{Check, Program};
 use crate::linked;
 use crate::ours;
+use crate::tops;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -64,6 +65,7 @@ impl Programs {
             "double pendulum" => self.linked("double_pendulum"),
             "pendulums side by side" => self.pendulums(),
             "chain of 1000" => self.linked("chain"),
+            "tops side by side" => self.tops(),
             _ => self.linked("top"),
         }
     }
@@ -243,6 +245,22 @@ impl Programs {
             entrant("ours", None, &[linked::PENDULUMS], us(name)),
             entrant("ours, compensated", Some("pendulums_over_compensated"), &[linked::SUMS], us(name)),
             entrant("ours, simulations", Some("pendulums_over_simulations"), &[linked::APART], us(name)),
+        ]))
+    }
+
+    /// Heavy tops side by side.
+    fn tops(&self) -> Result<Vec<Entrant>, String> {
+        let name = tops::TOPS;
+        Ok(present([
+            entrant(
+                "C, loops for the compiler",
+                Some("tops_over_c_loops"),
+                &[],
+                self.c("tops.c", &["-march=native", "-ffast-math", "-mprefer-vector-width=512"]),
+            ),
+            entrant("ours", None, &[tops::TOPS], us(name)),
+            entrant("ours, compensated", Some("tops_over_compensated"), &[tops::SUMS], us(name)),
+            entrant("ours, simulations", Some("tops_over_simulations"), &[tops::APART], us(name)),
         ]))
     }
 

@@ -339,9 +339,9 @@ impl Conservative {
     }
 
     /// Whether the balance of a step closes. Where much more water flows through than is there, the rounding of fluxes
-    /// is more than that of the volume: what is lacking is added, in proportion, to the depths, or to what has left where
-    /// hardly any water stays. What rounding does not explain stays, and shows in the budget; where it is much, the
-    /// iteration has gone astray.
+    /// is more than that of the volume: what is lacking is added, in proportion, to the depths, or to what has left
+    /// where hardly any water stays. What rounding does not explain stays, and shows in the budget; where it is much,
+    /// the iteration has gone astray.
     fn settle(
         &self,
         shares: &[f64],

@@ -12,6 +12,8 @@ mod lanes;
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]
 mod lanes_linked;
+#[path = "../lanes_rigid.rs"]
+mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]
 mod lanes_splittings;
 #[path = "../observers.rs"]

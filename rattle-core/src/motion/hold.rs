@@ -12,9 +12,9 @@ pub trait Hold<const D: usize>: Sized {
     /// The system of bodies under these constraints, with effects `E`.
     type System<E: Effects<D>, N: Count>: System<f64, D, Count = N>;
 
-    /// Whether this is a [`Network`](crate::systems::network::Network). A constant of the type, so that the code of
-    /// ensembles of networks is compiled for networks alone.
-    const IS_NETWORK: bool = false;
+    /// What kind of constraints this is. A constant of the type, so that the code of ensembles of networks, say, is
+    /// compiled for networks alone.
+    const KIND: Kind = Kind::Other;
 
     /// The system, ready to move from this start in steps of size `h`. If `tangent`, momenta must be tangent to the
     /// constraints there.
@@ -59,6 +59,17 @@ pub trait Hold<const D: usize>: Sized {
     {
         None
     }
+}
+
+/// A kind of constraints, as far as ensembles tell them apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A [`Network`](crate::systems::network::Network).
+    Network,
+    /// [`Rigid`](crate::systems::rigid::Rigid) bodies.
+    Rigid,
+    /// Surfaces, and all others.
+    Other,
 }
 
 /// A visitor for [`Hold::surfaces`]: a function that is generic in the type of the surfaces.

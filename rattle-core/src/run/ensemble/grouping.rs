@@ -6,6 +6,7 @@ use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
 use crate::motion::method::{Method, Splitting, Stage};
 use crate::motion::state::State;
+use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Lane;
@@ -14,12 +15,17 @@ use crate::run::ensemble::collocation_lanes::CollocationLanes;
 use crate::run::ensemble::engine::Engine;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
+use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::precision::{InNumbers, Precision};
+use crate::run::ensemble::rigid_lanes::RigidLanes;
+use crate::run::ensemble::rigid_row::Turns;
+use crate::run::ensemble::rigid_torque::{self, Torques};
 use crate::run::ensemble::side_by_side::SideBySide;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::systems::network::Network;
-use crate::systems::network::in_lanes::{FEW, ROW};
+use crate::systems::network::in_lanes::{FEW, Number, ROW};
+use crate::systems::rigid::Rigid;
 use std::marker::PhantomData;
 
 /// Groups of trajectories in lanes, if they go in lanes.
@@ -164,6 +170,78 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
     let rows = (*first..).step_by(ROW).zip(starts.chunks(ROW));
     Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect())
+}
+
+/// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting; in systems of one
+/// scene, or in scenes of their own.
+pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
+    bodies: &[&Rigid],
+    systems: &[Y],
+    effects: &impl Turned,
+    starts: &[State<D>],
+    lanes: &InLanes,
+) -> Groups<D> {
+    let number = starts.first()?.len();
+    if starts.iter().any(|start| start.len() != number) {
+        return None;
+    }
+    let row = Rigids { bodies, systems, effects, starts, lanes, sums: P::compute(Sums) };
+    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
+    Some(if starts.len() <= 3 * FEW { row.in_rows::<FEW>(equal) } else { row.in_rows::<ROW>(equal) })
+}
+
+/// What turns rigid bodies.
+pub(super) trait Turned {
+    /// The effects on W trajectories from this one on.
+    fn torques<const W: usize>(&self, from: usize) -> Option<Box<dyn Torques<W>>>;
+}
+
+/// Those of one scene of bodies of D coordinates.
+pub(super) struct TurnedAlike<'a, E, const D: usize>(pub(super) &'a E);
+
+impl<E: Effects<D>, const D: usize> Turned for TurnedAlike<'_, E, D> {
+    fn torques<const W: usize>(&self, _: usize) -> Option<Box<dyn Torques<W>>> {
+        rigid_torque::of_all(self.0.forces(), self.0.forces())
+    }
+}
+
+/// Those of scenes of one type, each of a trajectory of its own, which act on each body by itself.
+pub(super) struct TurnedApart<'a, E, const D: usize>(pub(super) &'a [&'a E]);
+
+impl<E: Effects<D> + 'static, const D: usize> Turned for TurnedApart<'_, E, D> {
+    fn torques<const W: usize>(&self, from: usize) -> Option<Box<dyn Torques<W>>> {
+        let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
+        Some(rigid_torque::of_each(E::swept::<Number, W>(|lane| self.0[number(lane)])))
+    }
+}
+
+/// Trajectories of rigid bodies, and what they obey: all the same, or each its own.
+struct Rigids<'a, X, Y, const D: usize> {
+    bodies: &'a [&'a Rigid],
+    systems: &'a [Y],
+    effects: &'a X,
+    starts: &'a [State<D>],
+    lanes: &'a InLanes,
+    sums: bool,
+}
+
+impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
+    fn in_rows<const W: usize>(&self, equal: bool) -> Vec<Box<dyn Group<D>>>
+    where
+        Width: Turns<W>,
+    {
+        let Self { bodies, systems, effects, starts, lanes: InLanes { stages, h, set, first, .. }, sums } =
+            *self;
+        let row = |(from, starts): (usize, &[State<D>])| {
+            let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
+            let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
+            let method = (&stages[..], equal, *h);
+            let (torques, number) = (effects.torques(from), starts[0].len());
+            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, torques, number, method, sums, *set);
+            side_by_side(engine, first + from, starts)
+        };
+        (0..).step_by(W).zip(starts.chunks(W)).map(row).collect()
+    }
 }
 
 /// Whether sums are compensated.

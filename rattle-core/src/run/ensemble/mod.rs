@@ -18,7 +18,9 @@
 //!   [`Langevin`](crate::effect::Langevin), or a Lobatto method;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
-//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps.
+//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision;
+//!   except sweeps in which bodies act on each other.
 //!
 //! All other scenes and methods run as one simulation per trajectory (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
@@ -30,9 +32,9 @@
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
 //! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) say; Lobatto methods begin with the stages of the step
-//! before. For the same reason an ensemble that starts from the states of another one agrees with it only to rounding:
-//! it does not know the earlier steps. States of a [`Single`] ensemble satisfy the constraint to seven digits;
-//! `scene.project` turns them into starts.
+//! before, rigid bodies with a rotation extrapolated likewise. For the same reason an ensemble that starts from the
+//! states of another one agrees with it only to rounding: it does not know the earlier steps. States of a [`Single`]
+//! ensemble satisfy the constraint to seven digits; `scene.project` turns them into starts.
 //!
 //! **Functions.** Every function of the macros is available in lanes, as [straight-line code](crate::number::lanes) of
 //! 20 to 90 operations. Values differ from those of the system's mathematical library by rounding. sin, cos and tan of
@@ -59,6 +61,9 @@ pub mod look;
 mod loops;
 mod plan;
 pub mod precision;
+mod rigid_lanes;
+mod rigid_row;
+mod rigid_torque;
 mod row;
 mod side_by_side;
 mod splitting_lanes;

@@ -19,8 +19,8 @@ pub struct Compensated;
 
 /// Single precision, where seven digits are enough: half the memory, and a half to two thirds of the time.
 ///
-/// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Linked bodies, and
-/// trajectories that do not go in lanes, are computed in double precision.
+/// tan, ∛, powers, log₂, log₁₀, erf and inverse functions are evaluated in double precision. Linked and
+/// rigid bodies, and trajectories that do not go in lanes, are computed in double precision.
 #[doc(alias = "f32")]
 #[doc(alias = "float")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

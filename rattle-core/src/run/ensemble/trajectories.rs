@@ -3,7 +3,9 @@
 use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::vectors::LANES;
 use crate::run::ensemble::block::SHORT;
-use crate::run::ensemble::grouping::{Alike, Different, Groups, InLanes, linked};
+use crate::run::ensemble::grouping::{
+    Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, rigid,
+};
 use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
@@ -11,7 +13,7 @@ use crate::run::ensemble::side_by_side::STRETCH;
 use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind};
 use crate::motion::method::{Method, Splitting};
 use crate::motion::record::Record;
 use crate::motion::state::State;
@@ -79,6 +81,12 @@ impl<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize> Scene<C, E, 
     }
 }
 
+/// Whether constraints are of a kind, and a method is a splitting. Asked where a constant is wanted: what is not asked
+/// for is then not compiled.
+const fn goes_as<C: Hold<D>, S: Method, const D: usize>(kind: Kind) -> bool {
+    C::KIND as u8 == kind as u8 && !matches!(S::SPLITTING, Splitting::Not)
+}
+
 impl<const D: usize> Ensemble<D> {
     /// As [`Scene::ensemble`], with a chosen instruction set. If the processor lacks it, the baseline that every
     /// processor has is used.
@@ -94,7 +102,14 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let trajectories = starts.into_iter().map(|start| (scene, start));
         Self::assembled(P::MOST, trajectories, method, set, |scenes, starts, lanes| {
-            if const { C::IS_NETWORK && !matches!(S::SPLITTING, Splitting::Not) } {
+            if const { goes_as::<C, S, D>(Kind::Rigid) } {
+                let (scene, h) = (scenes[0], lanes.h);
+                let body = (&scene.constraint as &dyn Any).downcast_ref()?;
+                let system =
+                    scene.constraint.system(&scene.effects, scene.count, &starts[0], h, false).ok()?;
+                return rigid::<P, S, _, D>(&[body], &[system], &TurnedAlike(&scene.effects), starts, lanes);
+            }
+            if const { goes_as::<C, S, D>(Kind::Network) } {
                 let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
                 return linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes);
             }
@@ -132,6 +147,17 @@ impl<const D: usize> Ensemble<D> {
         S: Method,
     {
         Self::assembled(P::MOST, trajectories, method, InstructionSet::widest(), |scenes, starts, lanes| {
+            if const { goes_as::<C, S, D>(Kind::Rigid) && E::Forces::<f64>::ON_EACH } {
+                let body = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
+                let bodies = scenes.iter().map(body).collect::<Option<Vec<_>>>()?;
+                let h = lanes.h;
+                let system = |(scene, start): (&&Scene<C, E, N, D>, &State<D>)| {
+                    scene.constraint.system(&scene.effects, scene.count, start, h, false).ok()
+                };
+                let systems = scenes.iter().zip(starts).map(system).collect::<Option<Vec<_>>>()?;
+                let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
+                return rigid::<P, S, _, D>(&bodies, &systems, &TurnedApart(&effects), starts, lanes);
+            }
             let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
             let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
             C::surfaces(&constraints, Different(PhantomData::<(P, S)>, &effects, starts, lanes))?
@@ -179,7 +205,8 @@ impl<const D: usize> Ensemble<D> {
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let goes = (C::IS_NETWORK || starts.iter().all(|start| start.len() == 1))
+            let many = !matches!(C::KIND, Kind::Other);
+            let goes = (many || starts.iter().all(|start| start.len() == 1))
                 && scenes.iter().all(|scene| act_in_lanes::<S, C, _, D>(&scene.effects.forces(), h));
             let first = ensemble.len;
             let groups = lanes.as_mut().filter(|_| goes).and_then(|lanes| {
@@ -478,9 +505,10 @@ impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
 }
 
 /// Whether these effects can act in lanes: forces, and where the method applies flows inside its steps of size `h`, a
-/// single Ornstein–Uhlenbeck process on bodies that are not linked.
+/// single Ornstein–Uhlenbeck process on bodies on surfaces.
 fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(effects: &F, h: f64) -> bool {
-    let flows_do = || const { S::STIRS && !C::IS_NETWORK } && effects.ornstein_uhlenbeck(h).is_some();
+    let flows_do =
+        || const { S::STIRS && matches!(C::KIND, Kind::Other) } && effects.ornstein_uhlenbeck(h).is_some();
     effects.in_lanes() && (F::FLOWS == 0 || flows_do())
 }
 

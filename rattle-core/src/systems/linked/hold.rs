@@ -3,7 +3,7 @@
 use crate::effect::list::Effects;
 use crate::error::Error;
 use crate::motion::bodies::Count;
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::start;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 impl<const D: usize> Hold<D> for Network<D> {
     type System<E: Effects<D>, N: Count> = Linked<E::Forces<f64>, N, D>;
 
-    const IS_NETWORK: bool = true;
+    const KIND: Kind = Kind::Network;
 
     fn system<E: Effects<D>, N: Count>(
         &self,

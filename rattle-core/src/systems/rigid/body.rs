@@ -17,6 +17,7 @@
 
 use crate::effect::interval::Inertia;
 use crate::motion::state::State;
+use crate::systems::rigid::rotation::Moments;
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,8 +25,6 @@ use nalgebra::{Matrix3, Vector3};
 pub(crate) const REDUCED: &str = "a rigid body reduced to three unknowns";
 /// QᵀQ off from 1 by more than this is brought back: well above the rounding of the product.
 pub(crate) const CROOKED: f64 = 1e-14;
-/// Halvings of a failed step that are tried, to say which would pass.
-pub(crate) const HALVINGS: i32 = 40;
 
 /// A rigid body with these moments of inertia that turns about its centre of mass; with
 /// [`bodies`](crate::scene::Scene::bodies) several equal ones, with effects on each or
@@ -61,6 +60,11 @@ impl Rigid {
     #[must_use]
     pub fn new(moments: [f64; 3]) -> Self {
         Self { inertia: moments.into() }
+    }
+
+    /// What a step needs of them.
+    pub(crate) fn moments(&self) -> Moments<f64> {
+        Moments::new(self.inertia.into())
     }
 
     /// d₁, d₂, d₃ with I₁ = d₂ + d₃, I₂ = d₃ + d₁, I₃ = d₁ + d₂: the masses of the columns of Q.

@@ -3,7 +3,7 @@
 use crate::effect::list::Effects;
 use crate::error::{Error, NetworkMistake, StartFailure};
 use crate::motion::bodies::{Body, Count};
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind};
 use crate::motion::start::START_TOLERANCE;
 use crate::motion::start::finite;
 use crate::motion::state::State;
@@ -15,6 +15,8 @@ use nalgebra::{Matrix3, Vector3};
 
 impl Hold<9> for Rigid {
     type System<E: Effects<9>, N: Count> = Turning<E::Forces<f64>, N>;
+
+    const KIND: Kind = Kind::Rigid;
 
     fn system<E: Effects<9>, N: Count>(
         &self,
@@ -34,7 +36,7 @@ impl Hold<9> for Rigid {
         for (body, state) in start.bodies.iter().enumerate() {
             check(state).map_err(|cause| Error::Start { body, cause })?;
         }
-        Ok(Turning { body: *self, effects: effects.forces(), count })
+        Ok(Turning { body: *self, moments: self.moments(), effects: effects.forces(), count })
     }
 
     fn pull(&self, q: &[f64; 9], force: &[f64; 9]) -> [f64; 9] {

@@ -5,6 +5,7 @@ use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{scaled, sum, two_sum};
 use crate::systems::rigid::body::Rigid;
 use crate::systems::rigid::room::SeriesRoom;
+use crate::systems::rigid::rotation::{Moments, product};
 use std::array::from_fn;
 use std::fmt;
 
@@ -37,21 +38,14 @@ impl<'a> Place<'a> {
         (*self.q, *self.q_low) = two_sum(self.q, &sum(self.q_low, turn));
     }
 
+    /// Adds a change of the momentum, and what rounding took from it.
     #[inline(always)]
-    pub(super) fn push_by(&mut self, change: &[f64; 3]) {
-        let low: [f64; 3] = from_fn(|i| self.p_low[i] + change[i]);
-        let (high, low) = two_sum(&self.m(), &low);
+    pub(super) fn push_by(&mut self, change: &[f64; 3], rest: &[f64; 3]) {
+        let (high, low) = two_sum(&self.m(), change);
+        let low = from_fn(|i| low[i] + (self.p_low[i] + rest[i]));
+        let (high, low) = two_sum(&high, &low);
         self.p[..3].copy_from_slice(&high);
         self.p_low[..3].copy_from_slice(&low);
-    }
-
-    /// 1 − QᵀQ, by rows.
-    #[inline(always)]
-    pub(super) fn deviation(&self) -> [f64; 9] {
-        let q = &*self.q;
-        let entry = |i: usize, j: usize| q[i] * q[j] + q[3 + i] * q[3 + j] + q[6 + i] * q[6 + j];
-        let (xy, xz, yz) = (-entry(0, 1), -entry(0, 2), -entry(1, 2));
-        [1.0 - entry(0, 0), xy, xz, xy, 1.0 - entry(1, 1), yz, xz, yz, 1.0 - entry(2, 2)]
     }
 
     /// Q(3 − QᵀQ)/2 (Å. Björck, C. Bowie 1971), from 1 − QᵀQ.
@@ -61,19 +55,11 @@ impl<'a> Place<'a> {
     }
 }
 
-/// A product of matrices by rows.
-#[inline(always)]
-pub(super) fn product(a: &[f64; 9], b: &[f64; 9]) -> [f64; 9] {
-    from_fn(|k| {
-        let (i, j) = (k - k % 3, k % 3);
-        a[i] * b[j] + a[i + 1] * b[3 + j] + a[i + 2] * b[6 + j]
-    })
-}
-
 /// The system of rigid bodies with forces.
 #[derive(Debug, Clone)]
 pub struct Turning<F, N> {
     pub(super) body: Rigid,
+    pub(super) moments: Moments<f64>,
     pub(super) effects: F,
     pub(super) count: N,
 }

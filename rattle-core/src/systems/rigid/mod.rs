@@ -4,7 +4,7 @@ mod body;
 mod hold;
 mod kept;
 mod room;
-mod rotation;
+pub(crate) mod rotation;
 mod series;
 mod system;
 

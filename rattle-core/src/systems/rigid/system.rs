@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, Passing, StepFailure};
+use crate::error::{EffectMistake, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
@@ -15,7 +15,6 @@ use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::rigid::body::CROOKED;
-use crate::systems::rigid::body::HALVINGS;
 use crate::systems::rigid::body::REDUCED;
 use crate::systems::rigid::body::Rigid;
 use crate::systems::rigid::body::spread;
@@ -24,8 +23,9 @@ use crate::systems::rigid::kept::BodiesOf;
 use crate::systems::rigid::kept::Kept;
 use crate::systems::rigid::kept::Place;
 use crate::systems::rigid::kept::Turning;
-use crate::systems::rigid::kept::product;
-use crate::systems::rigid::rotation::{cross, rotation, turning};
+use crate::systems::rigid::rotation::{
+    Moments, deviation, one_over, product, share, too_fast, turn, turning,
+};
 use nalgebra::Vector3;
 use std::array::from_fn;
 
@@ -139,25 +139,21 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         _: &mut W,
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
-        let inertia: [f64; 3] = self.body.inertia.into();
+        let [over, low] = one_over(h);
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
             let kicked = scaled(kick, &place.torque);
-            let target = scaled(0.5 * h, &sum(&place.m(), &kicked));
-            let Some((e0, e)) = rotation(&inertia, &target) else {
-                let m = sum(&place.m(), &kicked);
-                return Err(Failure { body: number, cause: self.too_fast(h, &m) });
+            let m = sum(&place.m(), &kicked);
+            let Some(x) = self.moments.rotation(&self.moments.ahead(&scaled(h, &m))) else {
+                return Err(Failure { body: number, cause: too_fast(&self.moments, h, &m) });
             };
-            // R − 1 = 2 (e₀ ê + ê²), and ê² = e eᵀ − |e|².
-            let [x, y, z] = scaled(2.0, &e);
-            let [s, t, u] = scaled(e0, &[x, y, z]);
-            let (xx, yy, zz) = (x * e[0], y * e[1], z * e[2]);
-            let (xy, xz, yz) = (x * e[1], x * e[2], y * e[2]);
-            let turn = [-yy - zz, xy - u, xz + t, xy + u, -xx - zz, yz - s, xz - t, yz + s, -xx - yy];
-            let bend = cross(&e, &from_fn(|i| inertia[i] * e[i]));
-            place.turn_by(&product(place.q, &turn));
-            place.push_by(&add_scaled(&kicked, -4.0 / h, &bend));
-            let deviation = place.deviation();
+            let s = share(&x);
+            place.turn_by(&product(place.q, &turn(&x, s)));
+            let along = Moments::along(&x, s);
+            let [taken, rest]: [[f64; 3]; 2] = self.moments.push.map(|push| from_fn(|i| push[i] * along[i]));
+            let rest = add_scaled(&scaled(-low, &taken), -over, &rest);
+            place.push_by(&add_scaled(&kicked, -over, &taken), &rest);
+            let deviation = deviation(place.q);
             if largest(&deviation) > CROOKED {
                 place.straighten(&deviation);
             }
@@ -195,7 +191,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.book(kick, bodies);
         for number in 0..self.count.number() {
             let mut place = Place::of(bodies, number);
-            place.push_by(&scaled(kick, &place.torque));
+            place.push_by(&scaled(kick, &place.torque), &[0.0; 3]);
             let (q, p) = (bodies.q.as_ref(), &bodies.p.as_ref()[number]);
             if !(p[0] + p[1] + p[2]).is_finite() && !p.iter().all(|p| p.is_finite()) {
                 let cause = StepFailure::MomentumNotFinite { position: q[number].to_vec() };
@@ -276,7 +272,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
             let path = h.abs() * Vector3::from(place.m()).component_div(&self.body.inertia).norm();
             let mut nearing = Nearing::leaving(1.0);
             loop {
-                let deviation = place.deviation();
+                let deviation = deviation(place.q);
                 let distance = largest(&deviation);
                 let (arrived, lost) = nearing.look(distance, distance <= CROOKED, false);
                 if arrived {
@@ -311,16 +307,6 @@ impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
         let room = bodies.kept.series.as_ref()?;
         Some(spread(&room.impulse(body, h).into()))
-    }
-}
-
-impl<F, N> Turning<F, N> {
-    #[cold]
-    fn too_fast(&self, h: f64, m: &[f64; 3]) -> StepFailure {
-        let turn = h.abs() * Vector3::from(*m).component_div(&self.body.inertia).norm();
-        let turns = |h: f64| rotation(&self.body.inertia.into(), &scaled(0.5 * h, m)).is_some();
-        let passing = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k)).find(|&h| turns(h));
-        StepFailure::TurnsTooFar { turn, h, passing: Passing(passing) }
     }
 }
 

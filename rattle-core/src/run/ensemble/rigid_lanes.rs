@@ -1,0 +1,335 @@
+//! Rigid bodies in lanes.
+
+use crate::error::Error;
+use crate::motion::bodies::Body;
+use crate::motion::capability::Rates;
+use crate::motion::failure::Failure;
+use crate::motion::method::Stage;
+use crate::motion::record::{Hallmark, Reading, Record};
+use crate::motion::system::System;
+use crate::number::instructions::Fusing;
+use crate::number::lanes::{Fused, Lanes};
+use crate::run::ensemble::block::Part;
+use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::linked_going::Width;
+use crate::run::ensemble::rigid_row::{
+    Course, Inertia, Rotor, Steps, Three, Torquing, Turns, Weights, at, push, put,
+};
+use crate::run::ensemble::rigid_torque::Torques;
+use crate::run::ensemble::splitting_lanes::by_itself;
+use crate::run::fingerprint::of_system;
+use crate::run::readings::as_shown;
+use crate::run::watch::sight::{Sight, Source};
+use crate::systems::network::in_lanes::zeros;
+use crate::systems::rigid::Rigid;
+use nalgebra::SVector;
+use std::any::Any;
+use std::array::from_fn;
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// A row of trajectories of rigid bodies, moved by a splitting. D is 9.
+pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
+    /// One for all lanes, or one for each.
+    systems: Arc<[Y]>,
+    /// Which of them each lane obeys.
+    system: [usize; W],
+    inertia: Inertia<W>,
+    torques: Option<Box<dyn Torques<W>>>,
+    bodies: Vec<Rotor<W>>,
+    stages: Arc<[Stage]>,
+    parts: Arc<[Part]>,
+    guesses: Arc<[Weights]>,
+    /// The part of the method's step that comes next.
+    part: usize,
+    h: f64,
+    equal: bool,
+    sums: bool,
+    set: Fusing,
+}
+
+impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
+    fn clone(&self) -> Self {
+        Self {
+            systems: self.systems.clone(),
+            torques: self.torques.as_ref().map(|torques| torques.boxed()),
+            bodies: self.bodies.clone(),
+            stages: self.stages.clone(),
+            parts: self.parts.clone(),
+            guesses: self.guesses.clone(),
+            ..*self
+        }
+    }
+}
+
+/// A method: its stages, whether these are one, and its step.
+pub(super) type Splits<'a> = (&'a [Stage], bool, f64);
+
+impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
+    /// Lanes, none of them set, for so many bodies; one system and its body for all lanes, or one for each.
+    pub(super) fn new(
+        systems: Arc<[Y]>,
+        rigid: &[&Rigid],
+        torques: Option<Box<dyn Torques<W>>>,
+        bodies: usize,
+        (stages, equal, h): Splits<'_>,
+        sums: bool,
+        set: Fusing,
+    ) -> Self {
+        let of = |lane: usize| if lane < rigid.len() { lane } else { 0 };
+        let mut inertia = rigid[0].moments().map(|x| Lanes([Fused(x); W]));
+        for lane in 0..W {
+            inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
+        }
+        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
+        Self {
+            system: from_fn(|lane| if lane < systems.len() { lane } else { 0 }),
+            systems,
+            inertia,
+            torques,
+            bodies: vec![Rotor::new(); bodies],
+            stages: stages.into(),
+            guesses: Weights::of(&parts).into(),
+            parts: parts.into(),
+            part: 0,
+            h,
+            equal,
+            sums,
+            set,
+        }
+    }
+
+    /// What a lane obeys.
+    fn system(&self, lane: usize) -> &Y {
+        &self.systems[self.system[lane]]
+    }
+
+    fn course(&self) -> Course<'_, W> {
+        let Self { inertia, parts, guesses, equal, sums, set, .. } = self;
+        Course { inertia, parts, guesses, equal: *equal, sums: *sums, set: *set }
+    }
+
+    /// Momenta of all bodies times the unit of the part to come, and what rounding took from them: with the kick of
+    /// that part taken back.
+    fn ways(&self, bodies: &[Rotor<W>], part: usize) -> Vec<[Three<W>; 2]> {
+        let Part { unit, lead, .. } = self.parts[part];
+        let mut ways: Vec<_> = bodies.iter().map(|rotor| [rotor.way, rotor.way_low]).collect();
+        if lead != 0.0
+            && let Some(torques) = &self.torques
+        {
+            let mut kicks = vec![[zeros(); 3]; bodies.len()];
+            torques.begin(bodies.len()).torques(self.set, -unit * lead, bodies, &mut kicks);
+            for ([way, low], kick) in ways.iter_mut().zip(&kicks) {
+                push(self.sums, kick, way, low);
+            }
+        }
+        ways
+    }
+
+    /// The bodies of a lane, with these momenta.
+    fn bodies_of(
+        &self,
+        bodies: &[Rotor<W>],
+        ways: &[[Three<W>; 2]],
+        part: usize,
+        lane: usize,
+    ) -> Vec<Body<f64, D>> {
+        let unit = self.parts[part].unit;
+        let body = |(Rotor { q, q_low, .. }, [way, low]): (&Rotor<W>, &[Three<W>; 2])| {
+            let [q, q_low] = [q, q_low].map(|q| at(q, lane));
+            let momentum = |way: &Three<W>| from_fn(|k| if k < 3 { way[k].0[lane].0 / unit } else { 0.0 });
+            let entries = |q: [_; 9]| {
+                from_fn(|k| {
+                    let Fused(x) = q[k];
+                    x
+                })
+            };
+            Body { q: entries(q), q_low: entries(q_low), p: momentum(way), p_low: momentum(low) }
+        };
+        bodies.iter().zip(ways).map(body).collect()
+    }
+}
+
+impl<Y: System<f64, D>, const D: usize, const W: usize> Engine<D> for RigidLanes<Y, D, W>
+where
+    Width: Turns<W>,
+{
+    fn width(&self) -> usize {
+        W
+    }
+
+    fn boxed(&self) -> Box<dyn Engine<D>> {
+        Box::new(self.clone())
+    }
+
+    fn bodies_of_each(&self) -> usize {
+        self.bodies.len()
+    }
+
+    fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
+        let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
+        let mut torquing = self.torques.as_ref().map(|torques| torques.begin(n));
+        let mut kicks = vec![[zeros(); 3]; n];
+        while let Some(Leg { from, steps, written }) = tour.next() {
+            Width::turn(Steps {
+                course: self.course(),
+                torquing: torquing.as_deref_mut().map(|torquing| torquing as &mut dyn Torquing<W>),
+                bodies: &mut bodies,
+                kicks: &mut kicks,
+                part: &mut part,
+                from,
+                steps,
+            })?;
+            if let Some(written) = written {
+                let ways = self.ways(&bodies, part);
+                let now = (0..W).flat_map(|lane| self.bodies_of(&bodies, &ways, part, lane));
+                let now = now.collect::<Vec<_>>();
+                written.fill(W * n, |i| now[i].q, |i| now[i].p);
+            }
+        }
+        Ok(Box::new(Self { bodies, part, ..self.clone() }))
+    }
+
+    fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
+        let (Part { h, unit, lead, .. }, before) = (self.parts[self.part], self.guesses[self.part].before);
+        let (system, moments) = (self.system(lane), self.inertia.lane(lane).map(|x| x.0));
+        let mut ahead = system.bodies(bodies, 0.0);
+        let mut holds = system.settle(lead, h, &mut ahead, &mut ()).is_ok();
+        let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
+        for (rotor, Body { q, q_low, p, p_low }) in self.bodies.iter_mut().zip(places) {
+            let three = |p: &[f64; D]| -> [f64; 3] { from_fn(|i| unit * p[i]) };
+            let (way, low) = (three(&p), three(&p_low));
+            let v = moments.ahead(&way.map(|x| h / unit * x));
+            let x = moments.rotation(&v);
+            holds &= x.is_some() && way.iter().sum::<f64>().is_finite();
+            let rest = x.map_or([0.0; 3], |x| moments.rest(&v, &x));
+            let sums = |x: f64| if self.sums { Fused(x) } else { Fused(0.0) };
+            put(&mut rotor.q, lane, from_fn(|k| Fused(q[k])));
+            put(&mut rotor.q_low, lane, from_fn(|k| sums(q_low[k])));
+            put(&mut rotor.way, lane, way.map(Fused));
+            put(&mut rotor.way_low, lane, low.map(sums));
+            put(&mut rotor.guess, lane, rest.map(Fused));
+            rotor.past.iter_mut().for_each(|past| put(past, lane, rest.map(|x| Fused(before * x))));
+        }
+        holds
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        let rows = self.bodies.iter_mut().flat_map(Rotor::rows);
+        rows.for_each(|row| row.0[to] = row.0[from]);
+    }
+
+    fn obey(&mut self, from: usize, to: usize) {
+        self.system[to] = self.system[from];
+        let moments = self.inertia.lane(from);
+        self.inertia.put(to, &moments);
+        if let Some(torques) = &mut self.torques {
+            torques.copy(from, to);
+        }
+    }
+
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(Self { system, inertia, torques, .. }) = (engine as &dyn Any).downcast_ref() {
+            (self.system, self.inertia) = (*system, *inertia);
+            self.torques = torques.as_ref().map(|torques| torques.boxed());
+        }
+    }
+
+    fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
+        self.bodies_of(&self.bodies, &self.ways(&self.bodies, self.part), self.part, lane)
+    }
+
+    fn by_itself(
+        &self,
+        lane: usize,
+        bodies: &[Body<f64, D>],
+        _: u64,
+        steps: u64,
+        parts: u32,
+    ) -> Result<Vec<Body<f64, D>>, Failure> {
+        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, parts, bodies)
+    }
+
+    fn kick_alone(&self, steps: u32) {
+        let Some(torques) = &self.torques else { return };
+        let mut torquing = torques.begin(self.bodies.len());
+        let mut kicks = vec![[zeros(); 3]; self.bodies.len()];
+        for _ in 0..steps * self.parts.len() as u32 {
+            torquing.torques(self.set, 1e-9, black_box(&self.bodies), &mut kicks);
+        }
+        black_box(kicks);
+    }
+
+    fn forces(&self) -> Vec<&'static str> {
+        let mut bodies = self.system(0).bodies(&self.bodies(0), 0.0);
+        let mut forces = vec![[0.0; D]; self.bodies.len()];
+        let name = |number| self.system(0).add_force_alone(number, &mut bodies, &mut forces);
+        (0..Y::EFFECTS).filter_map(name).collect()
+    }
+
+    fn record(&self, to: &mut Record) {
+        let mut bodies = self.bodies.clone();
+        let rows: Vec<_> = bodies.iter_mut().flat_map(Rotor::rows).map(|row| row.0.map(|x| x.0)).collect();
+        to.numbers("numbers", &[rows.len(), W], rows.into_iter().flatten());
+        to.counts("part", [self.part as u64]);
+    }
+
+    fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
+        let mut again = self.clone();
+        let number = again.bodies.iter_mut().flat_map(Rotor::rows).count();
+        let numbers = from.numbers("numbers", &[number, W])?;
+        let rows = again.bodies.iter_mut().flat_map(Rotor::rows);
+        for (to, from) in rows.zip(numbers.as_chunks().0) {
+            *to = Lanes(from.map(Fused));
+        }
+        let [part] = from.counted("part")?;
+        again.part = part as usize % self.parts.len();
+        Ok(Box::new(again))
+    }
+
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        of_system(self.system(lane), bodies, 0.0)
+    }
+
+    fn method(&self) -> Hallmark {
+        let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
+        Hallmark::new("method", "a splitting", stages.collect())
+    }
+}
+
+impl<Y: System<f64, D>, const D: usize, const W: usize> Source<D> for RigidLanes<Y, D, W> {
+    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
+        let bodies = as_shown(self.system(lane), sight);
+        [self.system(lane).kinetic_energy(&bodies), self.system(lane).potential_energy(&bodies)]
+    }
+
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        let mut forces = vec![[0.0; D]; sight.positions.len()];
+        self.system(lane).constraint_forces(&as_shown(self.system(lane), sight), &mut forces);
+        (Vec::new(), forces.into_iter().map(Into::into).collect()) // no equation is left
+    }
+
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        let (system, mut energies) = (self.system(lane), Vec::new());
+        system.effect_energies(&as_shown(system, sight), &mut energies);
+        energies
+    }
+
+    fn residuals(&self, _: usize, _: &Sight<'_, D>) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let system = self.system(lane);
+        let bodies = as_shown(system, sight);
+        2.0 * system.kinetic_energy(&bodies) / system.freedom(&bodies) as f64
+    }
+
+    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.system(lane).rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
+    }
+
+    fn step_size(&self) -> f64 {
+        self.h
+    }
+}
