@@ -301,6 +301,13 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
     #[inline(always)]
     fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]) {
+        if const { Self::ON_EACH } {
+            // Each force is written once: who reads it next need not wait for several writes to be gathered.
+            for (q, force) in at.positions.iter().zip(forces) {
+                *force = self.kick(q, T::from_f64(1.0), Force::zero());
+            }
+            return;
+        }
         forces.fill(Force::zero());
         self.contribute(at, room, forces);
     }

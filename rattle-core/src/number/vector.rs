@@ -41,6 +41,22 @@ pub(crate) fn largest<T: Real, const D: usize>(a: &[T; D]) -> T {
     largest
 }
 
+/// The larger one, by one instruction: which, if one is no number, is not said.
+#[inline(always)]
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a < b { b } else { a }
+}
+
+/// maxᵢ |aᵢ|, by [`larger`].
+#[inline(always)]
+pub(crate) fn size<const D: usize>(a: &[f64; D]) -> f64 {
+    let mut most = a[0].abs();
+    for x in &a[1..] {
+        most = larger(most, x.abs());
+    }
+    most
+}
+
 /// (fl(a + b), a + b − fl(a + b)) in every component: exact, whatever the sizes (Knuth 1969).
 #[inline(always)]
 pub(crate) fn two_sum<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> ([T; D], [T; D]) {

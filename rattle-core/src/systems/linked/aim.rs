@@ -16,7 +16,7 @@ use std::array::from_fn;
 use std::mem::swap;
 
 /// Where normals turn by more in a step, the steps before say little of what is usual.
-const SMOOTH: f64 = 0.1;
+pub(super) const SMOOTH: f64 = 0.1;
 
 /// What is off by less than this part of what the guess for the whole step was off by is off by nothing.
 const LITTLE_OFF: f64 = 1.0 / 64.0;

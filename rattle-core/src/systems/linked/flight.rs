@@ -20,18 +20,19 @@
 //! normals change by less than half of themselves.
 
 use crate::motion::failure::Failure;
-use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::number::vector::{add_scaled, dot, larger, largest, size, sum};
 use crate::solve::aim::Aim;
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, straight};
 use crate::solve::stop::{SPARE, Shrinking};
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Room;
+use crate::systems::network::line::Line;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
 
 /// Residuals that shrink by less ask for a new derivative.
-const CONTRACTION: f64 = 0.25;
+pub(super) const CONTRACTION: f64 = 0.25;
 /// Corrections that Broyden's method keeps; one that needs more of them is given up.
 pub(crate) const LEARNED: usize = 6;
 /// Corrections after which a solve is given up.
@@ -95,8 +96,9 @@ impl<const D: usize> Flight<'_, D> {
         let m = rows.equations();
         let (bends, turns) = (&mut room.g[..m], &mut room.dx[..m]);
         self.shape.bends(self.component, self.time, self.q, &room.velocity, bends, turns);
-        let square = match rows.width() {
-            2 => self.right_side::<2>(&room.push, bends, turns),
+        let square = match (&rows.line, rows.width()) {
+            (Some(line), _) => self.right_side_of_line(line, &room.push, bends, turns),
+            (None, 2) => self.right_side::<2>(&room.push, bends, turns),
             _ => self.right_side::<0>(&room.push, bends, turns),
         };
         solver.respond(rows, self.blocks, &self.shape.roots, bends, &mut room.guess[..m]);
@@ -125,6 +127,28 @@ impl<const D: usize> Flight<'_, D> {
         largest
     }
 
+    /// The same for rows in a line.
+    fn right_side_of_line(&self, line: &Line, push: &[[f64; D]], bends: &mut [f64], turns: &[f64]) -> f64 {
+        let mut pushes = push[line.first..line.first + bends.len() + 1].iter();
+        let Some(mut before) = pushes.next() else { return 0.0 };
+        let (pairs, free) = (self.blocks.as_chunks::<2>().0, self.rows().free().as_chunks::<2>().0);
+        // The largest fraction, found without dividing.
+        let (mut most, mut total) = ((0.0, 1.0), 0.0);
+        for ((((bend, &turn), pair), free), after) in
+            bends.iter_mut().zip(turns).zip(pairs).zip(free).zip(pushes)
+        {
+            let square = free[0] * dot(&pair[0], &pair[0]) + free[1] * dot(&pair[1], &pair[1]);
+            let along = dot(&pair[0], before) + dot(&pair[1], after);
+            if turn * most.1 > most.0 * square {
+                most = (turn, square);
+            }
+            total += turn; // NaN if one is
+            *bend = -0.5 * self.h * self.h * *bend - along;
+            before = after;
+        }
+        if f64::is_nan(total) { total } else { most.0 / most.1 }
+    }
+
     /// Solves for x into `room.y` by Newton's method from g̈ = 0.
     pub(crate) fn find(
         &self,
@@ -134,6 +158,29 @@ impl<const D: usize> Flight<'_, D> {
     ) -> Result<Landing, Failure> {
         let turn = self.guess(solver, room);
         let landing = self.solve(solver, turn, room, counts);
+        self.at_end(landing, solver, turn, room)
+    }
+
+    /// Goes on from this landing on the root of the whole step, found from `room.guess`.
+    pub(super) fn find_from(
+        &self,
+        landing: Landing,
+        turn: f64,
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Result<Landing, Failure> {
+        let landing = self.go_on(landing, turn, solver, room, counts);
+        self.at_end(landing, solver, turn, room)
+    }
+
+    fn at_end(
+        &self,
+        landing: Landing,
+        solver: &mut Solver<D>,
+        turn: f64,
+        room: &mut Room<D>,
+    ) -> Result<Landing, Failure> {
         if landing.converged { Ok(landing) } else { Err(self.failure(solver, turn, room, landing)) }
     }
 
@@ -148,6 +195,19 @@ impl<const D: usize> Flight<'_, D> {
         let m = self.rows().equations();
         room.y[..m].copy_from_slice(&room.guess[..m]);
         let landing = self.land(solver, 1.0, room, counts, |_| ());
+        self.go_on(landing, turn, solver, room, counts)
+    }
+
+    /// The landing itself if it is trusted, or else that on the root followed from h = 0.
+    fn go_on(
+        &self,
+        landing: Landing,
+        turn: f64,
+        solver: &mut Solver<D>,
+        room: &mut Room<D>,
+        counts: &mut Counts,
+    ) -> Landing {
+        let m = self.rows().equations();
         let path = self.path_to(&landing, solver, room);
         let trusted = self.trusts_all(&landing, turn, path, solver, room);
         if trusted && self.is_the_one(&landing, turn, path, solver, room, counts) {
@@ -208,9 +268,8 @@ impl<const D: usize> Flight<'_, D> {
 
     /// The longest way of a body without the constraints.
     pub(crate) fn path(&self, room: &Room<D>) -> f64 {
-        let ways =
-            self.rows().bodies.iter().map(|&body| largest(&room.drift[body]) + largest(&room.push[body]));
-        ways.fold(0.0, f64::max)
+        let way = |&body: &usize| size(&room.drift[body]) + size(&room.push[body]);
+        self.rows().bodies.iter().map(way).fold(0.0, larger)
     }
 
     /// Puts the component's bodies to where they are after the part `s` of the step with normal part `y`.
@@ -219,6 +278,19 @@ impl<const D: usize> Flight<'_, D> {
         let Room { drift, push, lift, trial, y, .. } = room;
         let (drift, push, lift, trial) = (&drift[..n], &push[..n], &mut lift[..n], &mut trial[..n]);
         let q_low = &self.q_low[..n];
+        if let (Some(line), Some(lifted)) = (&rows.line, solver.lifted()) {
+            let bodies = line.bodies(rows.equations());
+            let places =
+                trial[bodies.clone()].iter_mut().zip(&self.q[bodies.clone()]).zip(&q_low[bodies.clone()]);
+            let ways = lift[bodies.clone()].iter_mut().zip(&drift[bodies.clone()]).zip(&push[bodies]);
+            let mut bodies = places.zip(ways);
+            return line.combine(lifted, &y[..rows.equations()], |way| {
+                if let Some((((trial, q), q_low), ((lift, drift), push))) = bodies.next() {
+                    *lift = std::array::from_fn(|i| s * drift[i] + s * s * push[i] + way[i]);
+                    *trial = sum(q, &sum(q_low, lift));
+                }
+            });
+        }
         solver.displacements(rows, &self.shape.roots, &y[..rows.equations()], |body, way| {
             let (drift, push) = (&drift[body], &push[body]);
             lift[body] = std::array::from_fn(|i| s * drift[i] + s * s * push[i] + way[i]);
@@ -232,6 +304,20 @@ impl<const D: usize> Flight<'_, D> {
         let Room { lift, trial, dx, .. } = room;
         let (lift, trial, q_low) = (&mut lift[..n], &mut trial[..n], &self.q_low[..n]);
         let mut longest = 0.0_f64;
+        if let (Some(line), Some(lifted)) = (&rows.line, solver.lifted()) {
+            let bodies = line.bodies(rows.equations());
+            let places =
+                trial[bodies.clone()].iter_mut().zip(&self.q[bodies.clone()]).zip(&q_low[bodies.clone()]);
+            let mut bodies = places.zip(&mut lift[bodies]);
+            line.combine(lifted, &dx[..rows.equations()], |way| {
+                if let Some((((trial, q), q_low), lift)) = bodies.next() {
+                    longest = larger(longest, size(&way));
+                    *lift = sum(lift, &way);
+                    *trial = sum(q, &sum(q_low, lift));
+                }
+            });
+            return longest;
+        }
         solver.displacements(rows, &self.shape.roots, &dx[..rows.equations()], |body, way| {
             longest = longest.max(largest(&way));
             lift[body] = sum(&lift[body], &way);
@@ -338,9 +424,34 @@ impl<const D: usize> Flight<'_, D> {
     /// Rounding of each residual, as that of the coordinates it depends on, or of the way to go if that is longer. By
     /// these gradients, or those at the trial.
     pub(crate) fn measure_rounding(&self, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
-        match self.rows().width() {
-            2 => self.measure_in::<2>(blocks, room),
+        match (&self.rows().line, self.rows().width()) {
+            (Some(line), _) => self.measure_line(line, blocks, room),
+            (None, 2) => self.measure_in::<2>(blocks, room),
             _ => self.measure_in::<0>(blocks, room),
+        }
+    }
+
+    /// The same for rows in a line: each body's size is found once.
+    fn measure_line(&self, line: &Line, blocks: Option<&[[f64; D]]>, room: &mut Room<D>) {
+        let m = self.rows().equations();
+        let Room { blocks: at_trial, trial, drift, lengths, scale, g, .. } = room;
+        let pairs = blocks.unwrap_or(at_trial).as_chunks::<2>().0;
+        let bodies = line.first..line.first + m + 1;
+        let places = self.q[bodies.clone()].iter().zip(&trial[bodies.clone()]).zip(&drift[bodies]);
+        let mut sizes = places.map(|((q, trial), drift)| {
+            let mut size = 0.0;
+            for d in 0..D {
+                size = larger(larger(size, q[d].abs()), larger(trial[d].abs(), drift[d].abs()));
+            }
+            size
+        });
+        let mut before = sizes.next().unwrap_or(0.0);
+        let rows = lengths[..m].iter_mut().zip(scale).zip(pairs).zip(&*g);
+        for ((((length, scale), pair), g), after) in rows.zip(sizes) {
+            *length = (dot(&pair[0], &pair[0]) + dot(&pair[1], &pair[1])).sqrt();
+            let size = larger(larger(before, after) * *length, g.abs());
+            *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
+            before = after;
         }
     }
 
@@ -428,13 +539,24 @@ impl<const D: usize> Room<D> {
     /// The largest residual in units of its rounding; NaN if one is.
     #[inline(always)]
     pub(crate) fn residual(&self, equations: usize) -> f64 {
-        let (mut worst, mut total) = (0.0_f64, 0.0);
-        for (g, scale) in self.g[..equations].iter().zip(&self.scale[..equations]) {
-            let ratio = if *g == 0.0 { 0.0 } else { g.abs() * scale };
-            worst = if worst < ratio { ratio } else { worst };
-            total += ratio; // NaN if one is
+        let ratio = |g: f64, scale: f64| if g == 0.0 { 0.0 } else { g.abs() * scale };
+        let ((g, rest), (scale, of_rest)) =
+            (self.g[..equations].as_chunks::<4>(), self.scale[..equations].as_chunks::<4>());
+        // Four at a time, which do not wait for each other.
+        let (mut worst, mut total) = ([0.0; 4], [0.0; 4]);
+        for (g, scale) in g.iter().zip(scale) {
+            for i in 0..4 {
+                let ratio = ratio(g[i], scale[i]);
+                worst[i] = larger(worst[i], ratio);
+                total[i] += ratio; // NaN if one is
+            }
         }
-        if total.is_nan() { f64::NAN } else { worst }
+        for (&g, &scale) in rest.iter().zip(of_rest) {
+            let ratio = ratio(g, scale);
+            worst[0] = larger(worst[0], ratio);
+            total[0] += ratio;
+        }
+        if total.iter().sum::<f64>().is_nan() { f64::NAN } else { size(&worst) }
     }
 
     /// The equation with the largest residual.

@@ -9,6 +9,7 @@ use crate::solve::aim::{Aim, Pace};
 use crate::solve::root::Course;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::linked::room::Stages;
+use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::{Report, Solver};
@@ -212,6 +213,24 @@ impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
         acting.copy_from_slice(blocks);
         shape.mask(c, acting);
         self.solvers[c].normals(rows, acting, &shape.roots)
+    }
+}
+
+impl<const D: usize> Room<D> {
+    /// Notes how a body sets out: its velocity, and its way without the constraints.
+    #[inline(always)]
+    pub(super) fn set_out(
+        &mut self,
+        body: usize,
+        [h, kick]: [f64; 2],
+        root: &Root<D>,
+        [p, p_low]: [&[f64; D]; 2],
+        force: &impl Force<f64, D>,
+    ) {
+        let (v, v_low) = (root.velocity(p), root.velocity(p_low));
+        self.velocity[body] = v;
+        self.drift[body] = from_fn(|i| h * v[i] + h * v_low[i]);
+        self.push[body] = root.velocity(&force.add_to([0.0; D], h * kick));
     }
 }
 

@@ -4,6 +4,7 @@ mod aim;
 mod chords;
 mod collocation;
 mod diagnosis;
+mod few;
 mod flight;
 mod hold;
 pub(crate) mod kept;
@@ -12,6 +13,7 @@ mod room;
 mod series;
 mod sheets;
 mod start;
+mod strip;
 mod system;
 
 pub use kept::{Counts, Kept, Linked};

@@ -19,6 +19,7 @@ use crate::number::vector::{add_scaled, dot, sum, two_sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::solve::root::Course;
 use crate::systems::linked::diagnosis::{gradient, kinked};
+use crate::systems::linked::few::{Few, Momenta};
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
 use crate::systems::linked::kept::BodiesOf;
@@ -30,6 +31,7 @@ use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::along;
 use crate::systems::linked::kept::fall_short;
 use crate::systems::linked::room::Stages;
+use crate::systems::linked::strip::{self, Strip};
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
     type Count = N;
@@ -143,7 +145,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn constraints_move(&self) -> bool {
-        self.shape.components.iter().any(|component| component.rows.moving)
+        self.shape.moving
     }
 
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
@@ -225,55 +227,65 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let Kept { force, blocks, rates, solvers, counts, room, aims, pace, .. } = &mut bodies.kept;
         let weights = pace.weights(h);
         pace.note(h);
-        for (body, root) in shape.roots.iter().enumerate() {
-            let v = root.velocity(&p[body]);
-            let v_low = root.velocity(&p_low[body]);
-            let f = root.velocity(&force[body].add_to([0.0; D], h * kick));
-            room.velocity[body] = v;
-            room.drift[body] = std::array::from_fn(|i| h * v[i] + h * v_low[i]);
-            room.push[body] = f;
-        }
         shape.pins.iter().for_each(|&(body, _)| room.trial[body] = q[body]);
-        for (c, component) in shape.components.iter().enumerate() {
-            let (rows, solver) = (&component.rows, &mut solvers[c]);
-            let (first, m) = (component.first, rows.equations());
-            let blocks = &blocks[first.1..first.1 + rows.blocks()];
-            let aims = &mut aims[first.0..first.0 + m];
-            let flight =
-                Flight { shape, component: c, q, q_low, blocks, aims, weights, time: bodies.time, h };
-            counts.solves += 1;
-            let by_default = X::KIND == Kind::Newton && guess.is_empty();
-            let landing = if by_default {
-                flight.find(solver, room, counts)?
-            } else {
-                flight.try_to_solve::<X>(guess, solver, room, counts)?
-            };
-            for (aim, &off) in aims.iter_mut().zip(&room.off) {
-                aim.note(if landing.aimed { off } else { f64::NAN });
-            }
-            room.x[first.0..first.0 + m].copy_from_slice(&room.y[..m]);
-        }
-
-        let (drift, push) = (&room.drift[..], &room.push[..]);
         for &body in &shape.loose {
-            let lift = sum(&drift[body], &push[body]);
+            room.set_out(body, [h, kick], &shape.roots[body], [&p[body], &p_low[body]], &force[body]);
+            let lift = sum(&room.drift[body], &room.push[body]);
             (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
         }
+        let by_default = X::KIND == Kind::Newton && guess.is_empty();
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
-            let m = rows.equations();
-            let x = &room.x[component.first.0..component.first.0 + m];
-            solver.moves(rows, &shape.roots, h, x, &mut room.dx[..m], |body, way, impulse| {
-                let lift = sum(&sum(&drift[body], &push[body]), way);
-                let change = sum(&force[body].add_to(p_low[body], kick), impulse);
-                (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
-                (p[body], p_low[body]) = two_sum(&p[body], &change);
-            });
+            let ((row, block), m, time) = (component.first, rows.equations(), bodies.time);
+            let (all, own) = (block..block + rows.blocks(), row..row + m);
+            let (blocks, rates, aims) = (&mut blocks[all], &mut rates[own.clone()], &mut aims[own.clone()]);
+            counts.solves += 1;
+            if by_default && solver.dense().is_some() {
+                let (q, q_low, p, p_low, force) = (&mut *q, &mut *q_low, &mut *p, &mut *p_low, &force[..]);
+                Few { shape, component: c, q, q_low, p, p_low, force, blocks, aims, weights, kick, h, time }
+                    .drift(solver, room, counts)?;
+            } else {
+                if let (Some(line), Some(over)) = (&rows.line, &shape.over_masses) {
+                    strip::set_out(line.bodies(m), [h, kick], over, [p, p_low], force, room);
+                } else {
+                    for &body in &rows.bodies {
+                        room.set_out(
+                            body,
+                            [h, kick],
+                            &shape.roots[body],
+                            [&p[body], &p_low[body]],
+                            &force[body],
+                        );
+                    }
+                }
+                let flight = Flight { shape, component: c, q, q_low, blocks, aims, weights, time, h };
+                let landing = if by_default {
+                    flight.find(solver, room, counts)?
+                } else {
+                    flight.try_to_solve::<X>(guess, solver, room, counts)?
+                };
+                for (aim, &off) in aims.iter_mut().zip(&room.off) {
+                    aim.note(if landing.aimed { off } else { f64::NAN });
+                }
+                room.x[own.clone()].copy_from_slice(&room.y[..m]);
+                if let (Some(line), Some(elimination)) = (&rows.line, solver.elimination_mut()) {
+                    let bodies = [&mut *q, &mut *q_low, &mut *p, &mut *p_low];
+                    strip::advance(line, elimination, [h, kick], bodies, force, room, own.clone());
+                } else {
+                    let Room { drift, push, x, dx, .. } = &mut *room;
+                    let (x, dx) = (&x[own.clone()], &mut dx[..m]);
+                    solver.moves(rows, &shape.roots, h, x, dx, |body, way, impulse| {
+                        let lift = sum(&sum(&drift[body], &push[body]), way);
+                        let change = sum(&force[body].add_to(p_low[body], kick), impulse);
+                        (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
+                        (p[body], p_low[body]) = two_sum(&p[body], &change);
+                    });
+                }
+            }
             if W::LISTENS || rows.moving {
-                solver.multipliers(x, &mut room.dx[..x.len()]);
-                let rates = &rates[component.first.0..];
-                for (row, displacement) in room.dx[..x.len()].iter().enumerate() {
+                solver.multipliers(&room.x[own], &mut room.dx[..m]);
+                for (row, displacement) in room.dx[..m].iter().enumerate() {
                     bodies.work -= displacement / h * rates[row];
                     let multiplier = displacement / (h * (0.5 * h));
                     witness.position_multiplier(rows.equation(row), multiplier);
@@ -282,6 +294,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
         bodies.time += h;
         for c in 0..shape.components.len() {
+            if by_default && bodies.kept.solvers[c].dense().is_some() {
+                continue; // its normals are taken over
+            }
             let (q, time) = (bodies.q.as_ref(), bodies.time);
             let (sine, row) = bodies.kept.normals(shape, c, time, q);
             self.check_rank(c, bodies, sine, row)?;
@@ -314,36 +329,60 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let shape = &*self.shape;
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
         let Kept { force, blocks, rates, solvers, room, .. } = &mut bodies.kept;
-        let (change, velocity, roots) = (&mut room.trial, &mut room.velocity, &shape.roots);
-        for body in 0..p.len() {
-            change[body] = force[body].add_to(p_low[body], kick);
-            velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
+        let (q, roots) = (bodies.q.as_ref(), &shape.roots);
+        // Also of places: free bodies have no constraint that would miss them.
+        let size = |p: &[f64; D], q: &[f64; D]| dot(p, p) + dot(q, q);
+        let mut total_size = 0.0;
+        for &body in &shape.loose {
+            (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
+            total_size += size(&p[body], &q[body]);
         }
         for (c, component) in shape.components.iter().enumerate() {
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let ((row, block), m) = (component.first, rows.equations());
-            let (blocks, rates) = (&blocks[block..block + rows.blocks()], &rates[row..row + m]);
             let (needed, x, total) = (&mut room.g[..m], &mut room.dx[..m], &mut room.x[row..row + m]);
-            total.fill(0.0);
-            for round in 0..2 {
-                // The second time takes what rounding left, if it left more than comes from forming the rates.
-                let settled = match (round, rows.width()) {
-                    (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, velocity, needed),
-                    (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, velocity, needed),
-                    (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, velocity, needed),
-                    _ => fall_short::<true, 0, D>(rows, blocks, rates, velocity, needed),
-                };
-                if settled {
-                    break;
-                }
-                solver.respond(rows, blocks, roots, needed, x);
-                solver.pushes(rows, roots, 1.0, x, |body, impulse| {
-                    change[body] = sum(&change[body], &impulse);
+            if let Some(dense) = solver.dense() {
+                let mut momenta = Momenta { bodies: &rows.bodies, q, p, p_low, force, kick };
+                total_size += momenta.settle(dense, total);
+            } else if let (Some(line), Some(elimination), false) =
+                (&rows.line, solver.elimination_mut(), rows.acting || rows.moving)
+            {
+                let change = &mut room.trial;
+                let mut strip = Strip { line, q, p, p_low, force, change, kick };
+                total_size += strip.settle(elimination, needed, x, total);
+            } else {
+                let (change, velocity) = (&mut room.trial, &mut room.velocity);
+                let (blocks, rates) = (&blocks[block..block + rows.blocks()], &rates[row..row + m]);
+                for &body in &rows.bodies {
+                    change[body] = force[body].add_to(p_low[body], kick);
                     velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
-                });
-                total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
+                }
+                total.fill(0.0);
+                for round in 0..2 {
+                    // The second time takes what rounding left, if it left more than comes from forming the rates.
+                    let settled = match (round, rows.width()) {
+                        (0, 2) => fall_short::<false, 2, D>(rows, blocks, rates, velocity, needed),
+                        (0, _) => fall_short::<false, 0, D>(rows, blocks, rates, velocity, needed),
+                        (_, 2) => fall_short::<true, 2, D>(rows, blocks, rates, velocity, needed),
+                        _ => fall_short::<true, 0, D>(rows, blocks, rates, velocity, needed),
+                    };
+                    if settled {
+                        break;
+                    }
+                    solver.respond(rows, blocks, roots, needed, x);
+                    solver.pushes(rows, roots, 1.0, x, |body, impulse| {
+                        change[body] = sum(&change[body], &impulse);
+                        velocity[body] = roots[body].velocity(&sum(&p[body], &change[body]));
+                    });
+                    total.iter_mut().zip(x.iter()).for_each(|(total, x)| *total += x);
+                }
+                for &body in &rows.bodies {
+                    (p[body], p_low[body]) = two_sum(&p[body], &change[body]);
+                    total_size += size(&p[body], &q[body]);
+                }
             }
             if W::LISTENS || rows.moving {
+                let rates = &rates[row..row + m];
                 solver.multipliers(total, x);
                 for (i, impulse) in x.iter().enumerate() {
                     bodies.work -= impulse * rates[i];
@@ -351,14 +390,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
                 }
             }
         }
-        // Also of places: free bodies have no constraint that would miss them.
-        let size = |p: &[f64; D], q: &[f64; D]| dot(p, p) + dot(q, q);
-        let (mut total, q) = (0.0, bodies.q.as_ref());
-        for (((p, p_low), change), q) in p.iter_mut().zip(p_low).zip(change).zip(q) {
-            (*p, *p_low) = two_sum(p, change);
-            total += size(p, q);
-        }
-        if !total.is_finite()
+        if !total_size.is_finite()
             && let Some(body) = (0..p.len()).find(|&body| !size(&p[body], &q[body]).is_finite())
         {
             return Err(self.not_finite(bodies, body));
@@ -368,7 +400,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
 
     fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
         let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
-        for group in &self.shape.groups {
+        for group in &self.shape.kinked {
             if let Some((member, kink)) = group.kink(time, q) {
                 return Err(kinked(&**group, member, kink));
             }

@@ -119,6 +119,7 @@ impl<const D: usize> Network<D> {
         {
             return mistake(NetworkMistake::TooManyForBasis { equations: largest, most: MOST_EQUATIONS });
         }
+        let pins = self.pins.iter().copied().collect();
         let components: Vec<_> = components
             .into_iter()
             .map(|rows| {
@@ -130,7 +131,7 @@ impl<const D: usize> Network<D> {
                 let few = equations <= FEW;
                 let solver = match self.algebra {
                     LinearAlgebra::Orthogonal => Solver::orthogonal(&rows),
-                    LinearAlgebra::Automatic if few => Solver::few(&rows, &roots),
+                    LinearAlgebra::Automatic if few => Solver::few(&rows, &roots, &self.groups, &pins),
                     #[cfg(feature = "faer")]
                     LinearAlgebra::Supernodal => Solver::supernodal(&rows, &roots),
                     LinearAlgebra::Automatic | LinearAlgebra::Elimination => {
@@ -146,6 +147,9 @@ impl<const D: usize> Network<D> {
         let loose = (0..bodies).filter(|&body| !held[body]).collect();
         Ok(Shape {
             groups: self.groups.clone(),
+            kinked: self.groups.iter().filter(|group| group.has_kinks()).cloned().collect(),
+            moving: components.iter().any(|component| component.rows.moving),
+            over_masses: roots.iter().map(Root::over_masses).collect(),
             roots,
             pins: self.pins.clone(),
             components,

@@ -344,6 +344,11 @@ impl<const D: usize> Elimination<D> {
     /// Calls `see` with M⁻¹GᵀΛ of each body, by its number in the scene.
     #[inline(always)]
     pub(crate) fn displacements(&self, rows: &Rows, x: &[f64], mut see: impl FnMut(usize, [f64; D])) {
+        if let Some(line) = &rows.line {
+            let mut bodies = line.bodies(x.len());
+            return line
+                .combine(&self.lifted, x, |way| bodies.next().into_iter().for_each(|body| see(body, way)));
+        }
         self.combine(rows, &self.lifted, x, |body, blocks| see(body, blocks.add_to([0.0; D], 1.0)));
     }
 
@@ -363,6 +368,11 @@ impl<const D: usize> Elimination<D> {
             let normals = Blocks { blocks: &self.normals, x: impulses, ..lifted };
             see(body, &lifted.add_to([0.0; D], 1.0), &normals.add_to([0.0; D], 1.0));
         });
+    }
+
+    /// The normals where the step starts, and M⁻¹ times them.
+    pub(crate) fn at_start(&self) -> [&[[f64; D]]; 2] {
+        [&self.normals, &self.lifted]
     }
 
     /// Calls `see` with `scale` GᵀΛ of each body, by its number in the scene.

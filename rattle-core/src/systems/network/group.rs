@@ -6,9 +6,11 @@ use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::Fused;
 use crate::systems::network::in_lanes::{FEW, InLanes, LinksInLanes, Number, ROW};
+use crate::systems::network::places::{Places, Row};
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Copies of one constraint. Rows (equations) and blocks (the D numbers of a row that belong to one body) of a range of
 /// members lie one after the other.
@@ -25,6 +27,8 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
     fn moving(&self) -> bool;
     /// The same with a member for every body in turn, if there is one member, on body 0 alone.
     fn for_each(&self, bodies: usize) -> Option<Box<dyn Group<D>>>;
+    /// Some members alone, with other numbers of their bodies.
+    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>>;
 
     /// g.
     fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]);
@@ -49,12 +53,21 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
         turns: &mut [f64],
     );
 
+    /// Of all members, row by row: g at these places.
+    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]);
+    /// g and its gradients.
+    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]);
+    /// d²g/dt² along constant velocities, and |∇²g v|².
+    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Row<D>]);
+
     /// The same links for trajectories side by side; none where multipliers act on chosen coordinates, g depends on
     /// time, or has kinks.
     fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>>;
     /// The same for a few trajectories.
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
 
+    /// Whether there are kinks.
+    fn has_kinks(&self) -> bool;
     /// The first member of which a normal jumps on the straight way between two places and times.
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)>;
 
@@ -177,6 +190,19 @@ where
         })
     }
 
+    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>> {
+        let kernels = if self.kernels.len() == 1 { 0..1 } else { members.clone() };
+        let Self { name, acting, in_lanes, in_few_lanes, .. } = *self;
+        Arc::new(Self {
+            name,
+            kernels: self.kernels[kernels].to_vec(),
+            members: self.members[members].iter().map(|bodies| bodies.map(number)).collect(),
+            acting,
+            in_lanes,
+            in_few_lanes,
+        })
+    }
+
     fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]) {
         for (member, g) in members.zip(g.chunks_exact_mut(M)) {
             g.copy_from_slice(&self.kernel(member).value(&self.gather(member, q, time)));
@@ -221,11 +247,45 @@ where
         }
     }
 
+    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]) {
+        for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
+            let values = self.kernel(member).value(&self.gather(member, q, time));
+            rows.iter_mut().zip(values).for_each(|(row, value)| row.value = value);
+        }
+    }
+
+    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]) {
+        for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
+            let (values, gradients) = self.kernel(member).value_and_jacobian(&self.gather(member, q, time));
+            for (i, row) in rows.iter_mut().enumerate() {
+                row.value = values[i];
+                for (a, &body) in self.members[member].iter().enumerate() {
+                    row.blocks[body] = from_fn(|d| gradients[i][a * D + d]);
+                }
+            }
+        }
+    }
+
+    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Row<D>]) {
+        for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
+            let direction = self.gather(member, v, 1.0);
+            let along = self.kernel(member).hessian_vector(&self.gather(member, q, time), &direction);
+            for (row, along) in rows.iter_mut().zip(&along) {
+                row.value = along.iter().zip(&direction).map(|(h, v)| h * v).sum();
+                row.turn = along[..A * D].iter().map(|h| h * h).sum();
+            }
+        }
+    }
+
     fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>> {
         self.goes_in_lanes().then(|| (self.in_lanes)(self))
     }
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>> {
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
+    }
+
+    fn has_kinks(&self) -> bool {
+        !G::KINKS.is_empty()
     }
 
     fn kink(&self, time: [f64; 2], q: [&[[f64; D]]; 2]) -> Option<(usize, Kink)> {

@@ -58,6 +58,9 @@ impl<const D: usize> Root<D> {
                 let fine = m.iter().zip(&inverse).all(|(m, i)| *m > 0.0 && m.is_finite() && i.is_finite());
                 fine.then(|| Self::Diagonal { inverse, root: inverse.map(f64::sqrt) })
             }
+            Mass::Matrix(m) if (0..D).all(|i| (0..D).all(|j| i == j || m[i][j] == 0.0)) => {
+                Self::new(&Mass::Diagonal(from_fn(|i| m[i][i])))
+            }
             Mass::Matrix(m) => cholesky(m).map(Self::Cholesky),
         }
     }

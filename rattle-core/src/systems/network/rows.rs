@@ -1,6 +1,7 @@
 //! A component: equations coupled by the bodies that they share. Each component is solved by itself.
 
 use crate::systems::network::group::Group;
+use crate::systems::network::line::Line;
 use crate::systems::network::mass::Root;
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,6 +37,7 @@ pub(crate) struct Rows {
     pub(crate) acting: bool,
     pub(crate) moving: bool,
     width: usize,
+    pub(crate) line: Option<Line>,
 }
 
 const PINNED: usize = usize::MAX;
@@ -159,6 +161,7 @@ pub(crate) fn components<const D: usize>(
                     acting: false,
                     moving: false,
                     width: *arity,
+                    line: None,
                 });
             }
             let component = &mut components[number[key]];
@@ -185,6 +188,9 @@ pub(crate) fn components<const D: usize>(
             }
             equation += rows;
         }
+    }
+    for rows in &mut components {
+        rows.line = Line::new(&rows.touched, &rows.free, rows.width);
     }
     (components, fixed)
 }

@@ -11,7 +11,13 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Shape<const D: usize> {
     pub(crate) groups: Vec<Arc<dyn Group<D>>>,
+    /// Those of the groups that have kinks.
+    pub(crate) kinked: Vec<Arc<dyn Group<D>>>,
+    /// Whether a constraint moves.
+    pub(crate) moving: bool,
     pub(crate) roots: Vec<Root<D>>,
+    /// 1/m along each coordinate, 0 where pinned; none where a mass is a matrix.
+    pub(crate) over_masses: Option<Vec<[f64; D]>>,
     pub(crate) pins: Vec<(usize, [f64; D])>,
     pub(crate) components: Vec<Component<D>>,
     /// Members between pinned bodies alone, as group and member.

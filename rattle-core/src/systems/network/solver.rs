@@ -1,11 +1,16 @@
 //! The choice of linear algebra for a component.
 
+use crate::number::vector::sum;
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::dense::Dense;
 use crate::systems::network::elimination::Elimination;
+use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::Basis;
 use crate::systems::network::rows::Rows;
+use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 
 #[derive(Debug, Clone)]
 pub(crate) enum Solver<const D: usize> {
@@ -18,18 +23,27 @@ pub(crate) enum Solver<const D: usize> {
 #[derive(Debug, Clone)]
 pub(crate) struct Few<const D: usize> {
     basis: Basis<D>,
-    elimination: Elimination<D>,
+    elimination: Way<D>,
     /// Whether the last normals are clearly independent.
     clear: bool,
 }
 
 /// Normals with a larger sine to those before lose four bits by elimination at most, as that takes the sine squared.
-const CLEARLY: f64 = 0.25;
+pub(crate) const CLEARLY: f64 = 0.25;
+
+/// Elimination in full where that is possible, else on a pattern.
+#[derive(Debug, Clone)]
+#[allow(clippy::large_enum_variant, reason = "behind a box")]
+enum Way<const D: usize> {
+    Dense(Dense<D>),
+    Sparse(Elimination<D>),
+}
 
 /// What does the work.
-enum By<B, E> {
+enum By<B, E, F> {
     Basis(B),
     Elimination(E),
+    Dense(F),
 }
 
 impl<const D: usize> Solver<D> {
@@ -41,9 +55,16 @@ impl<const D: usize> Solver<D> {
         Self::Elimination(Box::new(Elimination::new(rows, roots)))
     }
 
-    pub(crate) fn few(rows: &Rows, roots: &[Root<D>]) -> Self {
+    pub(crate) fn few(
+        rows: &Rows,
+        roots: &[Root<D>],
+        groups: &[Arc<dyn Group<D>>],
+        pins: &BTreeMap<usize, [f64; D]>,
+    ) -> Self {
         let basis = Basis::new(rows.equations(), rows.bodies.len());
-        Self::Few(Box::new(Few { basis, elimination: Elimination::new(rows, roots), clear: false }))
+        let sparse = || Way::Sparse(Elimination::new(rows, roots));
+        let elimination = Dense::new(rows, roots, groups, pins).map_or_else(sparse, Way::Dense);
+        Self::Few(Box::new(Few { basis, elimination, clear: false }))
     }
 
     #[cfg(feature = "faer")]
@@ -52,24 +73,55 @@ impl<const D: usize> Solver<D> {
     }
 
     #[inline(always)]
-    fn by(&self) -> By<&Basis<D>, &Elimination<D>> {
+    fn by(&self) -> By<&Basis<D>, &Elimination<D>, &Dense<D>> {
         match self {
             Self::Orthogonal(basis) => By::Basis(basis),
             Self::Elimination(elimination) => By::Elimination(elimination),
-            Self::Few(few) if few.clear => By::Elimination(&few.elimination),
-            Self::Few(few) => By::Basis(&few.basis),
+            Self::Few(few) => match &few.elimination {
+                _ if !few.clear => By::Basis(&few.basis),
+                Way::Dense(dense) => By::Dense(dense),
+                Way::Sparse(elimination) => By::Elimination(elimination),
+            },
         }
     }
 
     #[inline(always)]
-    fn by_mut(&mut self) -> By<&mut Basis<D>, &mut Elimination<D>> {
+    fn by_mut(&mut self) -> By<&mut Basis<D>, &mut Elimination<D>, &mut Dense<D>> {
         match self {
             Self::Orthogonal(basis) => By::Basis(basis),
             Self::Elimination(elimination) => By::Elimination(elimination),
-            Self::Few(few) => {
-                let Few { basis, elimination, clear } = &mut **few;
-                if *clear { By::Elimination(elimination) } else { By::Basis(basis) }
-            }
+            Self::Few(few) => match &mut few.elimination {
+                _ if !few.clear => By::Basis(&mut few.basis),
+                Way::Dense(dense) => By::Dense(dense),
+                Way::Sparse(elimination) => By::Elimination(elimination),
+            },
+        }
+    }
+
+    /// Elimination in full, if that is what does the work.
+    #[inline(always)]
+    pub(crate) fn dense(&mut self) -> Option<&mut Dense<D>> {
+        match self.by_mut() {
+            By::Dense(dense) => Some(dense),
+            _ => None,
+        }
+    }
+
+    /// Elimination on a pattern, if that is what does the work.
+    #[inline(always)]
+    pub(crate) fn elimination_mut(&mut self) -> Option<&mut Elimination<D>> {
+        match self.by_mut() {
+            By::Elimination(elimination) => Some(elimination),
+            _ => None,
+        }
+    }
+
+    /// M⁻¹ times the normals in blocks, by elimination on a pattern.
+    #[inline(always)]
+    pub(crate) fn lifted(&self) -> Option<&[[f64; D]]> {
+        match self.by() {
+            By::Elimination(elimination) => Some(elimination.at_start()[1]),
+            _ => None,
         }
     }
 
@@ -77,7 +129,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn rank(&self, rows: &Rows) -> usize {
         match self.by() {
             By::Basis(basis) => basis.rank,
-            By::Elimination(_) => rows.equations(),
+            By::Elimination(_) | By::Dense(_) => rows.equations(),
         }
     }
 
@@ -87,7 +139,10 @@ impl<const D: usize> Solver<D> {
             Self::Orthogonal(basis) => basis.normals(rows, blocks, roots),
             Self::Elimination(elimination) => elimination.normals(rows, blocks, roots),
             Self::Few(few) => {
-                let found = few.elimination.normals(rows, blocks, roots);
+                let found = match &mut few.elimination {
+                    Way::Dense(dense) => dense.normals(blocks),
+                    Way::Sparse(elimination) => elimination.normals(rows, blocks, roots),
+                };
                 few.clear = found.0 > CLEARLY && found.0.is_finite();
                 if few.clear { found } else { few.basis.normals(rows, blocks, roots) }
             }
@@ -119,6 +174,7 @@ impl<const D: usize> Solver<D> {
         match self.by_mut() {
             By::Basis(basis) => basis.chord::<SYMMETRIC>(rows, blocks, roots),
             By::Elimination(elimination) => elimination.chord::<SYMMETRIC>(rows, blocks, roots),
+            By::Dense(dense) => dense.chord::<SYMMETRIC>(blocks),
         }
     }
 
@@ -126,6 +182,7 @@ impl<const D: usize> Solver<D> {
         match self.by_mut() {
             By::Basis(basis) => basis.correct(g, dx),
             By::Elimination(elimination) => elimination.correct(g, dx),
+            By::Dense(dense) => dense.correct(g, dx),
         }
     }
 
@@ -134,6 +191,7 @@ impl<const D: usize> Solver<D> {
         match self.by_mut() {
             By::Basis(basis) => basis.solve(rates, x),
             By::Elimination(elimination) => elimination.solve(rates, x),
+            By::Dense(dense) => dense.solve(rates, x),
         }
     }
 
@@ -159,7 +217,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn multipliers(&mut self, x: &[f64], multipliers: &mut [f64]) {
         match self.by_mut() {
             By::Basis(basis) => basis.multipliers(x, multipliers),
-            By::Elimination(_) => multipliers.copy_from_slice(x),
+            By::Elimination(_) | By::Dense(_) => multipliers.copy_from_slice(x),
         }
     }
 
@@ -167,7 +225,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn coefficients(&self, multipliers: &[f64], x: &mut [f64]) {
         match self.by() {
             By::Basis(basis) => basis.coefficients(multipliers, x),
-            By::Elimination(_) => x.copy_from_slice(multipliers),
+            By::Elimination(_) | By::Dense(_) => x.copy_from_slice(multipliers),
         }
     }
 
@@ -175,7 +233,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn product(&self, lengths: &[f64], a: &[f64], b: &[f64]) -> f64 {
         match self.by() {
             By::Basis(basis) => a[..basis.rank].iter().zip(b).map(|(a, b)| a * b).sum(),
-            By::Elimination(_) => {
+            By::Elimination(_) | By::Dense(_) => {
                 a.iter().zip(b).zip(lengths).map(|((a, b), length)| (a * length) * (b * length)).sum()
             }
         }
@@ -193,6 +251,7 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.displacements(rows, roots, x, see),
             By::Elimination(elimination) => elimination.displacements(rows, x, see),
+            By::Dense(dense) => dense.displacements(rows, x, see),
         }
     }
 
@@ -200,6 +259,9 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.displace(rows, roots, x, out),
             By::Elimination(elimination) => elimination.displace(rows, x, out),
+            By::Dense(dense) => {
+                dense.displacements(rows, x, |body, way| out[body] = sum(&out[body], &way));
+            }
         }
     }
 
@@ -216,6 +278,7 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.pushes(rows, roots, scale, x, see),
             By::Elimination(elimination) => elimination.pushes(rows, scale, x, see),
+            By::Dense(dense) => dense.pushes(rows, scale, x, see),
         }
     }
 
@@ -234,6 +297,7 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.moves(rows, roots, h, x, see),
             By::Elimination(elimination) => elimination.moves(rows, h, x, impulses, see),
+            By::Dense(dense) => dense.moves(rows, h, x, impulses, see),
         }
     }
 
@@ -241,6 +305,9 @@ impl<const D: usize> Solver<D> {
         match self.by() {
             By::Basis(basis) => basis.push(rows, roots, scale, x, out),
             By::Elimination(elimination) => elimination.push(rows, scale, x, out),
+            By::Dense(dense) => {
+                dense.pushes(rows, scale, x, |body, impulse| out[body] = sum(&out[body], &impulse));
+            }
         }
     }
 }

@@ -1,0 +1,122 @@
+//! One motion, whichever way its multipliers are found: few equations at once, rods in a line by streams over memory,
+//! or as of any network.
+
+use crate::common::linked::*;
+use crate::common::*;
+use rattle::bodies::Many;
+use rattle::links::planar::Pendulum;
+use rattle::network::{LinearAlgebra, Network};
+use rattle::prelude::*;
+
+type Net = Scene<Network<2>, (), Many, 2>;
+
+fn place(body: usize) -> [f64; 2] {
+    let turn = 0.9 * body as f64;
+    [body as f64 + 0.3 * turn.sin(), 0.5 * turn.cos()]
+}
+
+/// Rods between bodies of unequal masses, some of them pinned.
+fn net(bodies: usize, rods: &[[usize; 2]], pins: &[usize]) -> Net {
+    let rods = rods.iter().map(|rod| {
+        let [a, b] = rod.map(place);
+        (Rod { length: (a[0] - b[0]).hypot(a[1] - b[1]) }, *rod)
+    });
+    let scene = Scene::points(bodies).link_each(rods).masses((0..bodies).map(|i| 1.0 + 0.25 * i as f64));
+    pins.iter().fold(scene, |scene, &pin| scene.pin(pin, place(pin)))
+}
+
+fn start(scene: &Net, bodies: usize) -> State<2> {
+    let pushed = |i: usize| [(1.7 * i as f64).sin(), (2.3 * i as f64).cos() - 0.4];
+    let free = State::of((0..bodies).map(place)).with_momenta((0..bodies).map(pushed));
+    scene.project(&free).unwrap()
+}
+
+/// Where this leads, and the corrections on the way.
+fn end(scene: &Net, start: &State<2>, h: f64, steps: u64) -> (Vec<f64>, u64) {
+    let scene = scene.clone().with(PlanarGravity { g: 1.0 });
+    let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
+    simulation.run(steps).unwrap();
+    // Coordinates are as large as there are bodies, and rods of length 1.
+    let rounding = 8.0 * f64::EPSILON * start.len() as f64;
+    assert!(simulation.constraint_residual() <= rounding, "{:e}", simulation.constraint_residual());
+    (phase(&simulation.state()), simulation.counts().corrections)
+}
+
+/// Sizes that are compiled, (1, 1) to (3, 3), and one that is not.
+#[test]
+fn few_equations_at_once_or_by_lists() {
+    let held = Pendulum { length: 1.5, pivot: [2.0, 1.5] };
+    let nets = [
+        (2, net(2, &[[0, 1]], &[0])),
+        (2, net(2, &[[0, 1]], &[])),
+        (3, net(3, &[[0, 1], [1, 2]], &[0])),
+        (3, net(3, &[[1, 0], [2, 1]], &[0]).link(held, [[2]])),
+        (4, net(4, &[[0, 1], [2, 1], [2, 3]], &[0])),
+        (3, net(3, &[[0, 1], [1, 2], [2, 0]], &[])),
+    ];
+    for (number, (bodies, scene)) in nets.into_iter().enumerate() {
+        let start = start(&scene, bodies);
+        let (at_once, corrections) = end(&scene, &start, 0.01, 100);
+        for algebra in [LinearAlgebra::Elimination, LinearAlgebra::Orthogonal] {
+            let (other, others) = end(&scene.clone().linear_algebra(algebra), &start, 0.01, 100);
+            let difference = apart(&at_once, &other);
+            println!("net {number}, {algebra:?}: {difference:.1e}, {corrections} and {others} corrections");
+            assert!(difference <= 1e-12, "net {number}, {algebra:?}: {difference:e}");
+            assert!(corrections.abs_diff(others) <= 5, "net {number}: {corrections} {others}");
+        }
+        // Long steps look inside, and follow their roots: what goes on from the plain case is the same.
+        let long = 0.15;
+        let difference = apart(
+            &end(&scene, &start, long, 8).0,
+            &end(&scene.linear_algebra(LinearAlgebra::Elimination), &start, long, 8).0,
+        );
+        assert!(difference <= 1e-11, "net {number}, long steps: {difference:e}");
+    }
+}
+
+/// Rods from end to end are a line; named backwards, or from their other ends, they are any chain.
+#[test]
+fn rods_in_a_line_or_not() {
+    for (rods, pins) in [(40, &[0][..]), (41, &[]), (40, &[0, 40]), (41, &[41]), (7, &[0]), (8, &[8])] {
+        let bodies = rods + 1;
+        let line: Vec<[usize; 2]> = chain(rods);
+        let backwards: Vec<_> = line.iter().rev().copied().collect();
+        let turned: Vec<_> = line.iter().map(|&[a, b]| [b, a]).collect();
+        let scene = net(bodies, &line, pins);
+        let start = start(&scene, bodies);
+        let (in_line, corrections) = end(&scene, &start, 0.01, 100);
+        for other in [backwards, turned] {
+            let (other, others) = end(&net(bodies, &other, pins), &start, 0.01, 100);
+            let difference = apart(&in_line, &other);
+            println!("{rods} rods, {pins:?}: {difference:.1e}, {corrections} and {others} corrections");
+            assert!(difference <= 1e-11, "{rods} rods, {pins:?}: {difference:e}");
+            assert!(corrections.abs_diff(others) <= 10, "{rods} rods: {corrections} {others}");
+        }
+    }
+}
+
+/// A step that is too long ends with the same reason, and leaves all as it was; a state goes on to the bit.
+#[test]
+fn few_equations_fail_and_go_on_as_others() {
+    let scene = net(3, &[[0, 1], [1, 2], [2, 0]], &[]);
+    let start = start(&scene, 3);
+    let faster = start.momenta().map(|p| 30.0 * p);
+    let start = State::of(start.positions()).with_momenta(faster);
+    let reason = |scene: &Net| {
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(0.5)).unwrap();
+        let before = bits(&simulation.state());
+        let reason = simulation.step().unwrap_err().to_string();
+        assert_eq!(bits(&simulation.state()), before);
+        reason
+    };
+    let at_once = reason(&scene);
+    assert_eq!(at_once, reason(&scene.clone().linear_algebra(LinearAlgebra::Elimination)));
+
+    let whole = scene.simulate(start.clone(), Rattle::new(1e-3)).unwrap();
+    let (mut whole, mut first) = (whole.clone(), whole);
+    whole.run(60).unwrap();
+    first.run(25).unwrap();
+    let mut rest = scene.simulate(first.state(), Rattle::new(1e-3)).unwrap();
+    rest.run(35).unwrap();
+    assert_eq!(bits(&whole.state()), bits(&rest.state()));
+}
