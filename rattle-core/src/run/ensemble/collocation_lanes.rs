@@ -18,7 +18,7 @@ use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::row::{LOOKING, Landed, Row, Scratch, Tableau};
+use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
 use crate::solve::crowd::{EVERY, FARTHER, reach, rises, shares, shift};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
@@ -195,32 +195,30 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         let Self { lanes: CollocationLanes { row, laws, table, tableau, h, .. }, tour } = self;
         let (laws, tableau) = (laws.clone(), tableau.clone()); // out of reach of what the loops write
         let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
+        let Desk { row, scratch } = &mut desk;
         while let Some(Leg { from, steps, written }) = tour.next() {
             for now in from..from + steps {
                 if now % EVERY == 0 && now > 0 {
-                    look(&mut desk.row, now, &laws)?;
+                    look(row, now, &laws)?;
                 }
-                let Desk { row, scratch } = &mut desk;
                 if !advance(row, &laws, &tableau, scratch) {
-                    for lane in 0..L {
-                        if scratch.going[lane] != S::default() {
-                            if scratch.going[lane] != S::from_f64(LOOKING) {
-                                move_apart(row, lane, &laws, table, *h, now + 1, scratch)?;
-                            }
-                            ask_around(row, lane, &laws, scratch)?;
+                    let Scratch { going, end, .. } = &mut *scratch;
+                    for (lane, &going) in
+                        going.iter().enumerate().filter(|&(_, &going)| going != S::default())
+                    {
+                        if going != S::from_f64(LOOKING) {
+                            move_apart(row, lane, &laws, table, *h, now + 1, end)?;
                         }
+                        ask_around(row, lane, &laws, end)?;
                     }
                 }
                 if const { !X::Constraint::KINKS.is_empty() } {
-                    let from = row.q;
-                    row.take(scratch);
-                    crossings(&laws, &from, &row.q)?;
-                } else {
-                    row.take(scratch);
+                    crossings(&laws, &row.q, &scratch.end.q)?;
                 }
+                row.take(&scratch.end);
             }
             if let Some(written) = written {
-                let (q, p) = (&desk.row.q, &desk.row.p);
+                let (q, p) = (&row.q, &row.p);
                 written.fill(L, |lane| at(q, lane).map(Lane::to_f64), |lane| at(p, lane).map(Lane::to_f64));
             }
         }
@@ -252,23 +250,23 @@ fn look<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usi
 #[cold]
 #[inline(never)]
 fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &Row<S, L, D, SUMS, N>,
+    row: &mut Row<S, L, D, SUMS, N>,
     lane: usize,
     laws: &impl Laws<S, D>,
     table: &Table<N>,
     h: f64,
     number: u64,
-    scratch: &mut Scratch<S, L, D, N>,
+    end: &mut End<S, L, D>,
 ) -> Result<(), Stuck> {
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
     let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-    let (body, mut memory) = (row.body(lane), vec![S::default(); 1 + N * (D + 1)]);
-    let mut bodies = system.bodies(&[body], 0.0);
+    let mut memory = vec![S::default(); 1 + N * (D + 1)];
+    let mut bodies = system.bodies(&[row.body(lane)], 0.0);
     bodies.kept.crowd.asked = row.asked[lane].to_f64();
     match apart(&system, table, h, 1, number, &mut bodies, &mut memory) {
         Ok(()) if bodies.kept.crowd.near => Err(Stuck { lane, failure: None }),
         Ok(()) => {
-            scratch.land(lane, laws, h, [&body.q, &body.p], &bodies.body(0), &memory);
+            row.land(lane, laws, h, &bodies.body(0), &memory, end);
             Ok(())
         }
         Err(failure) => Err(Stuck { lane, failure: Some(failure) }),
@@ -281,13 +279,14 @@ fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     row: &mut Row<S, L, D, SUMS, N>,
     lane: usize,
     laws: &impl Laws<S, D>,
-    scratch: &Scratch<S, L, D, N>,
+    end: &End<S, L, D>,
 ) -> Result<(), Stuck> {
-    let Landed { q, p, normal, pull, astray } = scratch.landed(lane);
-    if astray.le(row.asked[lane]) {
+    let strays = end.strays[lane];
+    if strays.le(row.asked[lane]) {
         return Ok(());
     }
-    let (asked, square) = (S::from_f64(FARTHER) * astray, dot(&normal, &normal));
+    let [q, p, normal, pull] = [&end.q, &end.p, &end.normal, &end.total].map(|x| at(x, lane));
+    let (asked, square) = (S::from_f64(FARTHER) * strays, dot(&normal, &normal));
     let furthest = shift(asked, square, dot(&p, &p), dot(&normal, &pull));
     row.asked[lane] = asked;
     for share in shares(0) {

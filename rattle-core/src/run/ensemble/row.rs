@@ -32,8 +32,9 @@ pub(super) struct Tableau<S, const N: usize> {
     /// h bⱼ, and what rounding took from it.
     pub(super) kick: [S; N],
     pub(super) kick_rest: [S; N],
-    /// From the last step's stages to this one's.
+    /// From the last step's stages to this one's; and the same times h² aᵢⱼ.
     pub(super) ahead: [[S; N]; N],
+    pub(super) first: [[S; N]; N],
 }
 
 impl<S: Lane, const N: usize> Tableau<S, N> {
@@ -41,8 +42,16 @@ impl<S: Lane, const N: usize> Tableau<S, N> {
         let number = S::from_f64;
         // What a float of lanes takes from a number of two doubles.
         let rest = |(high, low): (f64, f64)| number((high - number(high).to_f64()) + low);
+        let push = |i: usize, j: usize| table.push(h, i, j).0;
+        // The first stage is the last one of the step before.
+        let ahead = |j: usize, k: usize| match j {
+            0 => f64::from(u8::from(k == N - 1)),
+            _ => table.ahead[j][k],
+        };
+        let first = |i: usize, k: usize| (0..N - 1).map(|j| push(i, j) * ahead(j, k)).sum::<f64>();
         Self {
             h: number(h),
+            first: from_fn(|i| from_fn(|k| number(first(i, k)))),
             drift: from_fn(|i| number(table.drift(h, i).0)),
             push: from_fn(|i| from_fn(|j| number(table.push(h, i, j).0))),
             push_rest: from_fn(|j| rest(table.push(h, N - 1, j))),
@@ -76,17 +85,10 @@ pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, cons
 #[derive(Clone)]
 #[repr(C, align(64))]
 pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
-    /// p, with what rounding took from it.
-    pub(super) v: Vectors<S, L, D>,
-    /// Stages, and by how much they should be away from q.
+    /// Stages, how far they are from where they should be, and ∇g there. The first stage is the start.
     pub(super) place: [Vectors<S, L, D>; N],
-    pub(super) increment: [Vectors<S, L, D>; N],
-    /// ∇g, w and λ there. The first stage is the start.
+    pub(super) away: [Vectors<S, L, D>; N],
     pub(super) normal: [Vectors<S, L, D>; N],
-    pub(super) total: [Vectors<S, L, D>; N],
-    pub(super) lambda: [[S; L]; N],
-    /// What λ is corrected by, times ∇g.
-    pub(super) push: [Vectors<S, L, D>; N],
     /// g of the linearised equations; then what λ is corrected by.
     pub(super) residual: [[S; L]; N],
     /// The matrix, and its factors.
@@ -103,8 +105,8 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     pub(super) end: End<S, L, D>,
 }
 
-/// Where a step ends: place and momentum with what rounding took from them, ∇g, w and λ there, and how far the step may
-/// have led astray.
+/// Where a step ends: place and momentum with what rounding took from them, ∇g, w and λ there (until then λ at the
+/// start), and how far the step may have led astray.
 #[derive(Clone)]
 pub(super) struct End<S, const L: usize, const D: usize> {
     pub(super) q: Vectors<S, L, D>,
@@ -114,7 +116,7 @@ pub(super) struct End<S, const L: usize, const D: usize> {
     pub(super) normal: Vectors<S, L, D>,
     pub(super) total: Vectors<S, L, D>,
     pub(super) lambda: [S; L],
-    pub(super) astray: [S; L],
+    pub(super) strays: [S; L],
 }
 
 impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N> {
@@ -122,13 +124,9 @@ impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N
         let zero = [S::default(); L];
         let (vectors, stages) = ([zero; D], [[zero; D]; N]);
         Self {
-            v: vectors,
             place: stages,
-            increment: stages,
+            away: stages,
             normal: stages,
-            total: stages,
-            lambda: [zero; N],
-            push: stages,
             residual: [zero; N],
             matrix: [[zero; N]; N],
             moved: zero,
@@ -144,53 +142,9 @@ impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N
                 normal: vectors,
                 total: vectors,
                 lambda: zero,
-                astray: zero,
+                strays: zero,
             },
         }
-    }
-}
-
-/// Where a lane has landed.
-pub(super) struct Landed<S, const D: usize> {
-    pub(super) q: [S; D],
-    pub(super) p: [S; D],
-    pub(super) normal: [S; D],
-    pub(super) pull: [S; D],
-    pub(super) astray: S,
-}
-
-impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N> {
-    /// Where the step leads a lane.
-    pub(super) fn landed(&self, lane: usize) -> Landed<S, D> {
-        let End { q, p, normal, total, astray, .. } = &self.end;
-        let [q, p, normal, pull] = [q, p, normal, total].map(|x| at(x, lane));
-        Landed { q, p, normal, pull, astray: astray[lane] }
-    }
-
-    /// Notes where a step by itself has led a lane from q and p, and what the method remembers of it.
-    pub(super) fn land(
-        &mut self,
-        lane: usize,
-        laws: &impl Laws<S, D>,
-        h: f64,
-        [q, p]: [&[S; D]; 2],
-        to: &Body<S, D>,
-        memory: &[S],
-    ) {
-        let (totals, lambdas) = memory[1..].split_at(N * D);
-        for j in 0..N {
-            put(&mut self.total[j], lane, from_fn(|d| totals[j * D + d]));
-            self.lambda[j][lane] = lambdas[j];
-        }
-        let [gradient] = laws.constraint(lane).borrow().jacobian(&to.q);
-        let (lambda, total) = pull(laws, lane, &to.q, &to.p, &gradient);
-        let End { q: end, q_low, p: p_end, p_low, normal, total: pulled, lambda: multiplier, astray } =
-            &mut self.end;
-        let all = [(end, to.q), (q_low, to.q_low), (p_end, to.p), (p_low, to.p_low)];
-        all.into_iter().chain([(normal, gradient), (pulled, total)]).for_each(|(x, of)| put(x, lane, of));
-        multiplier[lane] = lambda;
-        let way = add_scaled(&to.q, S::from_f64(-1.0), q);
-        astray[lane] = largest(&add_scaled(&way, S::from_f64(-0.5 * h), &sum(p, &to.p)));
     }
 }
 
@@ -239,23 +193,52 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         numbers.le(S::from_f64(f64::MAX))
     }
 
-    /// Takes a step, the end of which was found.
+    /// Takes a step, the end of which was found; what is remembered of its other stages is there.
     #[inline(always)]
-    pub(super) fn take(&mut self, scratch: &Scratch<S, L, D, N>) {
-        let Scratch { end, total, lambda, .. } = scratch;
+    pub(super) fn take(&mut self, end: &End<S, L, D>) {
         (self.q, self.p, self.normal) = (end.q, end.p, end.normal);
         for (low, x) in [(&mut self.q_low, &end.q_low), (&mut self.p_low, &end.p_low)] {
             if let Some(low) = low.first_mut() {
                 *low = *x;
             }
         }
-        for j in 0..N - 1 {
-            (self.total[j], self.lambda[j]) = (total[j], lambda[j]);
-        }
         (self.total[N - 1], self.lambda[N - 1]) = (end.total, end.lambda);
         for l in 0..L {
-            self.astray[l] = self.astray[l].max(end.astray[l]);
+            self.astray[l] = self.astray[l].max(end.strays[l]);
         }
+    }
+
+    /// Notes where a step by itself has led a lane, and what the method remembers of it.
+    pub(super) fn land(
+        &mut self,
+        lane: usize,
+        laws: &impl Laws<S, D>,
+        h: f64,
+        to: &Body<S, D>,
+        memory: &[S],
+        end: &mut End<S, L, D>,
+    ) {
+        let (totals, lambdas) = memory[1..].split_at(N * D);
+        for j in 0..N - 1 {
+            put(&mut self.total[j], lane, from_fn(|d| totals[j * D + d]));
+            self.lambda[j][lane] = lambdas[j];
+        }
+        let [gradient] = laws.constraint(lane).borrow().jacobian(&to.q);
+        let (multiplier, pulled) = pull(laws, lane, &to.q, &to.p, &gradient);
+        let End { q, q_low, p, p_low, normal, total, lambda, strays } = end;
+        let all = [(q, to.q), (q_low, to.q_low), (p, to.p), (p_low, to.p_low)];
+        all.into_iter().chain([(normal, gradient), (total, pulled)]).for_each(|(x, of)| put(x, lane, of));
+        lambda[lane] = multiplier;
+        let way = add_scaled(&to.q, S::from_f64(-1.0), &at(&self.q, lane));
+        let momenta = sum(&at(&self.p, lane), &to.p);
+        strays[lane] = largest(&add_scaled(&way, S::from_f64(-0.5 * h), &momenta));
+    }
+
+    /// A coordinate of a lane, what rounding took from it, and its momentum.
+    #[inline(always)]
+    pub(super) fn coordinate(&self, d: usize, lane: usize) -> (S, S, S) {
+        let (q, p) = (self.q[d][lane], self.p[d][lane]);
+        if SUMS == 0 { (q, S::default(), p) } else { (q, self.q_low[0][d][lane], p + self.p_low[0][d][lane]) }
     }
 
     /// The body of a lane.

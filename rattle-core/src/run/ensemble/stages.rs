@@ -36,11 +36,11 @@ const FAR_GUESS: f64 = 5e-2;
 /// No pass is trusted to shrink what is left by more than this.
 const SHRINKS: f64 = 1e-3;
 
-/// Finds where one step leads all lanes. Says whether it may be [taken](Row::take) as it is; if not, `going` tells
-/// which lanes have to go by themselves, or have to look around first.
+/// Finds where one step leads all lanes. Says whether it may be taken as it is; if not, `going` tells which lanes have to
+/// go by themselves, or have to look around first.
 #[inline(always)]
 pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &Row<S, L, D, SUMS, N>,
+    row: &mut Row<S, L, D, SUMS, N>,
     laws: &impl Laws<S, D>,
     tableau: &Tableau<S, N>,
     scratch: &mut Scratch<S, L, D, N>,
@@ -48,170 +48,95 @@ pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, cons
 where
     S: Lane,
 {
-    let Row { q, p, q_low, p_low, normal: at_start, total: past, lambda: past_lambda, asked, .. } = row;
-    let Scratch {
-        v,
-        place,
-        increment,
-        normal,
-        total,
-        lambda,
-        push,
-        residual,
-        matrix,
-        moved,
-        before,
-        size,
-        path,
-        going,
-        end,
-    } = scratch;
-    *v = *p;
-    for d in 0..D * SUMS {
-        for i in 0..L {
-            v[d][i] = p[d][i] + p_low[0][d][i];
-        }
-    }
-    extrapolate(&tableau.ahead, past, past_lambda, total, lambda);
-    normal[0] = *at_start;
-    *going = [S::from_f64(1.0); L];
+    let Scratch { place, away, normal, residual, matrix, moved, before, size, path, going, end } = scratch;
     for d in 0..D {
-        for i in 1..N {
-            displace::<S, L, N>(&tableau.drift, &tableau.push, i, d, v, total, increment);
-            let (from, to, increment) = (&q[d], &mut place[i][d], &increment[i][d]);
-            if SUMS == 0 {
-                for l in 0..L {
-                    to[l] = from[l] + increment[l];
-                }
-            } else {
-                let low = &q_low[0][d];
-                for l in 0..L {
-                    to[l] = from[l] + (low[l] + increment[l]);
-                }
-            }
-        }
+        begin(tableau, d, row, place, size, path);
     }
-    for l in 0..L {
-        let (end, away) = (at(&place[N - 1], l), at(&increment[N - 1], l));
-        path[l] = largest(&away);
-        size[l] = largest(&at(q, l)).max(largest(&end));
-    }
+    extrapolate(&tableau.ahead, &mut row.lambda, &mut end.lambda);
+    normal[0] = row.normal;
+    *going = [S::from_f64(1.0); L];
     for pass in 0..MOST_PASSES {
         for i in 1..N {
-            evaluate(laws, i, place, lambda, residual, normal, total);
+            evaluate(laws, i, place, &row.lambda, residual, normal, &mut row.total);
         }
-        first_total(past, past_lambda, lambda, normal, total);
         for d in 0..D {
-            for i in 1..N {
-                displace::<S, L, N>(&tableau.drift, &tableau.push, i, d, v, total, increment);
-                linearise::<S, L, D, SUMS>(
-                    &q[d],
-                    q_low,
-                    d,
-                    &place[i][d],
-                    &increment[i][d],
-                    &normal[i][d],
-                    &mut residual[i],
-                );
-            }
+            miss(tableau, d, row, &end.lambda, place, normal, away, residual);
         }
         if pass == 0 {
             factor(&tableau.push, normal, matrix);
         }
         substitute(matrix, residual);
-        correct(residual, going, normal, lambda, push);
+        correct(residual, going, &mut row.lambda);
         *moved = [S::default(); L];
         for d in 0..D {
-            for i in 1..N {
-                let row = tableau.push[i];
-                shift::<S, L, D, SUMS, N>(
-                    &row,
-                    &q[d],
-                    q_low,
-                    d,
-                    push,
-                    &increment[i][d],
-                    going,
-                    &mut place[i][d],
-                    moved,
-                );
-            }
+            shift(&tableau.push, d, residual, normal, away, going, place, moved);
         }
         if !decide(pass, size, path, moved, before, going) {
             break;
         }
     }
     for i in 1..N - 1 {
-        evaluate(laws, i, place, lambda, residual, normal, total);
+        evaluate_forces(laws, i, place, &row.lambda, normal, &mut row.total, going);
     }
-    first_total(past, past_lambda, lambda, normal, total);
     for d in 0..D {
-        gather(tableau, d, q, v, total, increment, push, &mut end.q);
-        if SUMS == 1 {
-            for l in 0..L {
-                let change = [increment[N - 1][d][l] + q_low[0][d][l]];
-                let ([place], [low]) = two_sum(&[q[d][l]], &change);
-                (end.q[d][l], end.q_low[d][l]) = (place, low);
-                push[0][d][l] = push[0][d][l] + p_low[0][d][l];
-            }
-        }
+        gather(tableau, d, row, away, end);
     }
-    settle(laws, tableau.kick[N - 1], p, &push[0], end);
-    upright(normal, going);
-    stray(laws, tableau.h, q, p, &past[N - 1], &increment[N - 1], end, size, going);
-    ask(asked, &end.astray, going)
+    settle(laws, tableau.kick[N - 1], row, &away[0], &normal[N - 2], end, going);
+    stray(laws, tableau.h, row, &away[N - 1], end, size, going);
+    ask(&row.asked, &end.strays, going)
 }
 
-/// w and λ at this step's stages, from those of the last one. The first stage is its end.
+/// λ at this step's stages, from those of the last one, of which the end is kept. The first stage is that end.
 #[inline(always)]
-fn extrapolate<S: Lane, const L: usize, const D: usize, const N: usize>(
+fn extrapolate<S: Lane, const L: usize, const N: usize>(
     ahead: &[[S; N]; N],
-    past: &[Vectors<S, L, D>; N],
-    past_lambda: &[[S; L]; N],
-    total: &mut [Vectors<S, L, D>; N],
     lambda: &mut [[S; L]; N],
+    end: &mut [S; L],
 ) {
-    (total[0], lambda[0]) = (past[N - 1], past_lambda[N - 1]);
-    for i in 1..N - 1 {
-        let weights = ahead[i];
-        for d in 0..D {
-            for l in 0..L {
-                let mut x = weights[N - 1] * past[N - 1][d][l];
-                for j in 0..N - 1 {
-                    x = weights[j].multiply_add(past[j][d][l], x);
-                }
-                total[i][d][l] = x;
-            }
+    for l in 0..L {
+        let mut past = [S::default(); N];
+        for j in 0..N {
+            past[j] = lambda[j][l];
         }
-        for l in 0..L {
-            let mut x = weights[N - 1] * past_lambda[N - 1][l];
+        (lambda[0][l], end[l]) = (past[N - 1], past[N - 1]);
+        for i in 1..N - 1 {
+            let mut x = ahead[i][N - 1] * past[N - 1];
             for j in 0..N - 1 {
-                x = weights[j].multiply_add(past_lambda[j][l], x);
+                x = ahead[i][j].multiply_add(past[j], x);
             }
             lambda[i][l] = x;
         }
     }
 }
 
-/// One coordinate of Qᵢ − q, by the present w.
+/// One coordinate of the stages, by w from the last step's; and the size of path and places, as far as this coordinate.
 #[inline(always)]
-fn displace<S: Lane, const L: usize, const N: usize>(
-    drift: &[S; N],
-    push: &[[S; N]; N],
-    i: usize,
+fn begin<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    tableau: &Tableau<S, N>,
     d: usize,
-    v: &[[S; L]],
-    total: &[impl AsRef<[[S; L]]>; N],
-    increment: &mut [impl AsMut<[[S; L]]>; N],
+    row: &Row<S, L, D, SUMS, N>,
+    place: &mut [Vectors<S, L, D>; N],
+    size: &mut [S; L],
+    path: &mut [S; L],
 ) {
-    let (drift, row) = (drift[i], push[i]);
-    let (v, to) = (&v[d], &mut increment[i].as_mut()[d]);
+    let (drift, first) = (tableau.drift, &tableau.first);
     for l in 0..L {
-        let mut x = drift * v[l];
-        for j in 0..N - 1 {
-            x = row[j].multiply_add(total[j].as_ref()[d][l], x);
+        let (q, low, v) = row.coordinate(d, l);
+        let mut past = [S::default(); N];
+        for j in 0..N {
+            past[j] = row.total[j][d][l];
         }
-        to[l] = x;
+        let mut x = S::default();
+        for i in 1..N {
+            x = drift[i] * v;
+            for j in 0..N {
+                x = first[i][j].multiply_add(past[j], x);
+            }
+            place[i][d][l] = if SUMS == 0 { q + x } else { q + (low + x) };
+        }
+        let (way, far) = (x.abs(), q.abs().max(place[N - 1][d][l].abs()));
+        path[l] = if d == 0 { way } else { way.max(path[l]) };
+        size[l] = if d == 0 { far } else { far.max(size[l]) };
     }
 }
 
@@ -246,44 +171,74 @@ fn evaluate<S: Lane, const L: usize, const D: usize, const N: usize>(
     }
 }
 
-/// w at the start, by how much λ is another one than that of g̈ = 0.
+/// ∇g and w at a final stage; a lane whose normal has turned over since the stage before has to go by itself.
 #[inline(always)]
-fn first_total<S: Lane, const L: usize, const D: usize, const N: usize>(
-    past: &[Vectors<S, L, D>; N],
-    past_lambda: &[[S; L]; N],
+fn evaluate_forces<S: Lane, const L: usize, const D: usize, const N: usize>(
+    laws: &impl Laws<S, D>,
+    i: usize,
+    place: &[Vectors<S, L, D>; N],
     lambda: &[[S; L]; N],
-    normal: &[Vectors<S, L, D>; N],
+    normal: &mut [Vectors<S, L, D>; N],
     total: &mut [Vectors<S, L, D>; N],
+    going: &mut [S; L],
 ) {
-    let (start, end, lambda) = (&past[N - 1], &past_lambda[N - 1], &lambda[0]);
-    let (normal, total) = (&normal[0], &mut total[0]);
-    for d in 0..D {
-        for l in 0..L {
-            total[d][l] = (lambda[l] - end[l]).multiply_add(normal[d][l], start[d][l]);
-        }
+    let (place, lambda, total) = (&place[i], &lambda[i], &mut total[i]);
+    let (zero, one, by_itself) = (S::default(), S::from_f64(1.0), S::from_f64(BY_ITSELF));
+    let (before, normal) = normal.split_at_mut(i);
+    let (before, normal) = (&before[i - 1], &mut normal[0]);
+    for l in 0..L {
+        let q = at(place, l);
+        let [gradient] = laws.constraint(l).borrow().jacobian(&q);
+        put(normal, l, gradient);
+        put(total, l, laws.kick(l, &q, one, scaled(lambda[l], &gradient)));
+        let upright = zero.lt(dot(&at(before, l), &gradient));
+        going[l] = S::select(upright, going[l], by_itself);
     }
 }
 
-/// Adds what g changes by, along one coordinate, from where a stage is to where it should be.
+/// w at all stages but the last, one coordinate of one lane; at the start by how much λ is another one than that of
+/// g̈ = 0, which is given.
 #[inline(always)]
-fn linearise<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
-    q: &[S; L],
-    q_low: &[Vectors<S, L, D>; SUMS],
+fn pulls<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    row: &Row<S, L, D, SUMS, N>,
+    lambda: &[S; L],
     d: usize,
-    place: &[S; L],
-    increment: &[S; L],
-    normal: &[S; L],
-    residual: &mut [S; L],
+    l: usize,
+) -> [S; N] {
+    let mut w = [S::default(); N];
+    w[0] = (row.lambda[0][l] - lambda[l]).multiply_add(row.normal[d][l], row.total[N - 1][d][l]);
+    for j in 1..N - 1 {
+        w[j] = row.total[j][d][l];
+    }
+    w
+}
+
+/// One coordinate of how far stages are from where they should be by the present w; adds to g by how much it changes on
+/// the way.
+#[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
+#[inline(always)]
+fn miss<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    tableau: &Tableau<S, N>,
+    d: usize,
+    row: &Row<S, L, D, SUMS, N>,
+    lambda: &[S; L],
+    place: &[Vectors<S, L, D>; N],
+    normal: &[Vectors<S, L, D>; N],
+    away: &mut [Vectors<S, L, D>; N],
+    residual: &mut [[S; L]; N],
 ) {
-    if SUMS == 0 {
-        for l in 0..L {
-            residual[l] = normal[l].multiply_add(increment[l] - (place[l] - q[l]), residual[l]);
-        }
-    } else {
-        let low = &q_low[0][d];
-        for l in 0..L {
-            let off = (increment[l] + low[l]) - (place[l] - q[l]);
-            residual[l] = normal[l].multiply_add(off, residual[l]);
+    let Tableau { drift, push, .. } = tableau;
+    for l in 0..L {
+        let (q, low, v) = row.coordinate(d, l);
+        let w = pulls(row, lambda, d, l);
+        for i in 1..N {
+            let mut x = drift[i] * v;
+            for j in 0..N - 1 {
+                x = push[i][j].multiply_add(w[j], x);
+            }
+            let off = if SUMS == 0 { x } else { x + low } - (place[i][d][l] - q);
+            away[i][d][l] = off;
+            residual[i][l] = normal[i][d][l].multiply_add(off, residual[i][l]);
         }
     }
 }
@@ -359,49 +314,51 @@ fn substitute<S: Lane, const L: usize, const N: usize>(
     }
 }
 
-/// Corrects λ where lanes are going, by less what was solved for, and makes ∇g times that.
+/// Corrects λ where lanes are going, by less what was solved for.
 #[inline(always)]
-fn correct<S: Lane, const L: usize, const D: usize, const N: usize>(
+fn correct<S: Lane, const L: usize, const N: usize>(
     solved: &[[S; L]; N],
     going: &[S; L],
-    normal: &[Vectors<S, L, D>; N],
     lambda: &mut [[S; L]; N],
-    push: &mut [Vectors<S, L, D>; N],
 ) {
-    // One loop over lanes: compilers would unroll shorter ones, and vectorise those around them, across stages.
     for j in 0..N - 1 {
-        let (solved, lambda, normal, push) = (&solved[j], &mut lambda[j], &normal[j], &mut push[j]);
+        let (solved, lambda) = (&solved[j], &mut lambda[j]);
         for l in 0..L {
-            let better = lambda[l] - solved[l];
-            lambda[l] = S::select(S::default().lt(going[l]), better, lambda[l]);
-            put(push, l, scaled(-solved[l], &at(normal, l)));
+            lambda[l] = S::select(S::default().lt(going[l]), lambda[l] - solved[l], lambda[l]);
         }
     }
 }
 
-/// Moves one coordinate of a stage to where it should be where lanes are going, and notes how far.
+/// Moves one coordinate of the stages to where they should be where lanes are going, and notes how far.
 #[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
 #[inline(always)]
-fn shift<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &[S; N],
-    q: &[S; L],
-    q_low: &[Vectors<S, L, D>; SUMS],
+fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
+    push: &[[S; N]; N],
     d: usize,
-    push: &[Vectors<S, L, D>; N],
-    increment: &[S; L],
+    solved: &[[S; L]; N],
+    normal: &[Vectors<S, L, D>; N],
+    away: &[Vectors<S, L, D>; N],
     going: &[S; L],
-    place: &mut [S; L],
+    place: &mut [Vectors<S, L, D>; N],
     moved: &mut [S; L],
 ) {
     for l in 0..L {
-        let mut x = increment[l];
+        let mut w = [S::default(); N];
         for j in 0..N - 1 {
-            x = row[j].multiply_add(push[j][d][l], x);
+            w[j] = -solved[j][l] * normal[j][d][l];
         }
-        let to = if SUMS == 0 { q[l] + x } else { q[l] + (q_low[0][d][l] + x) };
-        let off = (to - place[l]).abs();
-        moved[l] = S::select(off.le(moved[l]), moved[l], off); // also where it is not a number
-        place[l] = S::select(S::default().lt(going[l]), to, place[l]);
+        let (goes, mut most) = (S::default().lt(going[l]), moved[l]);
+        for i in 1..N {
+            let mut x = away[i][d][l];
+            for j in 0..N - 1 {
+                x = push[i][j].multiply_add(w[j], x);
+            }
+            let off = x.abs();
+            most = S::select(off.lt(most), most, off); // also where it is not a number
+            let old = place[i][d][l];
+            place[i][d][l] = S::select(goes, old + x, old);
+        }
+        moved[l] = most;
     }
 }
 
@@ -435,93 +392,86 @@ fn decide<S: Lane, const L: usize>(
     any
 }
 
-/// One coordinate of where the step leads, and of what momenta are kicked by on the way, by the last w.
-#[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
+/// One coordinate of where the step leads, and of w at its start; and of the way there, and of what momenta are kicked by
+/// on it, by the last w.
 #[inline(always)]
-fn gather<S: Lane, const L: usize, const D: usize, const N: usize>(
+fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     tableau: &Tableau<S, N>,
     d: usize,
-    q: &Vectors<S, L, D>,
-    v: &Vectors<S, L, D>,
-    total: &[Vectors<S, L, D>; N],
-    increment: &mut [Vectors<S, L, D>; N],
-    push: &mut [Vectors<S, L, D>; N],
-    place: &mut Vectors<S, L, D>,
+    row: &mut Row<S, L, D, SUMS, N>,
+    away: &mut [Vectors<S, L, D>; N],
+    end: &mut End<S, L, D>,
 ) {
-    let Tableau { h, push: pushes, push_rest, kick, kick_rest, .. } = tableau;
-    let (h, pushes, push_rest, kick, kick_rest) = (*h, pushes[N - 1], *push_rest, *kick, *kick_rest);
-    let (increment, push) = (&mut increment[N - 1][d], &mut push[0][d]);
+    let Tableau { h, push, push_rest, kick, kick_rest, .. } = tableau;
+    let (h, push, push_rest, kick, kick_rest) = (*h, push[N - 1], *push_rest, *kick, *kick_rest);
     for l in 0..L {
+        let (q, low, v) = row.coordinate(d, l);
+        let w = pulls(row, &end.lambda, d, l);
         let (mut way, mut kicked) = (S::default(), S::default());
         for j in 0..N - 1 {
-            let w = total[j][d][l];
-            way = pushes[j].multiply_add(w, push_rest[j].multiply_add(w, way));
-            kicked = kick[j].multiply_add(w, kick_rest[j].multiply_add(w, kicked));
+            way = push[j].multiply_add(w[j], push_rest[j].multiply_add(w[j], way));
+            kicked = kick[j].multiply_add(w[j], kick_rest[j].multiply_add(w[j], kicked));
         }
-        let way = h.multiply_add(v[d][l], way);
-        (increment[l], push[l]) = (way, kicked);
-        place[d][l] = q[d][l] + way;
+        let way = h.multiply_add(v, way);
+        (away[N - 1][d][l], away[0][d][l], row.total[0][d][l]) = (way, kicked, w[0]);
+        if SUMS == 0 {
+            end.q[d][l] = q + way;
+        } else {
+            let ([place], [rest]) = two_sum(&[q], &[way + low]);
+            (end.q[d][l], end.q_low[d][l]) = (place, rest);
+            away[0][d][l] = kicked + row.p_low[0][d][l];
+        }
     }
 }
 
-/// The last kick, and the momentum along the surface; then what is kept there.
+/// The last kick, and the momentum along the surface; then what is kept there. A lane whose normal has turned over since
+/// the stage before has to go by itself.
 #[inline(always)]
-fn settle<S: Lane, const L: usize, const D: usize>(
+fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     laws: &impl Laws<S, D>,
     kick: S,
-    p: &Vectors<S, L, D>,
+    row: &Row<S, L, D, SUMS, N>,
     kicked: &Vectors<S, L, D>,
+    before: &Vectors<S, L, D>,
     end: &mut End<S, L, D>,
+    going: &mut [S; L],
 ) {
-    let End { q, p: to, p_low, normal, total, lambda, .. } = end;
+    let End { q, p, p_low, normal, total, lambda, .. } = end;
+    let (zero, by_itself) = (S::default(), S::from_f64(BY_ITSELF));
     for l in 0..L {
-        let (q, old) = (at(q, l), at(p, l));
+        let (q, old) = (at(q, l), at(&row.p, l));
         let [gradient] = laws.constraint(l).borrow().jacobian(&q);
         let change = laws.kick(l, &q, kick, at(kicked, l));
         let eta = -dot(&gradient, &sum(&old, &change)) / dot(&gradient, &gradient);
         let (new, low) = two_sum(&old, &add_scaled(&change, eta, &gradient));
         let (multiplier, pulled) = pull(laws, l, &q, &new, &gradient);
-        put(to, l, new);
-        put(p_low, l, low);
+        put(p, l, new);
+        if SUMS > 0 {
+            put(p_low, l, low);
+        }
         put(normal, l, gradient);
         put(total, l, pulled);
         lambda[l] = multiplier;
-    }
-}
-
-/// Has lanes go by themselves whose normals of successive stages are turned over.
-#[inline(always)]
-fn upright<S: Lane, const L: usize, const D: usize, const N: usize>(
-    normal: &[Vectors<S, L, D>; N],
-    going: &mut [S; L],
-) {
-    let (zero, by_itself) = (S::default(), S::from_f64(BY_ITSELF));
-    for i in 1..N {
-        let (before, after) = (&normal[i - 1], &normal[i]);
-        for l in 0..L {
-            let along = dot(&at(before, l), &at(after, l));
-            going[l] = S::select(zero.lt(along), going[l], by_itself);
-        }
+        let upright = zero.lt(dot(&at(before, l), &gradient));
+        going[l] = S::select(upright, going[l], by_itself);
     }
 }
 
 /// How far the step may have led astray, and whether it may have led to another sheet: whether g is not as small as
 /// along one sheet on the curve through both ends with their momenta and accelerations, see
 /// [`check_sheets`](crate::motion::system::System::check_sheets).
-#[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
 #[inline(always)]
-fn stray<S: Lane, const L: usize, const D: usize>(
+fn stray<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     laws: &impl Laws<S, D>,
     h: S,
-    q: &Vectors<S, L, D>,
-    p: &Vectors<S, L, D>,
-    pull: &Vectors<S, L, D>,
+    row: &Row<S, L, D, SUMS, N>,
     way: &Vectors<S, L, D>,
     end: &mut End<S, L, D>,
     size: &[S; L],
     going: &mut [S; L],
 ) {
-    let End { p: p_end, normal, total, astray, .. } = end;
+    let (Row { q, p, total: pulls, .. }, End { p: p_end, normal, total, strays, .. }) = (row, end);
+    let pull = &pulls[N - 1];
     let [half, two, three, off_inside, by_itself] = [0.5, 2.0, 3.0, OFF_INSIDE, BY_ITSELF].map(S::from_f64);
     let (rounding, half_square) = (S::from_f64(ROUNDINGS * S::EPSILON), half * h * h);
     let inside = INSIDE.map(|s| {
@@ -534,7 +484,7 @@ fn stray<S: Lane, const L: usize, const D: usize>(
         let [first, last] = [scaled(h, &at(p, l)), scaled(h, &at(p_end, l))];
         let both = sum(&first, &last);
         let off = largest(&add_scaled(&way, -half, &both));
-        astray[l] = off;
+        strays[l] = off;
         // Half of what the accelerations at both ends are beyond those of the cubic.
         let at_first: [S; D] = from_fn(|d| two.multiply_add(first[d], last[d]) - three * way[d]);
         let at_last: [S; D] = from_fn(|d| three * way[d] - two.multiply_add(last[d], first[d]));
@@ -557,11 +507,11 @@ fn stray<S: Lane, const L: usize, const D: usize>(
 /// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the
 /// step.
 #[inline(always)]
-fn ask<S: Lane, const L: usize>(asked: &[S; L], astray: &[S; L], going: &mut [S; L]) -> bool {
+fn ask<S: Lane, const L: usize>(asked: &[S; L], strays: &[S; L], going: &mut [S; L]) -> bool {
     let (zero, looking) = (S::default(), S::from_f64(LOOKING));
     let mut all = true;
     for l in 0..L {
-        let look = zero.le(going[l]) & !astray[l].le(asked[l]);
+        let look = zero.le(going[l]) & !strays[l].le(asked[l]);
         going[l] = S::select(look, looking, going[l]);
         all &= zero.le(going[l]);
     }
