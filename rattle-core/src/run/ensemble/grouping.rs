@@ -283,6 +283,9 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
     }
 }
 
+/// Trajectories in a row of those that are moved by collocation.
+const OF_STAGES: usize = 16;
+
 /// Trajectories by collocation of N stages.
 struct Collocations<'a, O, const N: usize, const D: usize>(&'a O, &'a [State<D>], &'a InLanes);
 
@@ -301,10 +304,10 @@ where
                 let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
                 return side_by_side(engine, first + from, starts);
             }
-            let laws = obeyed.laws::<S, ROW>(from);
-            let engine = CollocationLanes::<S, _, ROW, D, SUMS, N>::new(laws, table, *h, *set);
+            let laws = obeyed.laws::<S, OF_STAGES>(from);
+            let engine = CollocationLanes::<S, _, OF_STAGES, D, SUMS, N>::new(laws, table, *h, *set);
             side_by_side(engine, first + from, starts)
         };
-        (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
+        (0..).step_by(OF_STAGES).zip(starts.chunks(OF_STAGES)).map(row).collect()
     }
 }

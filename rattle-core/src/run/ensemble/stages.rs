@@ -31,7 +31,7 @@ const MOST_PASSES: usize = 24;
 
 /// A guess that is off by more than this part of the path is not trusted. (Where the step ends is looked at whatever
 /// the guess was, so that this may be more than in a simulation.)
-const FAR_GUESS: f64 = 5e-2;
+const FAR_GUESS: f64 = 2e-1;
 
 /// No pass is trusted to shrink what is left by more than this.
 const SHRINKS: f64 = 1e-3;
@@ -314,17 +314,20 @@ fn substitute<S: Lane, const L: usize, const N: usize>(
     }
 }
 
-/// Corrects λ where lanes are going, by less what was solved for.
+/// Corrects λ where lanes are going, by less what was solved for, of which it changes the sign.
 #[inline(always)]
 fn correct<S: Lane, const L: usize, const N: usize>(
-    solved: &[[S; L]; N],
+    solved: &mut [[S; L]; N],
     going: &[S; L],
     lambda: &mut [[S; L]; N],
 ) {
-    for j in 0..N - 1 {
-        let (solved, lambda) = (&solved[j], &mut lambda[j]);
-        for l in 0..L {
-            lambda[l] = S::select(S::default().lt(going[l]), lambda[l] - solved[l], lambda[l]);
+    // One loop over lanes: compilers would unroll shorter ones, and vectorise those around them, across stages.
+    for l in 0..L {
+        let goes = S::default().lt(going[l]);
+        for j in 0..N - 1 {
+            let (change, old) = (-solved[j][l], lambda[j][l]);
+            solved[j][l] = change;
+            lambda[j][l] = S::select(goes, old + change, old);
         }
     }
 }
@@ -345,7 +348,7 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
     for l in 0..L {
         let mut w = [S::default(); N];
         for j in 0..N - 1 {
-            w[j] = -solved[j][l] * normal[j][d][l];
+            w[j] = solved[j][l] * normal[j][d][l];
         }
         let (goes, mut most) = (S::default().lt(going[l]), moved[l]);
         for i in 1..N {
