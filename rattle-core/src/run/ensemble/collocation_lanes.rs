@@ -3,7 +3,7 @@
 use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::{Body, One};
+use crate::motion::bodies::{Body, One, Saved};
 use crate::motion::capability::Collocation;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
@@ -110,7 +110,8 @@ where
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
         for number in 0..steps {
-            apart(&system, table, *h, parts, number, &mut bodies, &mut [])?;
+            let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
+            system.check_sheets(number, *h, &start, &mut bodies)?;
         }
         Ok(vec![bodies.body(0).map(Lane::to_f64)])
     }
@@ -144,8 +145,8 @@ where
 
 answered_by_laws!(CollocationLanes, N: usize);
 
-/// Takes a step, that of this number, in so many parts and by itself, and looks at it as a simulation does; with the
-/// memory of the last part, if there is room for it.
+/// Takes a step in so many parts and by itself, with the memory of the last part, if there is room for it. Returns where
+/// it began.
 #[cold]
 #[inline(never)]
 fn apart<S, K, F, const D: usize, const N: usize>(
@@ -153,10 +154,9 @@ fn apart<S, K, F, const D: usize, const N: usize>(
     table: &Table<N>,
     h: f64,
     parts: u32,
-    number: u64,
     bodies: &mut BodiesOf<One, S, F, D>,
     memory: &mut [S],
-) -> Result<(), Failure>
+) -> Result<Saved<One, S, D>, Failure>
 where
     S: Lane,
     K: ConstraintKernel<S, D, 1>,
@@ -169,7 +169,7 @@ where
         return Err(system.check_kinks(&start, bodies).err().unwrap_or(failure)); // that, if there is one ahead
     }
     system.check_kinks(&start, bodies)?;
-    system.check_sheets(number, h, &start, bodies)
+    Ok(start)
 }
 
 /// A row on a tour.
@@ -263,14 +263,12 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     let mut memory = vec![S::default(); 1 + N * (D + 1)];
     let mut bodies = system.bodies(&[row.body(lane)], 0.0);
     bodies.kept.crowd.asked = row.asked[lane].to_f64();
-    match apart(&system, table, h, 1, number, &mut bodies, &mut memory) {
-        Ok(()) if bodies.kept.crowd.near => Err(Stuck { lane, failure: None }),
-        Ok(()) => {
-            row.land(lane, laws, h, &bodies.body(0), &memory, end);
-            Ok(())
-        }
-        Err(failure) => Err(Stuck { lane, failure: Some(failure) }),
+    let stuck = |failure| Stuck { lane, failure: Some(failure) };
+    let start = apart(&system, table, h, 1, &mut bodies, &mut memory).map_err(stuck)?;
+    if !row.land(lane, laws, S::from_f64(h), &bodies.body(0), &memory, end) {
+        system.check_sheets(number, h, &start, &mut bodies).map_err(stuck)?;
     }
+    if bodies.kept.crowd.near { Err(Stuck { lane, failure: None }) } else { Ok(()) }
 }
 
 /// Looks for other sheets where the step leads a lane that has gone farther astray than it was looked before.

@@ -52,6 +52,7 @@ mod crossing;
 mod engine;
 pub mod group;
 mod grouping;
+mod inside;
 mod laws;
 mod linked_going;
 mod linked_lanes;

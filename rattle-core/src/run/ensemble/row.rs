@@ -7,8 +7,9 @@ use crate::motion::bodies::Body;
 use crate::motion::record::{Reading, Record};
 use crate::motion::table::Table;
 use crate::number::lanes::Lane;
-use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::number::vector::{add_scaled, dot, largest};
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -208,16 +209,17 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         }
     }
 
-    /// Notes where a step by itself has led a lane, and what the method remembers of it.
+    /// Notes where a step by itself has led a lane, and what the method remembers of it. Returns whether it has led along
+    /// one sheet for all that is seen.
     pub(super) fn land(
         &mut self,
         lane: usize,
         laws: &impl Laws<S, D>,
-        h: f64,
+        h: S,
         to: &Body<S, D>,
         memory: &[S],
         end: &mut End<S, L, D>,
-    ) {
+    ) -> bool {
         let (totals, lambdas) = memory[1..].split_at(N * D);
         for j in 0..N - 1 {
             put(&mut self.total[j], lane, from_fn(|d| totals[j * D + d]));
@@ -229,9 +231,12 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         let all = [(q, to.q), (q_low, to.q_low), (p, to.p), (p_low, to.p_low)];
         all.into_iter().chain([(normal, gradient), (total, pulled)]).for_each(|(x, of)| put(x, lane, of));
         lambda[lane] = multiplier;
-        let way = add_scaled(&to.q, S::from_f64(-1.0), &at(&self.q, lane));
-        let momenta = sum(&at(&self.p, lane), &to.p);
-        strays[lane] = largest(&add_scaled(&way, S::from_f64(-0.5 * h), &momenta));
+        let from = [&self.q, &self.p, &self.total[N - 1]].map(|x| at(x, lane));
+        let way = add_scaled(&to.q, S::from_f64(-1.0), &from[0]);
+        let size = largest(&from[0]).max(largest(&to.q));
+        let (strayed, plain) = follows(laws, lane, h, from, [way, to.p, gradient, pulled], size);
+        strays[lane] = strayed;
+        plain
     }
 
     /// A coordinate of a lane, what rounding took from it, and its momentum.

@@ -17,13 +17,12 @@
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::lanes::Lane;
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, LOOKING, Row, Scratch, Tableau, pull};
-use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
-use std::array::from_fn;
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.
@@ -460,9 +459,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     }
 }
 
-/// How far the step may have led astray, and whether it may have led to another sheet: whether g is not as small as
-/// along one sheet on the curve through both ends with their momenta and accelerations, see
-/// [`check_sheets`](crate::motion::system::System::check_sheets).
+/// How far the step may have led astray; has lanes go by themselves where it may have led to another sheet.
 #[inline(always)]
 fn stray<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     laws: &impl Laws<S, D>,
@@ -473,37 +470,13 @@ fn stray<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: us
     size: &[S; L],
     going: &mut [S; L],
 ) {
-    let (Row { q, p, total: pulls, .. }, End { p: p_end, normal, total, strays, .. }) = (row, end);
-    let pull = &pulls[N - 1];
-    let [half, two, three, off_inside, by_itself] = [0.5, 2.0, 3.0, OFF_INSIDE, BY_ITSELF].map(S::from_f64);
-    let (rounding, half_square) = (S::from_f64(ROUNDINGS * S::EPSILON), half * h * h);
-    let inside = INSIDE.map(|s| {
-        let r = 1.0 - s;
-        [s * s * (3.0 - 2.0 * s), s * r * r, -r * s * s, s * s * r * r * r, s * s * s * r * r]
-            .map(S::from_f64)
-    });
+    let pulls = &row.total[N - 1];
     for l in 0..L {
-        let (from, way) = (at(q, l), at(way, l));
-        let [first, last] = [scaled(h, &at(p, l)), scaled(h, &at(p_end, l))];
-        let both = sum(&first, &last);
-        let off = largest(&add_scaled(&way, -half, &both));
-        strays[l] = off;
-        // Half of what the accelerations at both ends are beyond those of the cubic.
-        let at_first: [S; D] = from_fn(|d| two.multiply_add(first[d], last[d]) - three * way[d]);
-        let at_last: [S; D] = from_fn(|d| three * way[d] - two.multiply_add(last[d], first[d]));
-        let at_first = add_scaled(&at_first, half_square, &at(pull, l));
-        let at_last = add_scaled(&at_last, half_square, &at(total, l));
-        let n = at(normal, l);
-        let most = off_inside.multiply_add(off, rounding * size[l]);
-        let most = most * most * dot(&n, &n);
-        let mut plain = true;
-        for [a, b, c, d, e] in inside {
-            let place = add_scaled(&add_scaled(&add_scaled(&from, a, &way), b, &first), c, &last);
-            let place = add_scaled(&add_scaled(&place, d, &at_first), e, &at_last);
-            let [g] = laws.constraint(l).borrow().value(&place);
-            plain &= (g * g).le(most);
-        }
-        going[l] = S::select(plain, going[l], by_itself);
+        let from = [&row.q, &row.p, pulls].map(|x| at(x, l));
+        let to = [way, &end.p, &end.normal, &end.total].map(|x| at(x, l));
+        let (off, plain) = follows(laws, l, h, from, to, size[l]);
+        end.strays[l] = off;
+        going[l] = S::select(plain, going[l], S::from_f64(BY_ITSELF));
     }
 }
 
