@@ -183,14 +183,12 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let n = self.count.number();
         let zero = T::from_f64(0.0);
         let positions: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).0)));
-        let rests: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).1)));
-        let drift: [_; S] = from_fn(|stage| pair(table.drift(h, stage)));
+        let drift: [_; S] = from_fn(|stage| T::from_f64(table.drift(h, stage).0));
         for body in 0..n {
-            let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+            let v = &bodies.p.as_ref()[body];
             let total: &[[T; D]; S] = part(&stages.total, body);
             for stage in 1..S {
-                stages.increment[body * S + stage] =
-                    increment(&positions[stage], &rests[stage], drift[stage], &v, total);
+                stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], v, total);
             }
         }
         let times = |stage: usize| bodies.time + h * table.nodes[stage];
@@ -324,13 +322,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             bodies.work = bodies.work + T::from_f64(h) * power; // the last kick books its own
         }
-        let row: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).0));
-        let rests: [_; S] = from_fn(|j| T::from_f64(table.push(h, S - 1, j).1));
+        let row: [_; S] = from_fn(|j| pair(table.push(h, S - 1, j)));
+        let kicks: [_; S] = from_fn(|j| pair(table.kick(h, j)));
         for body in 0..n {
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
-            let v = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-            let increment = increment(&row, &rests, pair((h, 0.0)), &v, part(&stages.total, body));
-            (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
+            let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
+            let (high, low) = weighted(&row, part(&stages.total, body));
+            let high = add_scaled(&high, T::from_f64(h), p);
+            let low = add_scaled(&low, T::from_f64(h), p_low);
+            (*q, *q_low) = two_sum(q, &sum(&sum(q_low, &low), &high));
             let [gradient] = self.constraint.jacobian(q);
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
             witness.position_multiplier(body, stages.lambda[body * S]);
@@ -338,13 +338,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         self.fuse_normals(bodies);
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
-            let total: &[[T; D]; S] = part(&stages.total, body);
-            let mut impulse = [T::from_f64(0.0); D];
-            for j in 0..S - 1 {
-                let (kick, rest) = pair(table.kick(h, j));
-                impulse = add_scaled(&add_scaled(&impulse, rest, &total[j]), kick, &total[j]);
-            }
-            (*p, *p_low) = two_sum(p, &sum(p_low, &impulse));
+            let (high, low) = weighted(&kicks, part(&stages.total, body));
+            (*p, *p_low) = two_sum(p, &sum(&sum(p_low, &low), &high));
         }
     }
 }
@@ -449,16 +444,28 @@ fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
 #[inline(always)]
 fn increment<T: Real, const D: usize, const S: usize>(
     row: &[T; S],
-    rests: &[T; S],
-    (drift, rest): (T, T),
+    drift: T,
     velocity: &[T; D],
     total: &[[T; D]; S],
 ) -> [T; D] {
     let mut push = [T::from_f64(0.0); D];
     for j in 0..S - 1 {
-        push = add_scaled(&add_scaled(&push, rests[j], &total[j]), row[j], &total[j]);
+        push = add_scaled(&push, row[j], &total[j]);
     }
-    from_fn(|d| drift * velocity[d] + (rest * velocity[d] + push[d]))
+    from_fn(|d| drift * velocity[d] + push[d])
+}
+
+/// The sum over all stages but the last, and by itself that of what rounding took from the weights: added one by one to
+/// the larger numbers it would be lost each time, and energy would drift.
+#[inline(always)]
+fn weighted<T: Real, const D: usize, const S: usize>(
+    weights: &[(T, T); S],
+    total: &[[T; D]; S],
+) -> ([T; D], [T; D]) {
+    let zero = [T::from_f64(0.0); D];
+    (0..S - 1).fold((zero, zero), |(high, low), j| {
+        (add_scaled(&high, weights[j].0, &total[j]), add_scaled(&low, weights[j].1, &total[j]))
+    })
 }
 
 #[inline(always)]
