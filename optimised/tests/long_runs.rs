@@ -210,16 +210,14 @@ where
     (0..24).map(slope).sum::<f64>() / 24.0
 }
 
-/// Random roundings leave 2e-20 of a mean; what rounding takes from weights, if it is lost in the sums that it is added
-/// to, another slope for each number of stages and each step: 2e-19 between 8 and 9 stages at h = 0.07.
+/// Random roundings leave 2e-20 of a mean. What rounding takes from weights, lost in the sums that it is added to one by
+/// one, leaves up to 2.5e-19, another slope for each number of stages and each step.
 #[test]
 fn energy_does_not_drift_by_the_rounding_of_weights() {
-    let [eight, nine] = [drift_of_many::<8>(0.07, 16_000), drift_of_many::<9>(0.07, 16_000)];
-    println!("h = 0.07: {eight:.1e} and {nine:.1e} each step");
-    assert!((eight - nine).abs() <= 1e-19, "{eight:e}, {nine:e}");
-    for slope in [drift_of_many::<8>(0.05, 16_000), drift_of_many::<9>(0.05, 16_000)] {
-        println!("h = 0.05: {slope:.1e} each step");
-        assert!(slope.abs() <= 1e-19, "{slope:e}");
+    for h in [0.05, 0.07] {
+        let slopes = [drift_of_many::<8>(h, 16_000), drift_of_many::<9>(h, 16_000)];
+        println!("8 and 9 stages, h = {h}: {slopes:?} each step");
+        assert!(slopes.iter().all(|slope| slope.abs() <= 1e-19), "h = {h}: {slopes:?}");
     }
 }
 

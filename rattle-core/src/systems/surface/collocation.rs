@@ -183,12 +183,13 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let n = self.count.number();
         let zero = T::from_f64(0.0);
         let positions: [[T; S]; S] = from_fn(|i| from_fn(|j| T::from_f64(table.push(h, i, j).0)));
-        let drift: [_; S] = from_fn(|stage| T::from_f64(table.drift(h, stage).0));
+        let pushes: [[_; S]; S] = from_fn(|i| from_fn(|j| pair(table.push(h, i, j))));
+        let drift: [_; S] = from_fn(|stage| pair(table.drift(h, stage)));
         for body in 0..n {
             let v = &bodies.p.as_ref()[body];
             let total: &[[T; D]; S] = part(&stages.total, body);
             for stage in 1..S {
-                stages.increment[body * S + stage] = increment(&positions[stage], drift[stage], v, total);
+                stages.increment[body * S + stage] = increment(&pushes[stage], drift[stage], v, total);
             }
         }
         let times = |stage: usize| bodies.time + h * table.nodes[stage];
@@ -443,16 +444,13 @@ fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
 /// Qᵢ − q of one body: drift and the sum over the stages.
 #[inline(always)]
 fn increment<T: Real, const D: usize, const S: usize>(
-    row: &[T; S],
-    drift: T,
+    row: &[(T, T); S],
+    (drift, rest): (T, T),
     velocity: &[T; D],
     total: &[[T; D]; S],
 ) -> [T; D] {
-    let mut push = [T::from_f64(0.0); D];
-    for j in 0..S - 1 {
-        push = add_scaled(&push, row[j], &total[j]);
-    }
-    from_fn(|d| drift * velocity[d] + push[d])
+    let (high, low) = weighted(row, total);
+    from_fn(|d| drift * velocity[d] + (high[d] + (low[d] + rest * velocity[d])))
 }
 
 /// The sum over all stages but the last, and by itself that of what rounding took from the weights: added one by one to
