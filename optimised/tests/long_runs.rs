@@ -210,8 +210,8 @@ where
     (0..24).map(slope).sum::<f64>() / 24.0
 }
 
-/// Random roundings leave 2e-20 of a mean. What rounding takes from weights, lost in the sums that it is added to one by
-/// one, leaves up to 2.5e-19, another slope for each number of stages and each step.
+/// Random roundings leave 2e-20 of a mean. What rounding takes from weights, lost in the sums that it is added to one
+/// by one, leaves up to 2.5e-19, another slope for each number of stages and each step.
 #[test]
 fn energy_does_not_drift_by_the_rounding_of_weights() {
     for h in [0.05, 0.07] {

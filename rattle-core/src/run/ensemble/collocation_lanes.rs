@@ -145,8 +145,8 @@ where
 
 answered_by_laws!(CollocationLanes, N: usize);
 
-/// Takes a step in so many parts and by itself, with the memory of the last part, if there is room for it. Returns where
-/// it began.
+/// Takes a step in so many parts and by itself, with the memory of the last part, if there is room for it. Returns
+/// where it began.
 #[cold]
 #[inline(never)]
 fn apart<S, K, F, const D: usize, const N: usize>(

@@ -9,8 +9,9 @@ use std::array::from_fn;
 use std::borrow::Borrow;
 
 /// How far a step may have led astray, and whether g is as small as along one sheet on the curve through both ends with
-/// their momenta and accelerations, see [`check_sheets`](crate::motion::system::System::check_sheets). From a place with
-/// its momentum and acceleration; the way from there, momentum, normal and acceleration at the end; the size of places.
+/// their momenta and accelerations, see [`check_sheets`](crate::motion::system::System::check_sheets). From a place
+/// with its momentum and acceleration; the way from there, momentum, normal and acceleration at the end; the size of
+/// places.
 #[inline(always)]
 pub(super) fn follows<S: Lane, const D: usize>(
     laws: &impl Laws<S, D>,

@@ -209,8 +209,8 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         }
     }
 
-    /// Notes where a step by itself has led a lane, and what the method remembers of it. Returns whether it has led along
-    /// one sheet for all that is seen.
+    /// Notes where a step by itself has led a lane, and what the method remembers of it. Returns whether it has led
+    /// along one sheet for all that is seen.
     pub(super) fn land(
         &mut self,
         lane: usize,

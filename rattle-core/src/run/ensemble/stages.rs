@@ -35,8 +35,8 @@ const FAR_GUESS: f64 = 2e-1;
 /// No pass is trusted to shrink what is left by more than this.
 const SHRINKS: f64 = 1e-3;
 
-/// Finds where one step leads all lanes. Says whether it may be taken as it is; if not, `going` tells which lanes have to
-/// go by themselves, or have to look around first.
+/// Finds where one step leads all lanes. Says whether it may be taken as it is; if not, `going` tells which lanes have
+/// to go by themselves, or have to look around first.
 #[inline(always)]
 pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     row: &mut Row<S, L, D, SUMS, N>,
@@ -394,8 +394,8 @@ fn decide<S: Lane, const L: usize>(
     any
 }
 
-/// One coordinate of where the step leads, and of w at its start; and of the way there, and of what momenta are kicked by
-/// on it, by the last w.
+/// One coordinate of where the step leads, and of w at its start; and of the way there, and of what momenta are kicked
+/// by on it, by the last w.
 #[inline(always)]
 fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     tableau: &Tableau<S, N>,
@@ -426,8 +426,8 @@ fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     }
 }
 
-/// The last kick, and the momentum along the surface; then what is kept there. A lane whose normal has turned over since
-/// the stage before has to go by itself.
+/// The last kick, and the momentum along the surface; then what is kept there. A lane whose normal has turned over
+/// since the stage before has to go by itself.
 #[inline(always)]
 fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     laws: &impl Laws<S, D>,

@@ -1,8 +1,8 @@
 //! A component of few equations in one go: what [`Flight`] and [`Linked`](crate::systems::linked::kept::Linked) do verb
 //! by verb in vectors, with [sizes known when this is compiled](crate::systems::network::dense).
 //!
-//! Only the plain case is here: Newton's method from g̈ = 0 that ends with one derivative, at a root that nothing speaks
-//! against. Whatever else happens, [`Flight`] goes on from here, or begins again.
+//! Only the plain case is here: Newton's method from g̈ = 0 that ends with one derivative, at a root that nothing
+//! speaks against. Whatever else happens, [`Flight`] goes on from here, or begins again.
 
 use crate::effect::force::Force;
 use crate::motion::failure::Failure;

@@ -1,7 +1,7 @@
 //! Elimination for few equations between few bodies: sizes known when this is compiled, and no loops and lists left.
 //!
-//! What [`super::elimination`] does on a pattern, without one: G M⁻¹Gᵀ is formed in full and inverted. The equations are
-//! evaluated at places of the component's own bodies, side by side, and past them those that are pinned.
+//! What [`super::elimination`] does on a pattern, without one: G M⁻¹Gᵀ is formed in full and inverted. The equations
+//! are evaluated at places of the component's own bodies, side by side, and past them those that are pinned.
 
 use crate::number::vector::{add_scaled, dot, scaled};
 use crate::systems::network::group::Group;
