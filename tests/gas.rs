@@ -70,6 +70,62 @@ fn forces_are_those_of_the_pairs_and_add_up_to_nothing() {
     println!("forces off by {:e}, their total {:e} of the sum of sizes", worst[0], worst[1]);
 }
 
+/// Energies against the sum of all pairs, of functions of the system's library, in units of the sum of sizes.
+fn energy_off<P: PairPotential, const D: usize>(potential: &P, n: usize) -> f64 {
+    let places = places::<D>(n);
+    let acting = <P as Effect<D, BetweenPairs>>::acting::<f64>(potential);
+    let energy = acting.energy(Moment { time: 0.0, positions: &places });
+    let (mut expected, mut size) = (0.0, 0.0);
+    for (i, q) in places.iter().enumerate() {
+        for other in &places[..i] {
+            let value = PairPotential::value(potential, distance(*q, *other));
+            expected += value;
+            size += value.abs();
+        }
+    }
+    (energy - expected).abs() / size
+}
+
+#[test]
+fn energies_are_those_of_the_pairs() {
+    let mut worst = 0.0_f64;
+    for n in (2..40).chain([63, 64, 65, 66, 100, 127, 128, 129, 200, 333]) {
+        let bell = Gaussian { height: 0.7, width: 0.6 };
+        let screened = Screened { strength: 0.3, length: 0.4 };
+        for off in
+            [energy_off::<_, 3>(&bell, n), energy_off::<_, 2>(&screened, n), energy_off::<_, 5>(&screened, n)]
+        {
+            // A pair rounds by some ε, the sum that it is compared with by n²/2 halves at most, in practice n/2.
+            assert!(off < 1e-14, "{n} bodies: {off:e}");
+            worst = worst.max(off);
+        }
+    }
+    println!("energies off by {worst:e} of the sum of sizes");
+}
+
+/// So many that pairs are formed on several threads, where there are.
+const FOR_THREADS: usize = 1100;
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits_and_steps_do_not_allocate() {
+    let sphere = Sphere { r: 20.0 };
+    let scene = Scene::on(sphere).bodies(FOR_THREADS).with(Gaussian { height: 0.3, width: 1.5 });
+    let places = places::<3>(FOR_THREADS);
+    let start =
+        scene.project(&State::of(places.iter().map(|q| SVector::from(*q).normalize() * 20.0))).unwrap();
+    let run = || {
+        let mut simulation = scene.simulate(start.clone(), Rattle::new(0.02)).unwrap();
+        let allocated = allocation_counter::measure(|| simulation.run(3).unwrap());
+        (bits(&simulation.state()), simulation.energy().to_bits(), allocated.count_total)
+    };
+    let alone = run();
+    assert_eq!(alone.2, 0);
+    for threads in [1, 2, 3, 8] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        assert_eq!(pool.install(run), alone, "on {threads} threads");
+    }
+}
+
 const BODIES: usize = 100;
 
 /// A repelling gas on a sphere: bodies on a spiral, each moving its own way.

@@ -96,8 +96,9 @@ fn sweep<C: Hold<3> + 'static, E: Effects<3> + 'static>(
 /// The ensembles that this program has, one of them in single precision, two of them sweeps …
 const ENSEMBLES: usize = 9;
 
-/// … and other loops: pair forces, the first and the second half of a step of particles, and their looks around.
-const OTHERS: usize = 5;
+/// … and other loops: pair forces and energies, the first and the second half of a step of particles, and their looks
+/// around.
+const OTHERS: usize = 6;
 
 #[test]
 fn entries_are_vectorised() {

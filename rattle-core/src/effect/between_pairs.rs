@@ -21,7 +21,8 @@ pub struct BetweenPairs;
 ///
 /// In `f64`, pairs are computed [several at a time](InstructionSet), with [functions for lanes](crate::number::lanes),
 /// unless there are only few bodies or the processor lacks fused multiply-add. Results of the two ways differ by
-/// rounding.
+/// rounding. Forces between 1000 or more bodies are formed on the threads of the [rayon](https://docs.rs/rayon) pool
+/// that they are asked for in; any number of threads gives the same bits.
 #[derive(Debug, Clone, Copy)]
 pub struct ActsBetweenPairs<K, L> {
     kernel: K,
@@ -70,6 +71,12 @@ impl<T: Real, K: PairKernel<T>, L: PairKernel<Fused<f64>>, const D: usize> Actin
         }
     }
     fn energy(&self, Moment { positions, .. }: Moment<'_, T, D>) -> T {
+        if positions.len() >= tiles::MANY
+            && let Some(positions) = T::doubles(positions)
+            && let Some(energy) = tiles::energy(&self.in_lanes, positions)
+        {
+            return T::from_f64(energy);
+        }
         let mut energy = T::from_f64(-0.0);
         for i in 1..positions.len() {
             for j in 0..i {

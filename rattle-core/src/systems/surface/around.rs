@@ -8,7 +8,8 @@ use crate::number::real::Real;
 use crate::number::vector::largest;
 use crate::number::vectors::{LANES, at};
 use crate::solve::crowd::{PATH, REACH, ROOT_3, rises, shares};
-use crate::systems::surface::tile::{Number, Tile, gathered};
+use crate::systems::surface::in_lanes::{InLanes, Number};
+use crate::systems::surface::tile::Tile;
 
 /// Asks at most [`LANES`] bodies, before a step of length h.
 pub(super) struct Around<'a, T, K, F, const D: usize> {
@@ -27,27 +28,29 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
 
     #[inline(always)]
     fn run(self) -> u64 {
-        let Self { constraint, bodies, h, turn } = self;
+        let Self { constraint, mut bodies, h, turn } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
         let number = bodies.q.len().min(LANES);
-        let (q, p) = (gathered::<T, LANES, D>(bodies.q), gathered::<T, LANES, D>(bodies.p));
-        let ((normal, inverse_square), force) = (bodies.normals::<LANES>(), bodies.forces::<LANES>());
+        let InLanes { q, p, normal, force, inverse_square, square, first: furthest, slope: least, .. } =
+            bodies.spread();
         let [pushed, path] = [REACH * 0.5 * h * h, REACH * PATH * h].map(Fused);
-        let (mut square, mut furthest) = ([Fused(0.0); LANES], [Fused(0.0); LANES]);
         for l in 0..LANES {
-            let (p, f) = (at(&p, l), at(&force, l));
-            let [bend] = constraint.jet(&at(&q, l), &p).2;
-            let over = Fused(ROOT_3) * largest(&at(&normal, l)) * inverse_square[l];
+            let p = at(p, l);
+            let [bend] = constraint.jet(&at(q, l), &p).2;
+            let over = Fused(ROOT_3) * largest(&at(normal, l)) * inverse_square[l];
             let along = over * path * largest(&p);
             let back = pushed * bend.abs() * inverse_square[l];
-            furthest[l] = Real::min(back, along) + along + over * pushed * largest(&f);
+            furthest[l] = Real::min(back, along) + along;
+            if F::ACTS {
+                furthest[l] = furthest[l] + over * pushed * largest(&at(force, l));
+            }
             square[l] = Fused(1.0) / inverse_square[l];
+            least[l] = square[l];
         }
-        let mut least = square;
         for share in shares(turn) {
             for l in 0..LANES {
                 let shift = Fused(share) * furthest[l];
-                let rises = rises(&constraint, &at(&q, l), &at(&normal, l), square[l], shift);
+                let rises = rises(&constraint, &at(q, l), &at(normal, l), square[l], shift);
                 least[l] = Real::select(rises.le(least[l]), rises, least[l]);
             }
         }

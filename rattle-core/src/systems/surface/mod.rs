@@ -10,6 +10,7 @@ mod crowd;
 pub(crate) mod diagnosis;
 pub(crate) mod equation;
 mod hold;
+pub(crate) mod in_lanes;
 pub(crate) mod kept;
 mod landing;
 pub(crate) mod normal;

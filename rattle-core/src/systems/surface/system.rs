@@ -25,6 +25,7 @@ use crate::number::vector::{dot, scaled};
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::diagnosis::FailureAt;
+use crate::systems::surface::in_lanes::InLanes;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
@@ -80,8 +81,10 @@ where
         let (force, of_effects) = (self.count.each(Force::zero()), self.effects.room(self.count.number()));
         let aim = self.count.each(Aim::unknown());
         let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
-        let power = T::from_f64(0.0);
-        let kept = Kept { normal, force, power, aim, pace, crowd, of_effects, stages: None, series: None };
+        let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
+        let lanes = in_tiles.then(|| Box::new(InLanes::new()));
+        let (power, stages, series) = (T::from_f64(0.0), None, None);
+        let kept = Kept { normal, force, power, aim, pace, crowd, lanes, of_effects, stages, series };
         let mut bodies = Bodies::new(self.count, kept, places, time);
         self.refresh(&mut bodies);
         bodies

@@ -1,19 +1,18 @@
-//! A tile of bodies, spread over lanes and written back.
+//! A tile of bodies, put into lanes and written back.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::number::vectors::{Vectors, at, put};
+use crate::number::vectors::Chunks;
+use crate::systems::surface::in_lanes::{InEach, InLanes, Number};
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::normal::Normal;
+use std::array::from_fn;
 use std::ops::Range;
 
-/// A number of a lane.
-pub(super) type Number = Fused<f64>;
-
-/// Some bodies, at least one, and what is kept at them.
+/// Some bodies, and what is kept at them.
 pub(super) struct Tile<'a, T, F, const D: usize> {
     pub(super) q: &'a mut [[T; D]],
     pub(super) q_low: &'a mut [[T; D]],
@@ -21,6 +20,8 @@ pub(super) struct Tile<'a, T, F, const D: usize> {
     pub(super) p_low: &'a mut [[T; D]],
     pub(super) normal: &'a mut [Normal<T, D>],
     pub(super) force: &'a [F],
+    pub(super) lanes: &'a mut InLanes<D>,
+    pub(super) chunks: Chunks,
 }
 
 impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
@@ -30,35 +31,90 @@ impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
         tile: Range<usize>,
     ) -> Self {
         Self {
+            chunks: Chunks::of(tile.len()),
             q: &mut bodies.q.as_mut()[tile.clone()],
             q_low: &mut bodies.q_low.as_mut()[tile.clone()],
             p: &mut bodies.p.as_mut()[tile.clone()],
             p_low: &mut bodies.p_low.as_mut()[tile.clone()],
             normal: &mut bodies.kept.normal.as_mut()[tile.clone()],
             force: &bodies.kept.force.as_ref()[tile],
+            lanes: bodies.kept.lanes.get_or_insert_with(|| Box::new(InLanes::new())),
         }
     }
 
-    /// ∇g and 1/|∇g|² in lanes.
+    /// Puts everything into lanes. Lanes past the last body have what was there: they are not looked at.
     #[inline(always)]
-    pub(super) fn normals<const L: usize>(&self) -> (Vectors<Number, L, D>, [Number; L]) {
-        let (mut gradient, mut inverse_square) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
-        spread::<_, L>(self.normal, |l, normal| {
-            put(&mut gradient, l, normal.gradient.map(fused));
-            inverse_square[l] = fused(normal.inverse_square);
-        });
-        (gradient, inverse_square)
+    pub(super) fn spread(&mut self) -> &mut InLanes<D> {
+        let Self { q, q_low, lanes, chunks, .. } = self;
+        chunks.put_into(q, &mut lanes.q, 0, |q| q.map(fused));
+        chunks.put_into(q_low, &mut lanes.q_low, 0, |q| q.map(fused));
+        self.spread_momenta()
     }
 
-    /// Forces in lanes; zeros where there are none.
+    /// Puts everything but positions into lanes.
     #[inline(always)]
-    pub(super) fn forces<const L: usize>(&self) -> Vectors<Number, L, D> {
-        let mut lanes = [[Fused(0.0); L]; D];
-        if F::ACTS {
-            spread::<_, L>(self.force, |l, force| put(&mut lanes, l, force.components().map(fused)));
+    pub(super) fn spread_momenta(&mut self) -> &mut InLanes<D> {
+        let Self { p, p_low, normal, force, lanes, chunks, .. } = self;
+        let length = chunks.length();
+        for begin in chunks.begins() {
+            let (p, p_low) = (&p[begin..][..length], &p_low[begin..][..length]);
+            let (normal, force) = (&normal[begin..][..length], &force[begin..][..length]);
+            let (high, low) = (rows(&mut lanes.p, begin, length), rows(&mut lanes.p_low, begin, length));
+            let gradients = rows(&mut lanes.normal, begin, length);
+            let inverse_squares = &mut lanes.inverse_square[begin..][..length];
+            let forces = rows(&mut lanes.force, begin, length);
+            for l in 0..length {
+                let (Normal { gradient, inverse_square }, force) = (&normal[l], force[l].components());
+                for d in 0..D {
+                    high[d][l] = fused(p[l][d]);
+                    low[d][l] = fused(p_low[l][d]);
+                    gradients[d][l] = fused(gradient[d]);
+                    if F::ACTS {
+                        forces[d][l] = fused(force[d]);
+                    }
+                }
+                inverse_squares[l] = fused(*inverse_square);
+            }
         }
         lanes
     }
+
+    /// λ or μ of a body.
+    pub(super) fn multiplier(&self, body: usize) -> T {
+        plain(self.lanes.multiplier[body])
+    }
+
+    /// Writes places and normals.
+    #[inline(always)]
+    pub(super) fn keep_places(&mut self) {
+        let Self { q, q_low, normal, lanes, chunks, .. } = self;
+        chunks.take_out(&lanes.q, q, |q| q.map(plain));
+        chunks.take_out(&lanes.q_low, q_low, |q| q.map(plain));
+        let length = chunks.length();
+        for begin in chunks.begins() {
+            let normals = &mut normal[begin..][..length];
+            let gradients = lanes.normal.each_ref().map(|row| &row[begin..][..length]);
+            let inverse_squares = &lanes.inverse_square[begin..][..length];
+            for l in 0..length {
+                let gradient = from_fn(|d| plain(gradients[d][l]));
+                normals[l] = Normal { gradient, inverse_square: plain(inverse_squares[l]) };
+            }
+        }
+    }
+
+    /// Writes momenta.
+    #[inline(always)]
+    pub(super) fn keep_momenta(&mut self) {
+        let Self { p, p_low, lanes, chunks, .. } = self;
+        chunks.take_out(&lanes.p, p, |p| p.map(plain));
+        chunks.take_out(&lanes.p_low, p_low, |p| p.map(plain));
+    }
+}
+
+/// The lanes of a chunk of vectors, coordinate by coordinate.
+#[inline(always)]
+fn rows<const D: usize>(lanes: &mut InEach<D>, begin: usize, length: usize) -> [&mut [Number]; D] {
+    lanes.each_mut().map(|row| &mut row[begin..][..length])
 }
 
 #[inline(always)]
@@ -69,36 +125,4 @@ pub(super) fn fused<T: Real>(x: T) -> Number {
 #[inline(always)]
 pub(super) fn plain<T: Real>(x: Number) -> T {
     T::from_f64(x.0)
-}
-
-/// Puts each of at most L into its lane; the last lanes repeat the last one. (A loop of a length that is not known when
-/// compiling stays one; unrolled, this would not fit the cache of instructions.)
-#[inline(always)]
-fn spread<X, const L: usize>(each: &[X], mut put: impl FnMut(usize, &X)) {
-    let number = each.len().min(L);
-    for l in 0..number {
-        put(l, &each[l]);
-    }
-    for l in number..L {
-        put(l, &each[number - 1]);
-    }
-}
-
-/// Vectors in lanes.
-#[inline(always)]
-pub(super) fn gathered<T: Real, const L: usize, const D: usize>(vectors: &[[T; D]]) -> Vectors<Number, L, D> {
-    let mut lanes = [[Fused(0.0); L]; D];
-    spread::<_, L>(vectors, |l, vector| put(&mut lanes, l, vector.map(fused)));
-    lanes
-}
-
-/// Writes the first lanes to bodies' vectors.
-#[inline(always)]
-pub(super) fn scatter<T: Real, const L: usize, const D: usize>(
-    lanes: &Vectors<Number, L, D>,
-    vectors: &mut [[T; D]],
-) {
-    for (l, vector) in vectors.iter_mut().enumerate().take(L) {
-        *vector = at(lanes, l).map(plain);
-    }
 }

@@ -26,20 +26,21 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::number::vectors::{LANES, MOST_COORDINATES, Vectors, at, put};
+use crate::number::vectors::{CHUNK, LANES, MOST_COORDINATES, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
 use crate::systems::surface::around::Around;
 use crate::systems::surface::diagnosis::FailureAt;
+use crate::systems::surface::in_lanes::{InEach, InLanes, Number, Numbers};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::step::{drift, is_finite};
-use crate::systems::surface::tile::{Number, Tile, fused, gathered, plain, scatter};
+use crate::systems::surface::tile::{Tile, fused, plain};
 use std::any::TypeId;
 use std::array::from_fn;
 use std::ops::Range;
 
 /// From so many bodies on it pays.
-const MANY: usize = 8;
+const MANY: usize = CHUNK;
 
 /// Newton steps of a body by itself before it is left to be moved alone.
 pub(crate) const CORRECTIONS: usize = 3;
@@ -86,7 +87,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let turn = bodies.kept.crowd.turn(h);
         for (number, tile) in tiles(self.count.number()).enumerate() {
-            let mut multipliers = [T::from_f64(0.0); LANES];
             if let Some((turn, h)) = turn {
                 let of_tile = Tile::of(bodies, tile.clone());
                 let around = Around { constraint: &self.in_lanes, bodies: of_tile, h, turn };
@@ -101,11 +101,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 h,
                 guess: guess.get(tile.clone()).unwrap_or(&[]),
                 bodies: Tile::of(bodies, tile.clone()),
-                multipliers: &mut multipliers,
             });
             if W::LISTENS {
-                for l in (0..tile.len()).filter(|l| left >> l & 1 == 0) {
-                    witness.position_multiplier(tile.start + l, multipliers[l]);
+                let moved = Tile::of(bodies, tile.clone());
+                for i in (0..tile.len()).filter(|i| left >> i & 1 == 0) {
+                    witness.position_multiplier(tile.start + i, moved.multiplier(i));
                 }
             }
             while left != 0 {
@@ -142,9 +142,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
     {
         for tile in tiles(self.count.number()) {
-            let mut multipliers = [T::from_f64(0.0); LANES];
             let of_tile = Tile::of(bodies, tile.clone());
-            if !set.run(Settle { kick, h, bodies: of_tile, multipliers: &mut multipliers }) {
+            if !set.run(Settle { kick, h, bodies: of_tile }) {
                 let (p, kept) = (&bodies.p.as_ref()[tile.clone()], &bodies.kept);
                 let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
                 let infinite = p.iter().position(|p| !is_finite(p).all()).unwrap_or(0);
@@ -152,8 +151,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 return Err(failure.not_finite(&self.effects, at, kept.normal.as_ref()));
             }
             if W::LISTENS {
-                for l in 0..tile.len() {
-                    witness.momentum_multiplier(tile.start + l, multipliers[l]);
+                let moved = Tile::of(bodies, tile.clone());
+                for i in 0..tile.len() {
+                    witness.momentum_multiplier(tile.start + i, moved.multiplier(i));
                 }
             }
         }
@@ -188,7 +188,8 @@ fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
     Normal { gradient: gradient.map(plain), inverse_square: plain(inverse_square) }
 }
 
-/// Bodies in tiles of 64, 24 or 16 lanes. More widths would pay by a tenth and take a second each to compile.
+/// Bodies in tiles of 64, 24 or 16 lanes, and of [`CHUNK`] bodies at least. More widths would pay by a tenth and take a
+/// second each to compile.
 fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
     let mut first = 0;
     std::iter::from_fn(move || {
@@ -196,6 +197,7 @@ fn tiles(number: usize) -> impl Iterator<Item = Range<usize>> {
         let most = match left {
             0..=16 | 25..=32 => 16,
             17..=24 | 33..=48 => 24,
+            _ if left > LANES && left < LANES + CHUNK => LANES - CHUNK,
             _ => LANES,
         };
         let next = first + left.min(most);
@@ -208,6 +210,12 @@ pub(super) fn tiles_of(bodies: usize) -> usize {
     if bodies < MANY { 0 } else { tiles(bodies).count() }
 }
 
+/// A bit for each of so many bodies.
+#[inline(always)]
+pub(super) fn all(number: usize) -> u64 {
+    u64::MAX >> (LANES - number)
+}
+
 #[inline(always)]
 fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Number; D] {
     from_fn(|d| Real::select(first, a[d], b[d]))
@@ -215,11 +223,11 @@ fn either<const D: usize>(first: bool, a: [Number; D], b: [Number; D]) -> [Numbe
 
 /// Where a body would land.
 #[inline(always)]
-fn point<const L: usize, const D: usize>(
-    q: &Vectors<Number, L, D>,
-    free: &Vectors<Number, L, D>,
-    normal: &Vectors<Number, L, D>,
-    multiplier: &[Number; L],
+fn point<const D: usize>(
+    q: &InEach<D>,
+    free: &InEach<D>,
+    normal: &InEach<D>,
+    multiplier: &Numbers,
     l: usize,
 ) -> [Number; D] {
     sum(&at(q, l), &add_scaled(&at(free, l), multiplier[l], &at(normal, l)))
@@ -250,8 +258,6 @@ struct Drift<'a, T, K, F, const D: usize> {
     /// Those that stay where they are in any case.
     crowd: u64,
     bodies: Tile<'a, T, F, D>,
-    /// λ as an impulse over h/2.
-    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
@@ -273,138 +279,135 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
 impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> u64 {
-        let Self { constraint, kick, h, guess, crowd, bodies, multipliers } = self;
+        let Self { constraint, kick, h, guess, crowd, mut bodies } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
-        let number = bodies.q.len().min(L);
+        let (number, chunks) = (bodies.q.len(), bodies.chunks);
         // `share` of the force in the motion: 1 for RATTLE.
         let [step, pushed, half_square, share] = [h, h * kick, 0.5 * h * h, 2.0 * kick / h].map(Fused);
-        let (q, p) = (gathered::<T, L, D>(bodies.q), gathered::<T, L, D>(bodies.p));
-        let (q_low, p_low) = (gathered::<T, L, D>(bodies.q_low), gathered::<T, L, D>(bodies.p_low));
-        let ((normal, inverse_square), force) = (bodies.normals::<L>(), bodies.forces::<L>());
+        let lanes = bodies.spread();
+        let InLanes { q, q_low, p, p_low, normal, force, free, next, inverse_square, square, .. } = lanes;
+        let InLanes { multiplier, bend, floor_square, path_square, first, g, slope, .. } = lanes;
+        let InLanes { gentle, rests, arrives, .. } = lanes;
 
-        let mut bend = [Fused(0.0); L]; // pᵀ∇²g p
         if guess.is_empty() {
             for l in 0..L {
-                [bend[l]] = constraint.jet(&at(&q, l), &at(&p, l)).2;
+                [bend[l]] = constraint.jet(&at(q, l), &at(p, l)).2;
             }
         } else {
             for l in 0..L {
-                let (n, lambda) = (at(&normal, l), fused(guess[l.min(number - 1)]));
-                let along = if F::ACTS { share * dot(&at(&force, l), &n) } else { Fused(0.0) };
+                let (n, lambda) = (at(normal, l), fused(guess[l.min(number - 1)]));
+                let along = if F::ACTS { share * dot(&at(force, l), &n) } else { Fused(0.0) };
                 bend[l] = -lambda.multiply_add(dot(&n, &n), along);
             }
         }
-        let (mut free, mut multiplier) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
-        let (mut square, mut floor_square, mut path_square) =
-            ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
-        let mut gentle = [false; L]; // h·κ·|v| ≤ ½
         for l in 0..L {
-            let (q, p, n) = (at(&q, l), at(&p, l), at(&normal, l));
-            let mut way = sum(&scaled(step, &p), &add_scaled(&at(&q_low, l), step, &at(&p_low, l)));
+            let (q, p, n) = (at(q, l), at(p, l), at(normal, l));
+            let mut way = sum(&scaled(step, &p), &add_scaled(&at(q_low, l), step, &at(p_low, l)));
             let (speed_square, mut along) = (dot(&p, &p), bend[l]);
             path_square[l] = step * step * speed_square;
             if F::ACTS {
-                let force = at(&force, l);
+                let force = at(force, l);
                 way = add_scaled(&way, pushed, &force);
                 along = share.multiply_add(dot(&force, &n), along);
                 path_square[l] = (pushed * pushed).multiply_add(dot(&force, &force), path_square[l]);
             }
-            put(&mut free, l, way);
+            put(free, l, way);
             multiplier[l] = -half_square * along * inverse_square[l];
-            gentle[l] = (Fused(4.0) * step * step * bend[l] * bend[l] * inverse_square[l]).le(speed_square);
+            let is_gentle =
+                (Fused(4.0) * step * step * bend[l] * bend[l] * inverse_square[l]).le(speed_square);
+            gentle[l] = Real::select(is_gentle, Fused(1.0), Fused(0.0));
             square[l] = Fused(1.0) / inverse_square[l];
             let floor = Fused(f64::EPSILON) * largest(&q).max(largest(&way));
             floor_square[l] = floor * floor;
         }
 
-        let (mut first, mut slope, mut g) = ([Fused(0.0); L], [Fused(0.0); L], [Fused(0.0); L]);
         for l in 0..L {
-            let point = point(&q, &free, &normal, &multiplier, l);
+            let point = point(q, free, normal, multiplier, l);
             let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
             g[l] = residual;
-            slope[l] = dot(&gradient, &at(&normal, l));
+            slope[l] = dot(&gradient, &at(normal, l));
             first[l] = -residual / slope[l];
             let there = (first[l] * first[l] * square[l]).le(floor_square[l]);
             multiplier[l] = multiplier[l] + Real::select(there, Fused(0.0), first[l]);
         }
         for l in 0..L {
-            let [residual] = constraint.value(&point(&q, &free, &normal, &multiplier, l));
+            let [residual] = constraint.value(&point(q, free, normal, multiplier, l));
             let ratio = residual / g[l];
             let ostrowski = -residual / (slope[l] * (Fused(1.0) - Fused(2.0) * ratio));
             let going = floor_square[l].lt(first[l] * first[l] * square[l]);
             let near = going & ratio.abs().lt(Fused(0.25)); // else the parabola says nothing
             multiplier[l] = multiplier[l] + Real::select(near, ostrowski, Fused(0.0));
         }
-        let mut rests = [Fused(0.0); L]; // 1 where it does
         for l in 0..L {
-            let point = point(&q, &free, &normal, &multiplier, l);
+            let point = point(q, free, normal, multiplier, l);
             let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
-            let last = -residual / dot(&gradient, &at(&normal, l));
+            let last = -residual / dot(&gradient, &at(normal, l));
             (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
         }
-        for l in 0..number {
+        for begin in chunks.begins() {
+            let chunk = begin..begin + chunks.length();
             for _ in 0..CORRECTIONS {
-                if rests[l] == Fused(1.0) {
+                if rests[chunk.clone()].iter().all(|&rests| rests == Fused(1.0)) {
                     break;
                 }
-                let point = point(&q, &free, &normal, &multiplier, l);
-                let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
-                let last = -residual / dot(&gradient, &at(&normal, l));
-                (multiplier[l], rests[l]) = corrected(multiplier[l], last, square[l], floor_square[l]);
+                for l in chunk.clone() {
+                    let point = point(q, free, normal, multiplier, l);
+                    let ([residual], [gradient]) = constraint.value_and_jacobian(&point);
+                    let last = -residual / dot(&gradient, &at(normal, l));
+                    let further = corrected(multiplier[l], last, square[l], floor_square[l]);
+                    let rested = rests[l] == Fused(1.0);
+                    multiplier[l] = Real::select(rested, multiplier[l], further.0);
+                    rests[l] = Real::select(rested, rests[l], further.1);
+                }
             }
         }
-        let (mut next, mut arrives) = ([[Fused(0.0); L]; D], [Fused(0.0); L]);
         for l in 0..L {
-            let [gradient] = constraint.jacobian(&point(&q, &free, &normal, &multiplier, l));
+            let [gradient] = constraint.jacobian(&point(q, free, normal, multiplier, l));
             let off_square = first[l] * first[l] * square[l];
-            let last_slope = dot(&gradient, &at(&normal, l));
+            let last_slope = dot(&gradient, &at(normal, l));
             let root = is_the_root(off_square, [square[l], slope[l], last_slope], path_square[l], FAR_GUESS);
-            put(&mut next, l, gradient);
-            arrives[l] = Real::select(gentle[l] & root, rests[l], Fused(0.0));
+            put(next, l, gradient);
+            arrives[l] = Real::select(root, rests[l] * gentle[l], Fused(0.0));
         }
         if crowd != 0 {
-            for l in 0..number {
+            for l in 0..L {
                 arrives[l] = if crowd >> l & 1 == 0 { arrives[l] } else { Fused(0.0) };
             }
         }
         let mut left = 0;
-        for l in 0..number {
+        for l in 0..L {
             left |= u64::from(arrives[l] == Fused(0.0)) << l;
         }
 
-        let (mut new, mut low) = ([[Fused(0.0); L]; D], [[Fused(0.0); L]; D]);
         for l in 0..L {
-            let (n, arrives) = (at(&normal, l), arrives[l] == Fused(1.0));
-            let mut change = add_scaled(&at(&p_low, l), multiplier[l] / step, &n);
+            let (n, arrives) = (at(normal, l), arrives[l] == Fused(1.0));
+            let mut change = add_scaled(&at(p_low, l), multiplier[l] / step, &n);
             if F::ACTS {
-                change = add_scaled(&change, Fused(kick), &at(&force, l));
+                change = add_scaled(&change, Fused(kick), &at(force, l));
             }
-            let (high, rest) = two_sum(&at(&p, l), &change);
-            put(&mut new, l, either(arrives, high, at(&p, l)));
-            put(&mut low, l, either(arrives, rest, at(&p_low, l)));
+            let (high, rest) = two_sum(&at(p, l), &change);
+            let (high, rest) = (either(arrives, high, at(p, l)), either(arrives, rest, at(p_low, l)));
+            put(p, l, high);
+            put(p_low, l, rest);
         }
-        scatter(&new, bodies.p);
-        scatter(&low, bodies.p_low);
         for l in 0..L {
-            let (n, arrives) = (at(&normal, l), arrives[l] == Fused(1.0));
-            let (high, rest) = two_sum(&at(&q, l), &add_scaled(&at(&free, l), multiplier[l], &n));
-            put(&mut new, l, either(arrives, high, at(&q, l)));
-            put(&mut low, l, either(arrives, rest, at(&q_low, l)));
+            let (n, arrives) = (at(normal, l), arrives[l] == Fused(1.0));
+            let (high, rest) = two_sum(&at(q, l), &add_scaled(&at(free, l), multiplier[l], &n));
+            let (high, rest) = (either(arrives, high, at(q, l)), either(arrives, rest, at(q_low, l)));
+            put(q, l, high);
+            put(q_low, l, rest);
         }
-        scatter(&new, bodies.q);
-        scatter(&low, bodies.q_low);
         for l in 0..L {
-            let (gradient, arrives) = (at(&next, l), arrives[l] == Fused(1.0));
+            let (gradient, arrives) = (at(next, l), arrives[l] == Fused(1.0));
             let inverse = Normal::new(gradient).inverse_square;
-            square[l] = Real::select(arrives, inverse, inverse_square[l]);
-            put(&mut new, l, either(arrives, gradient, at(&normal, l)));
+            inverse_square[l] = Real::select(arrives, inverse, inverse_square[l]);
+            let gradient = either(arrives, gradient, at(normal, l));
+            put(normal, l, gradient);
+            multiplier[l] = multiplier[l] / half_square;
         }
-        for l in 0..number {
-            let (gradient, inverse_square) = (at(&new, l).map(plain), plain(square[l]));
-            bodies.normal[l] = Normal { gradient, inverse_square };
-            multipliers[l] = plain(multiplier[l] / half_square);
-        }
-        left
+        bodies.keep_places();
+        bodies.keep_momenta();
+        left & all(number)
     }
 }
 
@@ -413,8 +416,6 @@ struct Settle<'a, T, F, const D: usize> {
     kick: f64,
     h: f64,
     bodies: Tile<'a, T, F, D>,
-    /// μ as an impulse over h/2.
-    multipliers: &'a mut [T; LANES],
 }
 
 impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
@@ -434,30 +435,41 @@ impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
 impl<T: Real, F: Force<T, D>, const D: usize> Settle<'_, T, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> bool {
-        let Self { kick, h, bodies, multipliers } = self;
-        let number = bodies.q.len().min(L);
-        let (p, p_low) = (gathered::<T, L, D>(bodies.p), gathered::<T, L, D>(bodies.p_low));
-        let ((normal, inverse_square), force) = (bodies.normals::<L>(), bodies.forces::<L>());
-        let (mut new, mut low) = ([[Fused(0.0); L]; D], [[Fused(0.0); L]; D]);
-        let (mut multiplier, mut finite) = ([Fused(0.0); L], true);
+        let Self { kick, h, mut bodies } = self;
+        let InLanes { p, p_low, normal, force, inverse_square, multiplier, .. } = bodies.spread_momenta();
+        let mut finite = true;
         for l in 0..L {
-            let (p, n) = (at(&p, l), at(&normal, l));
-            let mut change = at(&p_low, l);
+            let (moving, n) = (at(p, l), at(normal, l));
+            let mut change = at(p_low, l);
             if F::ACTS {
-                change = add_scaled(&change, Fused(kick), &at(&force, l));
+                change = add_scaled(&change, Fused(kick), &at(force, l));
             }
-            let eta = -dot(&n, &sum(&p, &change)) * inverse_square[l];
+            let eta = -dot(&n, &sum(&moving, &change)) * inverse_square[l];
             multiplier[l] = eta / Fused(0.5 * h);
-            let (high, rest) = two_sum(&p, &add_scaled(&change, eta, &n));
-            put(&mut new, l, high);
-            put(&mut low, l, rest);
+            let (high, rest) = two_sum(&moving, &add_scaled(&change, eta, &n));
+            put(p, l, high);
+            put(p_low, l, rest);
             finite &= is_finite(&high);
         }
-        scatter(&new, bodies.p);
-        scatter(&low, bodies.p_low);
-        for l in 0..number {
-            multipliers[l] = plain(multiplier[l]);
-        }
+        bodies.keep_momenta();
         finite
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_body_is_in_one_tile_of_a_chunk_at_least() {
+        for number in MANY..1000 {
+            let mut next = 0;
+            for tile in tiles(number) {
+                assert_eq!(tile.start, next, "{number} bodies");
+                assert!((CHUNK..=LANES).contains(&tile.len()), "{number} bodies: {tile:?}");
+                next = tile.end;
+            }
+            assert_eq!(next, number);
+        }
     }
 }
