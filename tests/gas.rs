@@ -78,7 +78,8 @@ fn energy_off<P: PairPotential, const D: usize>(potential: &P, n: usize) -> f64 
     let (mut expected, mut size) = (0.0, 0.0);
     for (i, q) in places.iter().enumerate() {
         for other in &places[..i] {
-            let value = PairPotential::value(potential, distance(*q, *other));
+            let squares: f64 = q.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum();
+            let value = PairPotential::value(potential, squares.sqrt());
             expected += value;
             size += value.abs();
         }

@@ -25,6 +25,8 @@ mod functions;
 mod macro_exact;
 #[path = "../macro_language.rs"]
 mod macro_language;
+#[path = "../macro_messages.rs"]
+mod macro_messages;
 #[path = "../mesh.rs"]
 mod mesh;
 #[path = "../ready_made.rs"]

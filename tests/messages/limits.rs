@@ -1,5 +1,5 @@
 //! What is too much.
-use rattle::prelude::*;
+use rattle::{nalgebra, prelude::*};
 
 constraint! {
     pub struct Endless {}

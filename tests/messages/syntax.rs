@@ -1,5 +1,5 @@
 //! What cannot be read.
-use rattle::prelude::*;
+use rattle::{nalgebra, prelude::*};
 
 constraint! {
     pub struct NoBody { a }

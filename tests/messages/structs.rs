@@ -1,5 +1,5 @@
 //! What is wrong with the struct.
-use rattle::prelude::*;
+use rattle::{nalgebra, prelude::*};
 
 constraint! {
     #[derive(Default, PartialOrd)]

@@ -1,5 +1,5 @@
 //! Names: unknown, taken, unused.
-use rattle::prelude::*;
+use rattle::{nalgebra, prelude::*};
 
 constraint! {
     pub struct Unknown { radius }
