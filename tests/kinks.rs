@@ -93,6 +93,46 @@ fn the_step_across_a_ridge_is_an_error() {
     }
 }
 
+/// A step that ends on the edge to the last bit. There the normal is that of the right side, as abs′(0) = 1: so from
+/// the left it is the step across, and from the right the one after it is. (Numbers of few bits, so that none is
+/// rounded.)
+#[test]
+fn a_step_that_ends_on_the_edge_is_an_error_or_the_next_one_is() {
+    for (side, across, part) in [(-1.0, 4, 1.0), (1.0, 5, 0.0)] {
+        let scene = Scene::on(Roof { slope: 0.5 });
+        let start = State::at([0.5 * side, 0.0, -0.25]).moving([-side, 0.0, 0.5]);
+        let mut simulation = scene.simulate(start, Rattle::new(0.125)).unwrap();
+        let (step, argument, share, _) = kink(simulation.run(10).unwrap_err());
+        assert_eq!((step, argument), (across, "x"), "{side}");
+        assert!((share - part).abs() < 1e-5, "{share}");
+        assert_eq!(simulation.position().x, side * (0.5 - 0.125 * (across - 1) as f64));
+        assert_eq!(simulation.energy_error(), 0.0);
+    }
+}
+
+constraint! {
+    /// A roof whose 33 ridges are a unit apart.
+    struct Ridges { slope }
+    |x, _y, z| z + slope * (abs(x) + abs(x - 1) + abs(x - 2) + abs(x - 3) + abs(x - 4) + abs(x - 5) + abs(x - 6)
+        + abs(x - 7) + abs(x - 8) + abs(x - 9) + abs(x - 10) + abs(x - 11) + abs(x - 12) + abs(x - 13) + abs(x - 14)
+        + abs(x - 15) + abs(x - 16) + abs(x - 17) + abs(x - 18) + abs(x - 19) + abs(x - 20) + abs(x - 21) + abs(x - 22)
+        + abs(x - 23) + abs(x - 24) + abs(x - 25) + abs(x - 26) + abs(x - 27) + abs(x - 28) + abs(x - 29) + abs(x - 30)
+        + abs(x - 31) + abs(x - 32) - 528)
+}
+
+/// Arguments are looked at in pages of 32: one of the first, and the last one, alone on its page.
+#[test]
+fn of_many_ridges_each_is_told() {
+    for (from, ridge, name) in [(2.3, 3.0, "x - 3"), (31.3, 32.0, "x - 32")] {
+        let scene = Scene::on(Ridges { slope: 0.01 });
+        let start = scene.project(&State::at([from, 0.0, 0.0]).moving([1.0, 0.0, 0.0])).unwrap();
+        let mut simulation = scene.simulate(start, Rattle::new(0.05)).unwrap();
+        let (_, argument, ..) = kink(simulation.run(100).unwrap_err());
+        assert_eq!(argument, name);
+        assert!(simulation.position().x < ridge && simulation.position().x > ridge - 0.1);
+    }
+}
+
 /// Flat sides, ways straight: until the error energy is kept to rounding, however the edges are met.
 fn ends_at_an_edge<C: Constraint<3, 1> + Copy + 'static>(surface: C, arguments: &[&str], degrees: f64) {
     let (scene, mut random) = (Scene::on(surface).with(Gravity { g: 0.0 }), StdRng::seed_from_u64(4));
