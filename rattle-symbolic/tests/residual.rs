@@ -13,7 +13,7 @@ fn messages(output: &str) -> Vec<&str> {
     parts.filter_map(|rest| rest.split_once("\" }").map(|(message, _)| message)).collect()
 }
 
-/// One message each, at its own token (`rattle-macros/tests/messages/residuals.rs` shows where), and a kernel with all
+/// One message each, at its own token (`tests/messages/residuals.rs` shows where), and a kernel with all
 /// its functions: what uses it makes no second error.
 #[test]
 fn each_mistake_has_one_message_and_a_kernel_stands_in() {
