@@ -1,4 +1,4 @@
-//! All diagrams on one page that needs nothing else.
+//! All diagrams on one page that needs nothing else. The page is that of `rattle-flow`'s example `flow_accuracy`, too.
 
 use super::Report;
 use rattle::price::Candidate;
@@ -12,7 +12,10 @@ pub(crate) fn page(
     long: &str,
 ) -> Result<String, serde_json::Error> {
     let scenes: Vec<Value> = reports.iter().map(scene).collect();
-    let data = json!({ "processor": processor, "scenes": scenes, "effects": effects });
+    let data = json!({
+        "processor": processor, "scenes": scenes, "effects": effects,
+        "units": ["ns", "nanoseconds"], "errors": ["position", "energy"], "step": "h", "orders": [2, 4, 8],
+    });
     let data = serde_json::to_string(&data)?;
     Ok(include_str!("page.html").replace("LONG RUNS", long).replace("\"DATA\"", &data.replace("</", "<\\/")))
 }
@@ -21,8 +24,8 @@ fn scene(report: &Report) -> Value {
     let prices = &report.prices;
     let rows = prices.rows.iter().map(|row| {
         json!({
-            "method": row.method.to_string(), "h": row.h, "tolerance": row.tolerance, "position": row.position,
-            "energy": row.energy, "ns": 1e9 * row.seconds, "spread": row.spread, "steps": row.steps,
+            "method": row.method.to_string(), "h": row.h, "tolerance": row.tolerance, "first": row.position,
+            "second": row.energy, "cost": 1e9 * row.seconds, "spread": row.spread, "steps": row.steps,
             "order": row.order, "rounding": row.rounding, "front": row.front,
         })
     });

@@ -19,10 +19,11 @@ use crate::flow::{Flow, Resistance};
 use crate::krylov::Iterative;
 use crate::law::{DarcyWeisbach, Element, GIVEN, Law, Manning};
 use crate::method::{Method, StepInfo, Trouble};
-use crate::multigrid::dot;
+use crate::pieces::{PIECE, dot, on_threads};
 use crate::sparse::Sparse;
 use rattle::lanes::Lanes;
 use rattle::real::Real;
+use rayon::prelude::*;
 use std::array::from_fn;
 
 /// So many triangles go side by side.
@@ -166,9 +167,10 @@ impl Conservative {
     }
 
     /// The steps of p that belong to those of depth, taken in part.
-    fn recover<K: Element<Wide>>(&mut self, kernel: &K, depth: &[f64], part: f64) {
-        for (block, slope) in self.blocks.iter().zip(&mut self.slopes) {
-            let of_block = gather(block, &self.change);
+    fn recover<K: Element<Wide> + Sync>(&mut self, kernel: &K, depth: &[f64], part: f64) {
+        let change = &self.change;
+        let recover = |(block, slope): (&Block, &mut [Wide; 2])| {
+            let of_block = gather(block, change);
             let step = kernel.recovered(&unknowns(block, depth, slope), &block.given, &of_block);
             let part = Wide::from_f64(part);
             let (now, before) = (from_fn(|i| gather(block, depth)[i] + part * of_block[i]), *slope);
@@ -178,6 +180,11 @@ impl Conservative {
             let size = (next[0] * next[0] + next[1] * next[1]).sqrt();
             let far = most.lt(size);
             *slope = next.map(|p| Wide::select(far, p * (most / size), p));
+        };
+        if on_threads(depth.len(), PIECE) {
+            self.blocks.par_iter().zip(&mut self.slopes).for_each(recover);
+        } else {
+            self.blocks.iter().zip(&mut self.slopes).for_each(recover);
         }
     }
 
@@ -247,7 +254,7 @@ impl Conservative {
         Ok(0.0)
     }
 
-    fn iterate<K: Element<Wide>>(
+    fn iterate<K: Element<Wide> + Sync>(
         &mut self,
         kernel: &K,
         flow: &Flow,

@@ -5,7 +5,8 @@
 //! roughen lakes at rest, where the flux goes with the root of the slope: Newton's method then needed 1e-8 of |b|, and
 //! not 1e-3.
 
-use crate::multigrid::{Level, coarsen, refresh, solve};
+use crate::multigrid::{KEPT, Level, coarsen, refresh, solve};
+use crate::pieces::{PIECE, each};
 use crate::rows::{Rows, flushed};
 
 /// A matrix, its coarse levels, and room for the iteration.
@@ -32,8 +33,6 @@ enum Age {
 
 /// So many steps at most; then it is LU's turn.
 const MOST: usize = 100;
-/// So many directions are kept, then it begins anew.
-const KEPT: usize = 12;
 /// Making coarse levels takes as long as so many steps.
 const MAKING: f64 = 5.0;
 
@@ -49,11 +48,14 @@ impl Iterative {
     /// Takes the numbers, column by column. False where one on the diagonal, or a sum of a column, is not positive.
     pub(crate) fn take(&mut self, values: &[f64]) -> bool {
         let matrix = &mut self.levels[0].matrix;
-        self.sums.fill(0.0);
-        for (place, &from) in self.by_column.iter().enumerate() {
-            matrix.values[place] = values[from as usize];
-            self.sums[matrix.columns[place] as usize] += values[from as usize];
-        }
+        let from = &self.by_column;
+        each(PIECE, &mut matrix.values, |first, entries| {
+            entries.iter_mut().zip(&from[first..]).for_each(|(entry, &from)| *entry = values[from as usize]);
+        });
+        let column = |j: usize| &values[matrix.row(j)]; // the pattern is symmetric
+        each(PIECE, &mut self.sums, |first, sums| {
+            sums.iter_mut().zip(first..).for_each(|(sum, j)| *sum = column(j).iter().sum());
+        });
         if matches!(self.age, Age::Stale) {
             coarsen(&mut self.levels);
             self.age = Age::Fresh;
@@ -215,6 +217,50 @@ mod tests {
                 let Age::Used { pace, .. } = solver.age else { panic!("used") };
                 assert!(10.0 * pace < 28.5, "{} steps for {n}, {contrast:e}", 10.0 * pace);
             }
+        }
+    }
+
+    /// The same numbers of vertices in an order that knows nothing of the mesh: pieces of it are no smoother.
+    #[test]
+    fn the_order_of_vertices_hardly_matters() {
+        let n = 136;
+        let matrix = square(n, 1.0 / n as f64, |_| 1.0);
+        let place = |i: usize| (i * 7919 + 13) % (n * n); // 7919 is prime
+        let mut columns: Vec<Vec<(u32, f64)>> = vec![Vec::new(); n * n];
+        for j in 0..n * n {
+            let entries = matrix.columns[j] as usize..matrix.columns[j + 1] as usize;
+            let moved =
+                entries.map(|entry| (place(matrix.rows[entry] as usize) as u32, matrix.values[entry]));
+            columns[place(j)].extend(moved);
+            columns[place(j)].sort_by_key(|&(i, _)| i);
+        }
+        let ends = columns.iter().scan(0, |end, column| {
+            *end += column.len() as u32;
+            Some(*end)
+        });
+        let starts: Vec<u32> = std::iter::once(0).chain(ends).collect();
+        let rows: Vec<u32> = columns.iter().flatten().map(|&(i, _)| i).collect();
+        let values: Vec<f64> = columns.iter().flatten().map(|&(_, value)| value).collect();
+        let mut solver = Iterative::of(&starts, &rows);
+        let mut x = right(n);
+        assert!(solver.take(&values) && solver.solve(&mut x, 1e-10, &[]).is_some());
+        let Age::Used { pace, .. } = solver.age else { panic!("used") };
+        assert!(10.0 * pace < 28.5, "{} steps", 10.0 * pace);
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bits() {
+        let n = 136; // three pieces
+        let matrix = square(n, 1.0 / n as f64, |i| 1.0 + (i % 7) as f64);
+        let solved = || {
+            let (mut x, mut solver) = (right(n), Iterative::of(&matrix.columns, &matrix.rows));
+            assert!(solver.take(&matrix.values) && solver.solve(&mut x, 1e-10, &[]).is_some());
+            x
+        };
+        let alone = solved();
+        for threads in [1, 2, 3, 8] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            assert!(pool.install(solved) == alone, "on {threads} threads");
         }
     }
 

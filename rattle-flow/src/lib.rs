@@ -51,6 +51,7 @@ mod method;
 mod multigrid;
 mod notebook;
 mod page;
+mod pieces;
 mod polygon;
 mod project;
 mod raster;
