@@ -305,8 +305,8 @@ fn read_damaged(first: u64, count: u64) -> [u64; 2] {
 
 #[test]
 fn random_damage_is_an_array_or_an_error() {
-    let [read, errors] = read_damaged(0, 5000);
-    assert!(read > 300 && errors > 2000, "{read} arrays, {errors} errors"); // both are met
+    let [read, errors] = read_damaged(0, 2000);
+    assert!(read > 100 && errors > 1000, "{read} arrays, {errors} errors"); // both are met
 }
 
 /// ```text

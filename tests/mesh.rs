@@ -167,7 +167,7 @@ fn a_box_is_found() {
         ("flat",         flat,        [0.0, 0.0, 0.03], ([-1.0, -1.0, -0.032], [1.0, 1.0, 0.032]), 2),
     ];
     for (name, g, near, (low, high), euler) in cases {
-        let mesh = Mesh::around(g, near, 90).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mesh = Mesh::around(g, near, 60).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(mesh.is_closed() && mesh.euler_characteristic() == euler, "{name}");
         let side = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
         for i in 0..3 {

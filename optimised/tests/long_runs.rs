@@ -211,13 +211,15 @@ where
 }
 
 /// Random roundings leave 2e-20 of a mean. What rounding takes from weights, lost in the sums that it is added to one
-/// by one, leaves up to 2.5e-19, another slope for each number of stages and each step.
+/// by one, leaves up to 2.5e-19, another slope for each number of stages and each step. At h = 0.1 the stages end a
+/// little before they hold to rounding, which leaves 2e-19; what rounding takes from the sum of drift and bend would
+/// leave 5.9e-19.
 #[test]
 fn energy_does_not_drift_by_the_rounding_of_weights() {
-    for h in [0.05, 0.07] {
+    for (h, bound) in [(0.05, 1e-19), (0.07, 1e-19), (0.1, 3e-19)] {
         let slopes = [drift_of_many::<8>(h, 16_000), drift_of_many::<9>(h, 16_000)];
         println!("8 and 9 stages, h = {h}: {slopes:?} each step");
-        assert!(slopes.iter().all(|slope| slope.abs() <= 1e-19), "h = {h}: {slopes:?}");
+        assert!(slopes.iter().all(|slope| slope.abs() <= bound), "h = {h}: {slopes:?}");
     }
 }
 

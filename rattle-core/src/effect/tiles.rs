@@ -32,6 +32,9 @@ pub(crate) const MANY: usize = 8;
 /// From so many bodies on several threads pay: below, a step takes less than half a millisecond.
 const FOR_THREADS: usize = 1000;
 
+/// So many sums of forces on one body go on side by side: two registers wait for each other's results less than one.
+const SUMS: usize = LANES / 4;
+
 /// So many bodies and so many others are one piece of work, some twenty microseconds.
 const PIECE: usize = 2 * LANES;
 
@@ -178,10 +181,10 @@ impl<K: PairKernel<Number>, const D: usize> Work for Piece<'_, K, D> {
             };
         };
         for (tile, on_tile) in q.chunks(LANES).zip(forces.chunks_mut(LANES)) {
-            let (mut places, mut pushes, mut parts) = (Vectors::ZERO, Vectors::ZERO, Vectors::ZERO);
+            let (mut places, mut pushes) = (Vectors::ZERO, Vectors::ZERO);
             chunks.put_into(tile, &mut places.0, 0, |q| q.map(Fused));
             for (q, force) in others.iter().zip(on_others.iter_mut()) {
-                add(force, meet(&kernel, &q.map(Fused), &places, &mut pushes, &mut parts));
+                add(force, meet(&kernel, &q.map(Fused), &places, &mut pushes));
             }
             for (l, force) in on_tile.iter_mut().enumerate().take(LANES) {
                 add(force, from_fn(|d| pushes.0[d][l]));
@@ -220,7 +223,7 @@ impl<K: PairKernel<Number>, const D: usize> Work for Energies<'_, K, D> {
                 }
             }
         }
-        total(&mut sums.0[0]).0
+        total(&sums.0[0]).0
     }
 }
 
@@ -343,22 +346,21 @@ fn meet<K: PairKernel<Number>, const D: usize>(
     q: &[Number; D],
     places: &Vectors<D, LANES>,
     pushes: &mut Vectors<D, LANES>,
-    parts: &mut Vectors<D, LANES>,
 ) -> [Number; D] {
-    let mut slope = squares(q, places);
-    kernel.slope_block(&mut slope);
-    for l in 0..LANES {
-        for d in 0..D {
-            let apart = q[d] - places.0[d][l];
-            parts.0[d][l] = slope[l] * apart;
-            pushes.0[d][l] = (-slope[l]).multiply_add(apart, pushes.0[d][l]);
+    let mut slopes = squares(q, places);
+    kernel.slope_block(&mut slopes);
+    let mut sums = [[Fused(0.0); SUMS]; D];
+    for first in (0..LANES).step_by(SUMS) {
+        for l in 0..SUMS {
+            let slope = slopes[first + l];
+            for d in 0..D {
+                let apart = q[d] - places.0[d][first + l];
+                sums[d][l] = slope.multiply_add(apart, sums[d][l]);
+                pushes.0[d][first + l] = (-slope).multiply_add(apart, pushes.0[d][first + l]);
+            }
         }
     }
-    let mut sums = [Fused(0.0); D];
-    for d in 0..D {
-        sums[d] = total(&mut parts.0[d]);
-    }
-    sums
+    sums.map(total_of_few)
 }
 
 /// |q − qₗ|².
@@ -374,20 +376,23 @@ fn squares<const D: usize>(q: &[Number; D], places: &Vectors<D, LANES>) -> [Numb
 
 /// The sum.
 #[inline(always)]
-fn total(parts: &mut [Number; LANES]) -> Number {
-    fold::<32>(parts);
-    fold::<16>(parts);
-    fold::<8>(parts);
-    let [a, b, c, d, e, f, g, h, ..] = *parts;
-    ((a + e) + (c + g)) + ((b + f) + (d + h))
+fn total(parts: &[Number; LANES]) -> Number {
+    let mut sums = [Fused(0.0); SUMS];
+    for l in 0..SUMS {
+        sums[l] = (parts[l] + parts[2 * SUMS + l]) + (parts[SUMS + l] + parts[3 * SUMS + l]);
+    }
+    total_of_few(sums)
 }
 
-/// Adds the second so many to the first.
+/// The sum.
 #[inline(always)]
-fn fold<const HALF: usize>(parts: &mut [Number; LANES]) {
-    for l in 0..HALF {
-        parts[l] = parts[l] + parts[HALF + l];
+fn total_of_few(parts: [Number; SUMS]) -> Number {
+    let mut sums = [Fused(0.0); SUMS / 2];
+    for l in 0..SUMS / 2 {
+        sums[l] = parts[l] + parts[SUMS / 2 + l];
     }
+    let [a, b, c, d, e, f, g, h] = sums;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
-use crate::number::vector::{add_scaled, largest, sum, two_sum};
+use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
@@ -125,7 +125,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         stages.force[..n].copy_from_slice(&kept.force);
     }
 
-    /// Qᵢ − q of a body: drift and the sum over the stages.
+    /// Qᵢ − q of a body, drift and the sum over the stages, and what rounding took from it.
     fn increment<const S: usize>(
         &self,
         table: &Table<S>,
@@ -134,7 +134,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         stages: &Stages<F, D>,
         stage: usize,
         body: usize,
-    ) -> [f64; D] {
+    ) -> ([f64; D], [f64; D]) {
         let n = self.count.number();
         let p = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
         let (drift, rest) = table.drift(h, stage);
@@ -143,7 +143,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             let ((factor, rest), total) = (table.push(h, stage, j), &stages.total[j * n + body]);
             impulse = add_scaled(&add_scaled(&impulse, rest, total), factor, total);
         }
-        self.shape.roots[body].velocity(&add_scaled(&impulse, drift, &p))
+        let (increment, rest) = two_sum(&scaled(drift, &p), &impulse);
+        let root = &self.shape.roots[body];
+        (root.velocity(&increment), root.velocity(&rest))
     }
 
     /// Iterates until the stages hold to rounding.
@@ -161,7 +163,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
-                    let increment = self.increment(table, h, bodies, stages, stage, body);
+                    let (increment, _) = self.increment(table, h, bodies, stages, stage, body);
                     let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
                     stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
                 }
@@ -292,9 +294,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             bodies.work += h * power; // the last kick books its own
         }
         for body in 0..n {
-            let increment = self.increment(table, h, bodies, stages, S - 1, body);
+            let (increment, rest) = self.increment(table, h, bodies, stages, S - 1, body);
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
-            (*q, *q_low) = two_sum(q, &sum(q_low, &increment));
+            let (high, low) = two_sum(q, &increment);
+            (*q, *q_low) = two_sum(&high, &sum(&low, &sum(q_low, &rest)));
         }
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);

@@ -24,7 +24,7 @@ use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -328,10 +328,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         for body in 0..n {
             let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
             let (p, p_low) = (&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
-            let (high, low) = weighted(&row, part(&stages.total, body));
-            let high = add_scaled(&high, T::from_f64(h), p);
-            let low = add_scaled(&low, T::from_f64(h), p_low);
-            (*q, *q_low) = two_sum(q, &sum(&sum(q_low, &low), &high));
+            let (bend, low) = weighted(&row, part(&stages.total, body));
+            let (high, lost) = two_sum(&scaled(T::from_f64(h), p), &bend);
+            let low = add_scaled(&sum(&low, &lost), T::from_f64(h), p_low);
+            let (high, lost) = two_sum(q, &high);
+            (*q, *q_low) = two_sum(&high, &sum(&lost, &sum(q_low, &low)));
             let [gradient] = self.constraint.jacobian(q);
             bodies.kept.normal.as_mut()[body] = Normal::new(gradient);
             witness.position_multiplier(body, stages.lambda[body * S]);
