@@ -247,6 +247,66 @@ fn others_go_alone() {
     alone(&double().with(LinearDrag::new(0.1)), places);
 }
 
+/// Trajectories of rows of 64 have the bits that they have in rows of 8, where no step is compiled for its sizes.
+fn same_in_rows<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
+    scene: &Scene<C, E, N, D>,
+    places: impl Fn(f64) -> Vec<[f64; D]>,
+) {
+    fn bits<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
+        scene: &Scene<C, E, N, D>,
+        starts: &[State<D>],
+    ) -> Vec<String> {
+        let starts = || starts.iter().cloned();
+        let mut equal = scene.ensemble(starts(), Rattle::new(0.01)).unwrap();
+        let mut sums = scene.ensemble_in(Compensated, starts(), Rattle::new(0.01)).unwrap();
+        let composed = Composition::new(SUZUKI_1990_ORDER_4, 0.02);
+        let mut unequal = scene.ensemble(starts(), composed.clone()).unwrap();
+        let mut all = scene.ensemble_in(Compensated, starts(), composed).unwrap();
+        let each = [&mut equal, &mut sums, &mut unequal, &mut all].map(|ensemble| {
+            ensemble.run(130);
+            assert_eq!(ensemble.failures().count(), 0);
+            (0..8).map(|i| format!("{:?}", ensemble.state(i))).collect::<Vec<_>>()
+        });
+        each.concat()
+    }
+    let starts = starts(scene, places);
+    let [many, few] = [&starts[..64], &starts[..8]].map(|starts| bits(scene, starts));
+    let other = (0..32).filter(|&i| many[i] != few[i]).collect::<Vec<_>>();
+    assert!(other.is_empty(), "{other:?}: {} and {}", many[other[0]], few[other[0]]);
+}
+
+#[test]
+fn steps_compiled_for_their_sizes_give_the_same_bits() {
+    let planar = |lean| chain(3, lean);
+    let line = |links: Vec<[usize; 2]>| Scene::points(links.len() + 1).link(PlanarRod { length: 1.0 }, links);
+    let (pinned, gravity) = ([0.0, 0.0], PlanarGravity { g: 1.0 });
+    for masses in [[1.0; 4], [0.3, 1.0, 2.5, 0.7]] {
+        let of = |n: usize| masses[..n].to_vec();
+        let few = |n: usize| move |lean| planar(lean)[..n].to_vec();
+        same_in_rows(&line(vec![[0, 1]]).masses(of(2)).with(gravity.clone()), few(2));
+        same_in_rows(&line(vec![[1, 0]]).pin(0, pinned).masses(of(2)).with(gravity.clone()), few(2));
+        let double = line(vec![[0, 1], [2, 1]]).pin(0, pinned);
+        same_in_rows(&double.masses(of(3)).with(gravity.clone()), few(3));
+        let triple = line(vec![[2, 3], [1, 2], [0, 1]]).pin(0, pinned);
+        same_in_rows(&triple.masses(of(4)).with(gravity.clone()), few(4));
+    }
+    let line = |links: Vec<[usize; 2]>| Scene::points(links.len() + 1).link(Rod { length: 1.0 }, links);
+    let (pinned, weight) = ([0.0; 3], Weight { g: 0.5 });
+    let few = |n: usize| move |lean| chain(n - 1, lean);
+    same_in_rows(&line(vec![[0, 1]]).masses([2.0, 0.7]).with(weight.clone()), few(2));
+    same_in_rows(&line(vec![[0, 1]]).pin(0, pinned).with(weight.clone()), few(2));
+    same_in_rows(&line(vec![[0, 1], [1, 2]]).pin(0, pinned).with(weight.clone()), few(3));
+    let triangle =
+        Scene::points(3).link(Rod { length: 1.0 }, [[2, 1], [0, 2], [1, 0]]).masses([16.0, 1.0, 1.0]);
+    same_in_rows(&triangle.with(weight), |lean| {
+        vec![
+            [0.0; 3],
+            [lean.cos(), 0.0, lean.sin()],
+            [(lean + 60_f64.to_radians()).cos(), 0.0, (lean + 60_f64.to_radians()).sin()],
+        ]
+    });
+}
+
 /// Bits of a trajectory depend on no neighbour, no division of the run, no number of threads, no instruction set that
 /// fuses, and not on a checkpoint. Some steps are too long for some of the trajectories: these end, or go apart.
 #[test]

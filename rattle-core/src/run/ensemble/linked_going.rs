@@ -71,15 +71,16 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
         if from == 0 && steps > 0 {
             course.look_around(0, &parts[*part], numbers, &mut pulling)?;
         }
-        for now in from + 1..=from + steps {
-            for _ in 0..if *equal { 1 } else { parts.len() } {
-                course.advance(&parts[*part], numbers, &mut pulling, apart)?;
-                *part = if *part + 1 == parts.len() { 0 } else { *part + 1 };
-            }
+        let of_step = if *equal { 1 } else { parts.len() };
+        let (mut now, end) = (from, from + steps);
+        while now < end {
+            let next = end.min((now / EVERY + 1) * EVERY);
+            course.go((next - now) as usize * of_step, part, numbers, &mut pulling, apart)?;
+            now = next;
             if now % EVERY == 0 {
                 course.rest(numbers);
             }
-            if now % EVERY == 0 || (looks && now == from + steps) {
+            if now % EVERY == 0 || (looks && now == end) {
                 course.look_around(now, &parts[*part], numbers, &mut pulling)?;
             }
         }

@@ -24,7 +24,7 @@ use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
-use crate::systems::network::in_lanes::{Number, Numbers, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, ROW, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
 /// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
@@ -34,7 +34,7 @@ const AT_REST: f64 = 16.0;
 
 /// The slope ∇gᵢ(q′)·M⁻¹∇gᵢ(q) differs from what it was by no more than one over this: the cosine of the half by which
 /// a normal may turn on a path that is [short](crate::solve::root).
-const TURN: f64 = 8.0;
+pub(super) const TURN: f64 = 8.0;
 
 /// Corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
@@ -42,7 +42,7 @@ const CORRECTIONS: usize = 5;
 /// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits
 /// of multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links
 /// that is eliminated from both ends the last pivot is 4/n.
-const CLEAR: f64 = 4096.0;
+pub(super) const CLEAR: f64 = 4096.0;
 
 /// Forces on all bodies of all lanes.
 pub(super) trait Pulls<const W: usize>: Send + Sync {
@@ -79,11 +79,11 @@ pub(super) struct Course<'a, const W: usize> {
 }
 
 /// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
-type Which<const W: usize> = [u64; W];
+pub(super) type Which<const W: usize> = [u64; W];
 
 /// Whether there is one among them.
 #[inline(always)]
-fn any<const W: usize>(which: &Which<W>) -> bool {
+pub(super) fn any<const W: usize>(which: &Which<W>) -> bool {
     which.iter().fold(0, |any, which| any | which) != 0
 }
 
@@ -113,9 +113,40 @@ fn each_lane<const N: usize, const W: usize>(
 }
 
 impl<const W: usize> Course<'_, W> {
+    /// So many parts of steps.
+    #[inline(always)]
+    pub(super) fn go(
+        &self,
+        count: usize,
+        part: &mut usize,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        apart: &mut Apart<'_, W>,
+    ) -> Result<(), Stuck> {
+        let mut left = count;
+        while left > 0 {
+            if const { W == ROW } {
+                let going = (*part, left);
+                let done = if self.sums {
+                    self.go_few::<true>(going, numbers, pulling)
+                } else {
+                    self.go_few::<false>(going, numbers, pulling)
+                };
+                *part = (*part + done) % self.parts.len();
+                left -= done;
+            }
+            if left > 0 {
+                self.advance(&self.parts[*part], numbers, pulling, apart)?;
+                *part = (*part + 1) % self.parts.len();
+                left -= 1;
+            }
+        }
+        Ok(())
+    }
+
     /// One part of a step.
     #[inline(always)]
-    pub(super) fn advance(
+    fn advance(
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],

@@ -54,6 +54,7 @@ pub mod group;
 mod grouping;
 mod inside;
 mod laws;
+mod linked_few;
 mod linked_going;
 mod linked_lanes;
 mod linked_look;

@@ -7,6 +7,7 @@
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
+use crate::run::ensemble::linked_few::MOST;
 use crate::systems::network::group::Group;
 use crate::systems::network::in_lanes::{InLanes, Numbers, zeros};
 use crate::systems::network::mass::Root;
@@ -195,12 +196,17 @@ pub(super) struct Plan {
     pub(super) coordinates: usize,
     pub(super) equations: usize,
     entries: usize,
+    /// Equations and coordinates of a component that goes [by itself](crate::run::ensemble::linked_few), where it is
+    /// all that moves.
+    pub(super) few: Option<(usize, usize)>,
     /// For each coordinate its mass and 1 over it; both 0 where pinned.
     pub(super) masses: Vec<[f64; 2]>,
     /// The coordinates that are not pinned.
     pub(super) moving: Vec<usize>,
     /// For each entry its coordinate, and its equation; those of an equation in turn.
     pub(super) of_entry: Vec<[usize; 2]>,
+    /// For each equation its entries and their coordinates, in the order of these.
+    pub(super) of_row: Vec<Vec<[usize; 2]>>,
     /// The number of each row among the equations of the scene.
     pub(super) equation: Vec<usize>,
     /// The trial, from what is free and Λ.
@@ -235,7 +241,8 @@ impl Plan {
             for row in 0..rows.equations() {
                 rows.blocks_of(row).for_each(|(_, body)| of_body[body].push(row));
             }
-            let pattern = Pattern::new(&of_body, rows.equations());
+            let m = rows.equations();
+            let pattern = if m <= MOST { Pattern::full(m) } else { Pattern::new(&of_body, m) };
             let firsts = (lower, upper);
             lower += pattern.lower.len();
             upper += pattern.upper.len();
@@ -272,9 +279,11 @@ impl Plan {
             coordinates: n,
             equations: m,
             entries,
+            few: None,
             moving: (0..n).filter(|&c| masses[c][1] != 0.0).collect(),
             masses,
             of_entry: vec![[usize::MAX; 2]; entries],
+            of_row: vec![Vec::new(); m],
             equation: vec![0; m],
             place: Sheet::default(),
             displace: Sheet::default(),
@@ -284,6 +293,13 @@ impl Plan {
             rates: Sheet::default(),
             push: Sheet::default(),
         };
+        let side_by_side = plan.moving.windows(2).all(|pair| pair[0] + 1 == pair[1]);
+        if let [Piece { rows, .. }] = &pieces[..]
+            && rows.bodies.len() * D == plan.moving.len()
+            && side_by_side
+        {
+            plan.few = Some((m, plan.moving.len()));
+        }
         let mut by_coordinate = vec![Vec::new(); n];
         for piece in &pieces {
             for row in 0..piece.rows.equations() {
@@ -292,6 +308,7 @@ impl Plan {
                     for d in 0..D {
                         let (entry, coordinate) = ((piece.block + block) * D + d, body * D + d);
                         plan.of_entry[entry] = [coordinate, piece.row + row];
+                        plan.of_row[piece.row + row].push([entry, coordinate]);
                         if plan.masses[coordinate][1] != 0.0 {
                             by_coordinate[coordinate].push((entry, piece.row + row));
                         }
@@ -300,6 +317,7 @@ impl Plan {
             }
             plan.eliminate::<D>(piece);
         }
+        plan.of_row.iter_mut().for_each(|entries| entries.sort_by_key(|&[_, coordinate]| coordinate));
         let Places { lifted, free, trial, change, lambda, found, x, zero, .. } = places;
         for &c in &plan.moving {
             let entries = &by_coordinate[c];
@@ -324,7 +342,7 @@ impl Plan {
         let entry = |block_of_row: usize, d: usize| (block + block_of_row) * D + d;
         // ∇gᵢ(q′)·M⁻¹∇gⱼ(q), as products.
         let entries = |i: usize, j: usize| -> Vec<[usize; 2]> {
-            let pairs = rows.blocks_of(i).flat_map(|(a, body)| {
+            let pairs = in_turn(rows, i).into_iter().flat_map(|(a, body)| {
                 rows.blocks_of(j).filter(move |&(_, other)| other == body).map(move |(b, _)| (a, b))
             });
             let each = pairs.flat_map(|(a, b)| (0..D).map(move |d| (a, b, d)));
@@ -374,7 +392,7 @@ impl Plan {
             back.put(x + row + own, y + row + i, &[], &known, End::Times(inverse + row + own));
         }
         for i in 0..m {
-            let blocks = rows.blocks_of(i).map(|(block, body)| (block, rows.bodies[body]));
+            let blocks = in_turn(rows, i).into_iter().map(|(block, body)| (block, rows.bodies[body]));
             let each = blocks.flat_map(|(block, body)| (0..D).map(move |d| (block, body * D + d, d)));
             let along: Vec<_> = each.map(|(block, c, d)| [gradient + entry(block, d), change + c]).collect();
             self.rates.put(g + row + i, zero, &along, &[], End::Plain);
@@ -400,21 +418,18 @@ impl Plan {
     #[inline(always)]
     pub(super) fn lift<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, square, .. } = self.places;
-        let mut first = 0;
-        while first < self.entries {
-            let (row, mut sum) = (self.of_entry[first][1], zeros::<W>());
-            while first < self.entries && self.of_entry[first][1] == row {
-                let over = Fused(self.masses[self.of_entry[first][0]][1]);
-                let of = &numbers[gradient + first];
+        for (i, entries) in self.of_row.iter().enumerate() {
+            let mut sum = zeros::<W>();
+            for &[entry, coordinate] in entries {
+                let (over, of) = (Fused(self.masses[coordinate][1]), &numbers[gradient + entry]);
                 let mut up = zeros::<W>();
                 for l in 0..W {
                     up.0[l] = over * of.0[l];
                     sum.0[l] = of.0[l].multiply_add(up.0[l], sum.0[l]);
                 }
-                numbers[lifted + first] = up;
-                first += 1;
+                numbers[lifted + entry] = up;
             }
-            numbers[square + row] = sum;
+            numbers[square + i] = sum;
         }
     }
 
@@ -431,6 +446,13 @@ impl Plan {
             numbers[diagonal + i] = sum;
         }
     }
+}
+
+/// The blocks of an equation, by the numbers of their bodies.
+fn in_turn(rows: &Rows, i: usize) -> Vec<(usize, usize)> {
+    let mut blocks: Vec<_> = rows.blocks_of(i).collect();
+    blocks.sort_by_key(|&(_, body)| rows.bodies[body]);
+    blocks
 }
 
 /// A component, where its rows and blocks begin, the pattern of its matrix, and where L and U begin.
@@ -481,6 +503,18 @@ impl<const W: usize> Links<W> {
         let Places { g, gradient, .. } = plan.places;
         let ranges = [at..at + plan.coordinates, g..g + plan.equations, gradient..gradient + plan.entries];
         let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
+        self.gradients_at(set, q, g, gradients);
+    }
+
+    /// The same in rows of their own.
+    #[inline(always)]
+    pub(super) fn gradients_at(
+        &self,
+        set: Fusing,
+        q: &[Numbers<W>],
+        g: &mut [Numbers<W>],
+        gradients: &mut [Numbers<W>],
+    ) {
         for OfOneKind { links, runs, equations, width } in &self.0 {
             for (members, row, entry) in runs {
                 let rows = members.len() * equations;

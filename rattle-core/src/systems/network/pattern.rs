@@ -35,6 +35,13 @@ impl Pattern {
         Self::of(graph.entries(), graph.all_ways(graph.all_ways(order).postorder()))
     }
 
+    /// For m rows, each of which shares a body with every other, or may: in turn.
+    pub(crate) fn full(m: usize) -> Self {
+        let of_one_body = [(0..m).collect()];
+        let graph = Graph::new(&of_one_body, m);
+        Self::of(graph.entries(), graph.all_ways((0..m).collect()))
+    }
+
     fn of(entries: usize, ways: Ways) -> Self {
         let Ways { order, rank_of, lower, lower_start, parent } = ways;
         let m = order.len();

@@ -1,0 +1,505 @@
+//! Steps of a row whose links are few: what [`linked_row`](crate::run::ensemble::linked_row) does sum by sum in memory,
+//! in some loops over lanes, with sizes known when they are compiled, so that numbers stay in registers between two
+//! evaluations of the links.
+//!
+//! Only the plain case is here: a step in which some lane is not at rest after two evaluations is left undone, and
+//! goes by the [`Course`]. Sums have the same terms in the same order as there, so that all bits are the same, and no
+//! lane depends on who else is in its row.
+
+use crate::number::instructions::Work;
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::number::vector::{dot, two_sum};
+use crate::run::ensemble::linked_row::{CLEAR, Course, Pulling, TURN, Which, any};
+use crate::run::ensemble::plan::Places;
+use crate::systems::network::in_lanes::{Number, Numbers, zeros};
+use std::array::from_fn;
+
+/// Calls a function with the sizes (equations, coordinates that are not pinned) that are compiled, if these are such.
+macro_rules! sized {
+    ($sizes:expr, $run:ident) => {
+        match $sizes {
+            (1, 2) => $run!(1, 2),
+            (1, 3) => $run!(1, 3),
+            (1, 4) => $run!(1, 4),
+            (1, 6) => $run!(1, 6),
+            (2, 4) => $run!(2, 4),
+            (2, 6) => $run!(2, 6),
+            (3, 6) => $run!(3, 6),
+            (3, 9) => $run!(3, 9),
+            _ => 0,
+        }
+    };
+}
+
+/// The most equations among these sizes.
+pub(super) const MOST: usize = 3;
+
+/// Numbers of M equations and K coordinates.
+#[repr(C, align(64))]
+struct Scratch<const M: usize, const K: usize, const W: usize> {
+    lambda: [Numbers<W>; M],
+    found: [Numbers<W>; M],
+    /// L below the diagonal, U above it, and on it the inverse pivots.
+    matrix: [[Numbers<W>; M]; M],
+    astray: Which<W>,
+    /// In place of low digits where there are none; not looked at.
+    none: [[Numbers<W>; K]; 2],
+}
+
+impl<const M: usize, const K: usize, const W: usize> Scratch<M, K, W> {
+    fn new() -> Self {
+        let [lambda, found] = [[zeros(); M]; 2];
+        Self { lambda, found, matrix: [[zeros(); M]; M], astray: [0; W], none: [[zeros(); K]; 2] }
+    }
+}
+
+/// G by coordinate, zeros where an equation does not depend on it.
+type Normals<'a, const M: usize, const K: usize, const W: usize> = [[&'a Numbers<W>; K]; M];
+
+/// What a step begins with, by coordinate.
+#[derive(Clone, Copy)]
+struct Start<'a, const M: usize, const K: usize, const W: usize, const S: bool> {
+    q: &'a [Numbers<W>; K],
+    q_low: &'a [Numbers<W>; K],
+    way: &'a [Numbers<W>; K],
+    way_low: &'a [Numbers<W>; K],
+    /// G, and M⁻¹.
+    normals: &'a Normals<'a, M, K, W>,
+    over: &'a [Number; K],
+    /// The length of the step, in units of ways.
+    share: Number,
+}
+
+impl<const M: usize, const K: usize, const W: usize, const S: bool> Start<'_, M, K, W, S> {
+    /// M⁻¹Gᵀ of a lane.
+    #[inline(always)]
+    fn lifted(&self, l: usize) -> [[Number; K]; M] {
+        lifted(self.normals, self.over, l)
+    }
+
+    /// Where multipliers lead a lane.
+    #[inline(always)]
+    fn place(&self, l: usize, lifted: &[[Number; K]; M], lambda: &[Number; M]) -> [Number; K] {
+        from_fn(|k| {
+            let (q, way) = (self.q[k].0[l], self.way[k].0[l]);
+            let q = if S { q + self.share.multiply_add(self.way_low[k].0[l], self.q_low[k].0[l]) } else { q };
+            sum_of(self.share.multiply_add(way, q), lifted, lambda, k)
+        })
+    }
+}
+
+/// Some parts of steps of a row, from one on.
+struct Stretch<'a, 'b, 'c, 'd, const M: usize, const K: usize, const W: usize, const S: bool> {
+    course: &'a Course<'b, W>,
+    first: usize,
+    count: usize,
+    numbers: &'a mut [Numbers<W>],
+    pulling: &'a mut Option<&'c mut (dyn Pulling<W> + 'd)>,
+}
+
+impl<const W: usize> Course<'_, W> {
+    /// Takes so many parts of steps, from this one on, up to the first in which a lane needs more than the plain case;
+    /// returns how many. None where sizes are not compiled.
+    pub(super) fn go_few<const S: bool>(
+        &self,
+        (first, count): (usize, usize),
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+    ) -> usize {
+        macro_rules! run {
+            ($m:expr, $k:expr) => {
+                // By itself, since code for all sizes in one function takes five times as long to compile.
+                self.set.run(Stretch::<$m, $k, W, S> { course: self, first, count, numbers, pulling })
+            };
+        }
+        self.plan.few.map_or(0, |sizes| sized!(sizes, run))
+    }
+}
+
+impl<const M: usize, const K: usize, const W: usize, const S: bool> Work
+    for Stretch<'_, '_, '_, '_, M, K, W, S>
+{
+    type Done = usize;
+
+    #[inline(always)]
+    fn run(self) -> usize {
+        let Self { course, first, count, numbers, pulling } = self;
+        go::<M, K, W, S>(course, (first, count), numbers, pulling)
+    }
+}
+
+/// See [`Course::go_few`].
+#[inline(always)]
+fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
+    course: &Course<'_, W>,
+    (first, count): (usize, usize),
+    numbers: &mut [Numbers<W>],
+    pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+) -> usize {
+    let Course { plan, links, parts, set, equal, .. } = *course;
+    let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
+    let Places { trial, g, gradient, .. } = plan.places;
+    let (n, low, entries) = (plan.coordinates, if S { plan.coordinates } else { 0 }, plan.of_entry.len());
+    let ranges = [
+        (q, n),
+        (q_low, low),
+        (way, n),
+        (way_low, low),
+        (lifted, entries),
+        (guess, M),
+        (last, M),
+        (earlier, M),
+        (square, M),
+        (rest, M),
+        (trial, n),
+        (g, M),
+        (gradient, entries),
+    ];
+    let ranges = ranges.map(|(start, number)| start..start + number);
+    let Ok(all) = numbers.get_disjoint_mut(ranges) else { return 0 }; // not reached: so they are laid out
+    let [q, q_low, way, way_low, mut old, guess, last, earlier, square, rest, trial, g, mut new] = all;
+    let [guess, last, earlier, square, rest, g] =
+        [guess, last, earlier, square, rest, g].map(of_size::<M, W>);
+
+    let moving = plan.moving[0]..plan.moving[0] + K;
+    let over: [Number; K] = from_fn(|k| Fused(plan.masses[moving.start + k][1]));
+    let mut entry = [[None; K]; M];
+    for (i, entries) in plan.of_row.iter().enumerate() {
+        for &[number, c] in entries.iter().filter(|[_, c]| moving.contains(c)) {
+            entry[i][c - moving.start] = Some(number);
+        }
+    }
+    let (zero, mut scratch) = (zeros(), Scratch::<M, K, W>::new());
+    let Scratch { lambda, found, matrix, astray, none: [none, none_of_ways] } = &mut scratch;
+
+    // At first M⁻¹Gᵀ stands for G.
+    let mut over_old = [Fused(1.0); K];
+    let mut done = 0;
+    while done < count {
+        let part = &parts[(first + done) % parts.len()];
+        let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
+        let normals = by_coordinate(&entry, old, &zero);
+        let start = Start::<M, K, W, S> {
+            q: of_few(&q[moving.clone()]),
+            q_low: if S { of_few(&q_low[moving.clone()]) } else { none },
+            way: of_few(&way[moving.clone()]),
+            way_low: if S { of_few(&way_low[moving.clone()]) } else { none_of_ways },
+            normals: &normals,
+            over: &over_old,
+            share,
+        };
+        leave(start, guess, of_size(&mut trial[moving.clone()]));
+        links.gradients_at(set, trial, g, new);
+        let now = by_coordinate(&entry, new, &zero);
+        let here = of_size(&mut trial[moving.clone()]);
+        correct(start, &now, [g, guess, square], lambda, matrix, astray, here);
+        links.gradients_at(set, trial, g, new);
+        if any(&correct_again(matrix, [g, rest, lambda], astray, found)) {
+            break;
+        }
+        move_on::<M, K, W, S>(
+            (&normals, &over_old, [share, over_share]),
+            found,
+            of_size(&mut q[moving.clone()]),
+            if S { of_size(&mut q_low[moving.clone()]) } else { none },
+            of_size(&mut way[moving.clone()]),
+            if S { of_size(&mut way_low[moving.clone()]) } else { none_of_ways },
+        );
+        if let (true, Some(pulling)) = (part.kick != 0.0, &mut *pulling) {
+            pulling.pull(set, part.unit * part.kick, q, &plan.masses, if S { way_low } else { way });
+        }
+        let now = by_coordinate(&entry, new, &zero);
+        let here = of_size(&mut way[moving.clone()]);
+        let low = if S { of_size(&mut way_low[moving.clone()]) } else { &mut *none };
+        if !equal {
+            project::<M, K, W, S>(&now, &over, here, low);
+        } else if S {
+            sum_up::<K, W>(here, low);
+        }
+        lift(&now, &over, square);
+        extrapolate(equal, part.weights.map(Fused), found, guess, last, earlier);
+        std::mem::swap(&mut old, &mut new);
+        over_old = over;
+        done += 1;
+    }
+    // M⁻¹Gᵀ and G, where they were.
+    for (number, &[c, _]) in plan.of_entry.iter().enumerate().filter(|_| done > 0) {
+        let (over, normal) = (Fused(plan.masses[c][1]), old[number]);
+        let mut up = normal;
+        for l in 0..W {
+            up.0[l] = over * normal.0[l];
+        }
+        (old[number], new[number]) = if done % 2 == 0 { (up, normal) } else { (normal, up) };
+    }
+    done
+}
+
+/// As many rows as there are.
+#[inline(always)]
+fn of_size<const N: usize, const W: usize>(rows: &mut [Numbers<W>]) -> &mut [Numbers<W>; N] {
+    rows.first_chunk_mut().expect("as many as there are")
+}
+
+/// See [`of_size`].
+#[inline(always)]
+fn of_few<const N: usize, const W: usize>(rows: &[Numbers<W>]) -> &[Numbers<W>; N] {
+    rows.first_chunk().expect("as many as there are")
+}
+
+/// See [`Normals`]. (No `map`, which is a call.)
+#[inline(always)]
+fn by_coordinate<'a, const M: usize, const K: usize, const W: usize>(
+    entry: &[[Option<usize>; K]; M],
+    gradient: &'a [Numbers<W>],
+    zero: &'a Numbers<W>,
+) -> Normals<'a, M, K, W> {
+    let mut normals = [[zero; K]; M];
+    for i in 0..M {
+        for k in 0..K {
+            if let Some(number) = entry[i][k] {
+                normals[i][k] = &gradient[number];
+            }
+        }
+    }
+    normals
+}
+
+/// M⁻¹Gᵀ of a lane.
+#[inline(always)]
+fn lifted<const M: usize, const K: usize, const W: usize>(
+    normals: &Normals<M, K, W>,
+    over: &[Number; K],
+    l: usize,
+) -> [[Number; K]; M] {
+    from_fn(|i| from_fn(|k| over[k] * normals[i][k].0[l]))
+}
+
+/// A coordinate, and what multipliers add to it.
+#[inline(always)]
+fn sum_of<const M: usize, const K: usize>(
+    first: Number,
+    lifted: &[[Number; K]; M],
+    lambda: &[Number; M],
+    k: usize,
+) -> Number {
+    (0..M).fold(first, |sum, i| lifted[i][k].multiply_add(lambda[i], sum))
+}
+
+/// Numbers of a lane.
+#[inline(always)]
+fn of_lane<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usize) -> [Number; N] {
+    from_fn(|n| rows[n].0[l])
+}
+
+/// Where the first guess leads. (Arguments of a function are known not to overlap, so that its loop becomes one over
+/// vectors.)
+#[inline(always)]
+fn leave<const M: usize, const K: usize, const W: usize, const S: bool>(
+    start: Start<'_, M, K, W, S>,
+    guess: &[Numbers<W>; M],
+    trial: &mut [Numbers<W>; K],
+) {
+    for l in 0..W {
+        let place = start.place(l, &start.lifted(l), &of_lane(guess, l));
+        for k in 0..K {
+            trial[k].0[l] = place[k];
+        }
+    }
+}
+
+/// A matrix G′M⁻¹Gᵀ with L below the diagonal, U above it, and on it the inverse pivots; and its diagonal.
+#[inline(always)]
+fn factor<const M: usize, const K: usize>(
+    normals: &[[Number; K]; M],
+    lifted: &[[Number; K]; M],
+) -> ([[Number; M]; M], [Number; M]) {
+    let (mut matrix, mut slopes) = ([[Fused(0.0); M]; M], [Fused(0.0); M]);
+    let less = |matrix: &[[Number; M]; M], i: usize, j: usize, past: usize| {
+        let entry = dot(&normals[i], &lifted[j]);
+        (0..past).fold(entry, |sum, k| (-matrix[i][k]).multiply_add(matrix[k][j], sum))
+    };
+    for i in 0..M {
+        for k in 0..i {
+            matrix[i][k] = less(&matrix, i, k, k) * matrix[k][k];
+        }
+        slopes[i] = dot(&normals[i], &lifted[i]);
+        matrix[i][i].0 = 1.0 / less(&matrix, i, i, i).0;
+        for j in i + 1..M {
+            matrix[i][j] = less(&matrix, i, j, i);
+        }
+    }
+    (matrix, slopes)
+}
+
+/// Solves a factored system.
+#[inline(always)]
+fn solve<const M: usize>(matrix: &[[Number; M]; M], g: [Number; M]) -> [Number; M] {
+    let mut x = g;
+    for i in 0..M {
+        x[i] = (0..i).fold(x[i], |sum, k| (-matrix[i][k]).multiply_add(x[k], sum));
+    }
+    for i in (0..M).rev() {
+        x[i] = (i + 1..M).fold(x[i], |sum, j| (-matrix[i][j]).multiply_add(x[j], sum)) * matrix[i][i];
+    }
+    x
+}
+
+/// Corrects the guess, and says in which lanes constraints may have been left, or depend on each other.
+#[inline(always)]
+fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
+    start: Start<'_, M, K, W, S>,
+    normals: &Normals<M, K, W>,
+    [g, guess, square]: [&[Numbers<W>; M]; 3],
+    lambda: &mut [Numbers<W>; M],
+    matrix: &mut [[Numbers<W>; M]; M],
+    astray: &mut Which<W>,
+    trial: &mut [Numbers<W>; K],
+) {
+    for l in 0..W {
+        let lifted = start.lifted(l);
+        let (factored, slopes) = factor(&from_fn(|i| from_fn(|k| normals[i][k].0[l])), &lifted);
+        let x = solve(&factored, of_lane(g, l));
+        let mut clear = true;
+        for i in 0..M {
+            let (slope, inverse, square) = (slopes[i].0, factored[i][i].0, square[i].0[l].0);
+            clear &= TURN * (slope - square).abs() <= square;
+            clear &= (0.0 < inverse) & (inverse * slope <= CLEAR);
+        }
+        astray[l] = if clear { 0 } else { 1 };
+        let corrected = from_fn(|i| guess[i].0[l] - x[i]);
+        let place = start.place(l, &lifted, &corrected);
+        for k in 0..K {
+            trial[k].0[l] = place[k];
+        }
+        for i in 0..M {
+            lambda[i].0[l] = corrected[i];
+            for j in 0..M {
+                matrix[i][j].0[l] = factored[i][j];
+            }
+        }
+    }
+}
+
+/// Corrects once more, and says in which lanes that is not enough.
+#[inline(always)]
+fn correct_again<const M: usize, const W: usize>(
+    matrix: &[[Numbers<W>; M]; M],
+    [g, rest, lambda]: [&[Numbers<W>; M]; 3],
+    astray: &Which<W>,
+    found: &mut [Numbers<W>; M],
+) -> Which<W> {
+    let mut unrest = *astray;
+    for l in 0..W {
+        let x = solve(&from_fn(|i| of_lane(&matrix[i], l)), of_lane(g, l));
+        for i in 0..M {
+            unrest[l] = if g[i].0[l].0.abs() <= rest[i].0[l].0 { unrest[l] } else { 1 };
+            found[i].0[l] = lambda[i].0[l] - x[i];
+        }
+    }
+    unrest
+}
+
+/// Takes bodies to the end of the step, without the kick there; where sums are compensated, what ways change by is left
+/// in their low digits.
+#[inline(always)]
+fn move_on<const M: usize, const K: usize, const W: usize, const S: bool>(
+    (normals, over, [share, over_share]): (&Normals<M, K, W>, &[Number; K], [Number; 2]),
+    found: &[Numbers<W>; M],
+    q: &mut [Numbers<W>; K],
+    q_low: &mut [Numbers<W>; K],
+    way: &mut [Numbers<W>; K],
+    way_low: &mut [Numbers<W>; K],
+) {
+    for l in 0..W {
+        let (lifted, lambda) = (lifted(normals, over, l), of_lane(found, l));
+        for k in 0..K {
+            let moved = sum_of(Fused(0.0), &lifted, &lambda, k);
+            if S {
+                let low = way_low[k].0[l];
+                let by = share.multiply_add(low, q_low[k].0[l]) + share.multiply_add(way[k].0[l], moved);
+                let ([sum], [rest]) = two_sum(&[q[k].0[l]], &[by]);
+                (q[k].0[l], q_low[k].0[l]) = (sum, rest);
+                way_low[k].0[l] = over_share.multiply_add(moved, low);
+            } else {
+                q[k].0[l] = share.multiply_add(way[k].0[l], q[k].0[l]) + moved;
+                way[k].0[l] = over_share.multiply_add(moved, way[k].0[l]);
+            }
+        }
+    }
+}
+
+/// Makes ways lead along the constraints; where sums are compensated, with what they change by.
+#[inline(always)]
+fn project<const M: usize, const K: usize, const W: usize, const S: bool>(
+    normals: &Normals<M, K, W>,
+    over: &[Number; K],
+    way: &mut [Numbers<W>; K],
+    way_low: &mut [Numbers<W>; K],
+) {
+    for l in 0..W {
+        let (normal, lifted) = (from_fn(|i| from_fn(|k| normals[i][k].0[l])), lifted(normals, over, l));
+        let (matrix, _) = factor(&normal, &lifted);
+        let high = of_lane(way, l);
+        let all: [Number; K] = from_fn(|k| if S { high[k] + way_low[k].0[l] } else { high[k] });
+        let off = solve(&matrix, from_fn(|i| dot(&normal[i], &all)));
+        for k in 0..K {
+            let less = |first| (0..M).fold(first, |sum, i| (-lifted[i][k]).multiply_add(off[i], sum));
+            if S {
+                let ([sum], [rest]) = two_sum(&[high[k]], &[less(way_low[k].0[l])]);
+                (way[k].0[l], way_low[k].0[l]) = (sum, rest);
+            } else {
+                way[k].0[l] = less(high[k]);
+            }
+        }
+    }
+}
+
+/// Adds to ways what they change by.
+#[inline(always)]
+fn sum_up<const K: usize, const W: usize>(way: &mut [Numbers<W>; K], way_low: &mut [Numbers<W>; K]) {
+    for k in 0..K {
+        for l in 0..W {
+            let ([sum], [rest]) = two_sum(&[way[k].0[l]], &[way_low[k].0[l]]);
+            (way[k].0[l], way_low[k].0[l]) = (sum, rest);
+        }
+    }
+}
+
+/// Writes ∇gᵢ·M⁻¹∇gᵢ.
+#[inline(always)]
+fn lift<const M: usize, const K: usize, const W: usize>(
+    normals: &Normals<M, K, W>,
+    over: &[Number; K],
+    square: &mut [Numbers<W>; M],
+) {
+    for i in 0..M {
+        for l in 0..W {
+            let normal: [Number; K] = from_fn(|k| normals[i][k].0[l]);
+            square[i].0[l] = dot(&normal, &from_fn(|k| over[k] * normal[k]));
+        }
+    }
+}
+
+/// Makes the next guess.
+#[inline(always)]
+fn extrapolate<const M: usize, const W: usize>(
+    equal: bool,
+    [a, b, c]: [Number; 3],
+    found: &[Numbers<W>; M],
+    guess: &mut [Numbers<W>; M],
+    last: &mut [Numbers<W>; M],
+    earlier: &mut [Numbers<W>; M],
+) {
+    for i in 0..M {
+        for l in 0..W {
+            let (new, before, first) = (found[i].0[l], last[i].0[l], earlier[i].0[l]);
+            guess[i].0[l] = if equal {
+                Fused(3.0).multiply_add(new - before, first)
+            } else {
+                a.multiply_add(new, b.multiply_add(before, c * first))
+            };
+            (last[i].0[l], earlier[i].0[l]) = (new, before);
+        }
+    }
+}
