@@ -45,3 +45,48 @@ pub(super) fn follows<S: Lane, const D: usize>(
     }
     (off, plain)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::ensemble::laws::Same;
+    use std::f64::consts::PI;
+
+    /// sin(k y): lines at distances of π/k, each second one of the same orientation.
+    #[derive(Clone)]
+    struct Lines {
+        k: f64,
+    }
+
+    impl ConstraintKernel<f64, 2, 1> for Lines {
+        fn value(&self, [_, y]: &[f64; 2]) -> [f64; 1] {
+            [(self.k * y).sin()]
+        }
+        fn value_and_jacobian(&self, q: &[f64; 2]) -> ([f64; 1], [[f64; 2]; 1]) {
+            (self.value(q), [[0.0, self.k * (self.k * q[1]).cos()]])
+        }
+        fn hessian_vector(&self, q: &[f64; 2], v: &[f64; 2]) -> [[f64; 2]; 1] {
+            [[0.0, -self.k * self.k * self.value(q)[0] * v[1]]]
+        }
+        fn jet(&self, q: &[f64; 2], v: &[f64; 2]) -> ([f64; 1], [f64; 1], [f64; 1]) {
+            let ([g], [gradient]) = self.value_and_jacobian(q);
+            ([g], [dot(&gradient, v)], [dot(v, &self.hessian_vector(q, v)[0])])
+        }
+    }
+
+    /// A step along x that ends on its line is plain; on one of the next two of the same orientation it is not. (A step
+    /// over three, at whose two places g happens to be small, has led so far astray that sheets are asked for.)
+    #[test]
+    fn a_way_to_another_sheet_is_not_plain() {
+        let (h, along, still) = (0.1, [1.0, 0.0], [0.0; 2]);
+        for k in [30.0, 1e3, 1e6, 1e9] {
+            for line in -2..=2 {
+                let y = 2.0 * PI * f64::from(line) / k;
+                let normal = [0.0, k];
+                let (from, to) = ([[0.3, 0.0], along, still], [[h, y], along, normal, still]);
+                let (off, plain) = follows(&Same(Lines { k }, ()), 0, h, from, to, 1.0);
+                assert_eq!((off, plain), (y.abs(), line == 0), "k = {k}, line {line}");
+            }
+        }
+    }
+}
