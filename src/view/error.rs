@@ -74,7 +74,7 @@ pub enum PageError {
         bodies: usize,
     },
     /// A list has the wrong length.
-    #[error("scene `{scene}`: {found} {what} for {wanted}")]
+    #[error("scene `{scene}`: {what}: {found} for {wanted}")]
     Count {
         /// The scene.
         scene: String,

@@ -5,6 +5,9 @@ use super::mesh::Mesh;
 use super::parts::{Disc, End, Moved, Strip};
 use crate::Trajectory;
 
+/// Of numbers that may change with time.
+pub(super) const TIMES: [&str; 2] = ["time (or one)", "times (or one)"];
+
 /// A scene of a [`Page`](super::Page): bodies, and the surface on which they move, if any.
 #[derive(Clone, Debug)]
 pub struct Scene3 {
@@ -339,16 +342,16 @@ impl Scene3 {
             self.series(label, tints, false)?;
             self.numbers(label, tints.iter().flatten(), false)?;
         }
-        self.count("names", self.names.len().min(bodies), self.names.len(), "bodies")?;
+        self.count("names", self.names.len().min(bodies), self.names.len(), ["body", "bodies"])?;
         if let Some((label, heat)) = &self.heat {
             let vertices = self.surfaces.iter().map(|(_, mesh)| mesh.vertices.len()).sum();
-            self.count(label, vertices, heat.len(), "vertices")?;
+            self.count(label, vertices, heat.len(), ["vertex", "vertices"])?;
             self.numbers(label, heat, false)?;
         }
         for Strip { title, curves } in &self.charts {
             for (label, values) in curves {
                 let name = if label.is_empty() { title } else { label };
-                self.count(name, self.times.len(), values.len(), "times")?;
+                self.count(name, self.times.len(), values.len(), ["time", "times"])?;
                 self.numbers(name, values, false)?;
             }
         }
@@ -358,14 +361,20 @@ impl Scene3 {
     /// As many lists as bodies, or one for all, of one number or as many as times.
     fn series(&self, what: &str, lists: &[Vec<f64>], one: bool) -> Result<(), PageError> {
         if !one {
-            self.count(what, self.positions.len(), lists.len(), "bodies")?;
+            self.count(what, self.positions.len(), lists.len(), ["body", "bodies"])?;
         }
         let odd = lists.iter().find(|list| list.len() != 1 && list.len() != self.times.len());
-        odd.map_or(Ok(()), |odd| self.count(what, self.times.len(), odd.len(), "times (or one)"))
+        odd.map_or(Ok(()), |odd| self.count(what, self.times.len(), odd.len(), TIMES))
     }
 
-    pub(super) fn count(&self, what: &str, wanted: usize, found: usize, of: &str) -> Result<(), PageError> {
-        let (scene, what) = (self.title.clone(), what.to_string());
+    pub(super) fn count(
+        &self,
+        what: &str,
+        wanted: usize,
+        found: usize,
+        of: [&str; 2],
+    ) -> Result<(), PageError> {
+        let (scene, what, of) = (self.title.clone(), what.to_string(), of[usize::from(wanted != 1)]);
         let error = || PageError::Count { scene, what, found, wanted: format!("{wanted} {of}") };
         if found == wanted { Ok(()) } else { Err(error()) }
     }

@@ -2,7 +2,7 @@
 
 use super::error::PageError;
 use super::parts::{Disc, End, Moved, Strip};
-use super::scene::Scene3;
+use super::scene::{Scene3, TIMES};
 
 impl Scene3 {
     /// Rods between bodies, or from bodies to fixed places.
@@ -147,7 +147,7 @@ impl Scene3 {
             self.numbers("coordinate of a box", centres.iter().flatten(), false)?;
             for (what, found) in [("centres of a box", centres.len()), ("attitudes of a box", axes.len())] {
                 let wanted = if found == 1 { 1 } else { self.times.len() };
-                self.count(what, wanted, found, "times (or one)")?;
+                self.count(what, wanted, found, TIMES)?;
             }
             if let Some(frame) = axes.iter().position(|axes| !is_rotation(axes)) {
                 return Err(PageError::Attitude { scene: self.title.clone(), number, frame });
