@@ -18,5 +18,7 @@ mod lanes_rigid;
 mod lanes_splittings;
 #[path = "../observers.rs"]
 mod observers;
+#[path = "../sweeps_linked.rs"]
+mod sweeps_linked;
 #[path = "../watching.rs"]
 mod watching;

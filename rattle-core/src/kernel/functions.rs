@@ -23,7 +23,7 @@ use std::array::from_fn;
 /// steps succeed, but are less accurate than the order of the method says. Constraints on phase space are not checked
 /// for kinks. Kinks of *potentials* are no errors: where a force jumps the motion is well defined, and energy is
 /// conserved to first order in the step.
-pub trait Constraint<const D: usize, const M: usize>: Sized {
+pub trait Constraint<const D: usize, const M: usize>: Sized + 'static {
     /// The functions, ready for the scalar `T`.
     type Kernel<T: Real>: ConstraintKernel<T, D, M>;
 

@@ -160,16 +160,38 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     let InLanes { stages, h, set, first, .. } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let bodies = starts.first()?.len();
-    let (method, sums) = ((&stages[..], equal, *h), P::compute(Sums));
+    let method = (&stages[..], equal, *h, P::compute(Sums), *set);
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
-        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method, sums, *set)?;
+        let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
         let rows = (*first..).step_by(FEW).zip(starts.chunks(FEW));
         return Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect());
     }
-    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method, sums, *set)?;
+    let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method)?;
     let rows = (*first..).step_by(ROW).zip(starts.chunks(ROW));
     Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect())
+}
+
+/// The same, each in a network and under effects of its own.
+pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize>(
+    networks: &[&Network<D>],
+    effects: &[&E],
+    starts: &[State<D>],
+    lanes: &InLanes,
+) -> Groups<D> {
+    let InLanes { stages, h, set, first, .. } = lanes;
+    let bodies = starts.first()?.len();
+    if starts.iter().any(|start| start.len() != bodies) {
+        return None;
+    }
+    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
+    let method = (&stages[..], equal, *h, P::compute(Sums), *set);
+    let row = |(from, starts): (usize, &[State<D>])| {
+        let own = from..from + starts.len();
+        let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
+        Some(side_by_side(row, first + from, starts))
+    };
+    (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
 }
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting; in systems of one

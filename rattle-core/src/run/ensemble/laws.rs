@@ -98,3 +98,21 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize
         self.effects.copy(from, to);
     }
 }
+
+/// The same effects on all lanes.
+#[derive(Clone)]
+pub(super) struct Alike<G>(pub(super) G);
+
+impl<S: Lane, G: Forces<S, D>, const D: usize> Swept<S, D> for Alike<G> {
+    type Lane = G;
+
+    #[inline(always)]
+    fn lane(&self, _: usize) -> G {
+        self.0.clone()
+    }
+    #[inline(always)]
+    fn kick(&self, _: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
+        self.0.kick(q, c, p)
+    }
+    fn copy(&mut self, _: usize, _: usize) {}
+}

@@ -10,7 +10,8 @@ use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, two_sum};
-use crate::run::ensemble::linked_row::{CLEAR, Course, Pulling, TURN, Which, any};
+use crate::run::ensemble::linked_pulls::Pulling;
+use crate::run::ensemble::linked_row::{CLEAR, Course, TURN, Which, any};
 use crate::run::ensemble::plan::Places;
 use crate::systems::network::in_lanes::{Number, Numbers, zeros};
 use std::array::from_fn;
@@ -31,9 +32,6 @@ macro_rules! sized {
         }
     };
 }
-
-/// The most equations among these sizes.
-pub(super) const MOST: usize = 3;
 
 /// Numbers of M equations and K coordinates.
 #[repr(C, align(64))]

@@ -2,7 +2,8 @@
 
 use crate::number::instructions::Work;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::linked_row::{Apart, Course, Pulling};
+use crate::run::ensemble::linked_pulls::Pulling;
+use crate::run::ensemble::linked_row::{Apart, Course};
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::Group;
 use crate::systems::network::in_lanes::{FEW, InLanes, Numbers, ROW};
@@ -105,5 +106,38 @@ impl<const W: usize> Work for Velocities<'_, '_, W> {
     fn run(self) {
         let Self { course, mut pulling, numbers, part } = self;
         course.velocities(&course.parts[part], numbers, &mut pulling);
+    }
+}
+
+impl<const W: usize> Course<'_, W> {
+    /// So many parts of steps.
+    #[inline(always)]
+    fn go(
+        &self,
+        count: usize,
+        part: &mut usize,
+        numbers: &mut [Numbers<W>],
+        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        apart: &mut Apart<'_, W>,
+    ) -> Result<(), Stuck> {
+        let mut left = count;
+        while left > 0 {
+            if const { W == ROW } {
+                let going = (*part, left);
+                let done = if self.sums {
+                    self.go_few::<true>(going, numbers, pulling)
+                } else {
+                    self.go_few::<false>(going, numbers, pulling)
+                };
+                *part = (*part + done) % self.parts.len();
+                left -= done;
+            }
+            if left > 0 {
+                self.advance(&self.parts[*part], numbers, pulling, apart)?;
+                *part = (*part + 1) % self.parts.len();
+                left -= 1;
+            }
+        }
+        Ok(())
     }
 }

@@ -1,8 +1,6 @@
 //! Linked bodies in lanes.
 
-use crate::effect::force::Force;
 use crate::effect::list::{Effects, Forces};
-use crate::effect::moment::Moment;
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::capability::Rates;
@@ -12,34 +10,32 @@ use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
-use crate::number::instructions::{Fusing, Work};
+use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
-use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
-use crate::run::ensemble::linked_row::{Course, Landed, Pulling, Pulls, at_rest};
-use crate::run::ensemble::plan::{Links, Places, Plan};
+use crate::run::ensemble::linked_pulls::{Pulling, Pulls, of_all, of_each};
+use crate::run::ensemble::linked_row::{Course, Landed, at_rest};
+use crate::run::ensemble::plan::{Links, Places, Plan, masses};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
 use crate::run::readings::as_shown;
 use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
-use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
+use crate::systems::network::in_lanes::{Numbers, ROW, zeros};
+use crate::systems::network::shape::Shape;
 use crate::systems::network::{Network, constraints};
 use nalgebra::SVector;
+use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
 use std::sync::Arc;
 
 /// What all rows of an ensemble have in common.
-struct Common<F, const D: usize, const W: usize> {
-    network: Network<D>,
-    system: Linked<F, Many, D>,
+struct Common {
     plan: Plan,
-    links: Links<W>,
-    pulls: Option<Box<dyn Pulls<W>>>,
     stages: Vec<Stage>,
     parts: Vec<Part>,
     h: f64,
@@ -48,9 +44,36 @@ struct Common<F, const D: usize, const W: usize> {
     set: Fusing,
 }
 
+/// A network, what moves a lane of it as a simulation does, and the mass and 1 over it of each coordinate.
+#[derive(Clone)]
+struct Law<F, const D: usize> {
+    network: Network<D>,
+    system: Arc<Linked<F, Many, D>>,
+    masses: Vec<[f64; 2]>,
+}
+
+/// What the lanes of a row obey.
+struct Obeyed<F, const D: usize, const W: usize> {
+    /// One for all lanes, or one for each.
+    laws: Vec<Law<F, D>>,
+    links: Links<W>,
+    pulls: Option<Box<dyn Pulls<W>>>,
+    /// 1 over the masses of all lanes, where they differ.
+    over: Option<Vec<Numbers<W>>>,
+}
+
+impl<F: Clone, const D: usize, const W: usize> Clone for Obeyed<F, D, W> {
+    fn clone(&self) -> Self {
+        let Self { laws, links, pulls, over } = self;
+        let pulls = pulls.as_ref().map(|pulls| pulls.boxed());
+        Self { laws: laws.clone(), links: links.clone(), pulls, over: over.clone() }
+    }
+}
+
 /// A row of trajectories of linked bodies, moved by a splitting.
 pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
-    common: Arc<Common<F, D, W>>,
+    common: Arc<Common>,
+    obeyed: Arc<Obeyed<F, D, W>>,
     /// Number by number, as the [`Plan`] lays them out.
     numbers: Vec<Numbers<W>>,
     /// The part of the method's step that comes next.
@@ -59,7 +82,82 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
 
 impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     fn clone(&self) -> Self {
-        Self { common: self.common.clone(), numbers: self.numbers.clone(), part: self.part }
+        let Self { common, obeyed, numbers, part } = self;
+        Self { common: common.clone(), obeyed: obeyed.clone(), numbers: numbers.clone(), part: *part }
+    }
+}
+
+/// A method: its stages, whether these are equal, and its step; whether sums are compensated; and the instructions.
+pub(super) type Splits<'a> = (&'a [Stage], bool, f64, bool, Fusing);
+
+impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
+where
+    Width: Wide<W>,
+{
+    /// Lanes, none of them set, for so many bodies of a network under these effects. None where they cannot go side by
+    /// side.
+    pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
+        network: &Network<D>,
+        effects: &E,
+        bodies: usize,
+        method: Splits<'_>,
+    ) -> Option<Self> {
+        let shape = network.shape(bodies).ok()?;
+        let (plan, links) =
+            (Plan::of(&shape, method.3, false)?, Links::of(&shape, |_, group| Width::links(group))?);
+        let obeyed = Obeyed {
+            laws: vec![Law::new(network, shape, effects, bodies)?],
+            links,
+            pulls: of_all(effects, bodies),
+            over: None,
+        };
+        Some(Self::with(plan, obeyed, method))
+    }
+
+    fn with(plan: Plan, obeyed: Obeyed<F, D, W>, (stages, equal, h, sums, set): Splits<'_>) -> Self {
+        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
+        let numbers = vec![zeros(); plan.places.kept];
+        let common = Common { plan, stages: stages.to_vec(), parts, h, equal, sums, set };
+        Self { common: Arc::new(common), obeyed: Arc::new(obeyed), numbers, part: 0 }
+    }
+}
+
+impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
+    /// The same for a sweep, each trajectory in a network and under effects of its own, of the same topology. Lanes
+    /// beyond them obey what the first does.
+    pub(super) fn swept<E: Effects<D, Forces<f64> = F> + 'static>(
+        networks: &[&Network<D>],
+        effects: &[&E],
+        bodies: usize,
+        method: Splits<'_>,
+    ) -> Option<Self> {
+        let laws = networks
+            .iter()
+            .zip(effects)
+            .map(|(network, effects)| Law::new(network, network.shape(bodies).ok()?, *effects, bodies));
+        let laws = laws.collect::<Option<Vec<_>>>()?;
+        let of = |lane: usize| if lane < laws.len() { lane } else { 0 };
+        let pinned = |law: &Law<F, D>| law.masses.iter().map(|mass| mass[1] == 0.0).collect::<Vec<_>>();
+        let first = &laws[0];
+        if laws.iter().any(|law| {
+            law.system.shape.groups.len() != first.system.shape.groups.len() || pinned(law) != pinned(first)
+        }) {
+            return None;
+        }
+        let apart = laws.iter().any(|law| law.masses != first.masses);
+        let plan = Plan::of(&first.system.shape, method.3, apart)?;
+        let links = Links::of(&first.system.shape, |number, group| {
+            let groups: Vec<_> = laws.iter().map(|law| &*law.system.shape.groups[number]).collect();
+            group.swept(&groups)
+        })?;
+        let over = |c: usize| Lanes(from_fn(|lane| Fused(laws[of(lane)].masses[c][1])));
+        let obeyed = Obeyed {
+            over: apart.then(|| (0..plan.coordinates).map(over).collect()),
+            links,
+            pulls: of_each(|lane| effects[of(lane)], bodies),
+            laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
+        };
+        Some(Self::with(plan, obeyed, method))
     }
 }
 
@@ -67,36 +165,6 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
 where
     Width: Wide<W>,
 {
-    /// Lanes, none of them set, for so many bodies of a network under these effects, by a method of these stages, all
-    /// of which are `equal`, or not; with compensated sums or without. None where they cannot go side by side.
-    pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
-        network: &Network<D>,
-        effects: &E,
-        bodies: usize,
-        (stages, equal, h): (&[Stage], bool, f64),
-        sums: bool,
-        set: Fusing,
-    ) -> Option<Self> {
-        let shape = network.shape(bodies).ok()?;
-        let (plan, links) = (Plan::of(&shape, sums)?, Links::of(&shape, |group| Width::links(group))?);
-        let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
-        if system.is_narrow() {
-            return None;
-        }
-        let pulls: Option<Box<dyn Pulls<W>>> = if const { F::EFFECTS == 0 } {
-            None
-        } else if const { F::ON_EACH } {
-            Some(Box::new(OnEach(effects.forces::<Number>())))
-        } else {
-            Some(Box::new(Any { effects: effects.forces::<Vector>(), bodies }))
-        };
-        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
-        let numbers = vec![zeros(); plan.places.kept];
-        let (network, stages) = (network.clone(), stages.to_vec());
-        let common = Common { network, system, plan, links, pulls, stages, parts, h, equal, sums, set };
-        Some(Self { common: Arc::new(common), numbers, part: 0 })
-    }
-
     /// All numbers, with room for those of one step.
     fn with_room(&self) -> Vec<Numbers<W>> {
         let mut numbers = self.numbers.clone();
@@ -106,56 +174,81 @@ where
 
     /// Bodies of a lane, with these places of the numbers of velocities, times the unit of a part.
     fn bodies_of(&self, numbers: &[Numbers<W>], lane: usize, [way, low]: [usize; 2]) -> Vec<Body<f64, D>> {
-        let Common { plan, parts, sums, .. } = &*self.common;
-        bodies_of(plan, numbers, lane, [way, low], parts[self.part].unit, *sums)
+        let unit = self.common.parts[self.part].unit;
+        bodies_of(&self.common, &self.law(lane).masses, numbers, lane, [way, low], unit)
     }
 
     /// Writes velocities and what rounding took from them; returns where.
     fn velocities(&self, numbers: &mut [Numbers<W>], part: usize) -> [usize; 2] {
-        let mut pulling = self.common.pulls.as_ref().map(|pulls| pulls.begin());
+        let mut pulling = self.obeyed.pulls.as_ref().map(|pulls| pulls.begin());
         let pulling = pulling.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>);
-        let course = self.common.course();
+        let course = self.course();
         Width::look(Velocities { course: &course, pulling, numbers, part });
         let Places { free, change, .. } = self.common.plan.places;
         [free, change]
     }
 }
 
-impl<F: Clone, const D: usize, const W: usize> Common<F, D, W> {
-    /// What moves these bodies as a simulation does.
-    fn ready(&self, bodies: &[Body<f64, D>]) -> Option<Linked<F, Many, D>> {
+impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
+    /// None where they cannot go side by side.
+    fn new<E: Effects<D, Forces<f64> = F>>(
+        network: &Network<D>,
+        shape: Shape<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Self> {
+        let masses = masses(&shape)?;
+        let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
+        let wide = !system.is_narrow();
+        wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses })
+    }
+
+    /// What moves these bodies as a simulation does, in steps of this length.
+    fn ready(&self, bodies: &[Body<f64, D>], h: f64) -> Option<Linked<F, Many, D>> {
         let none: [[f64; D]; 0] = [];
         let start = State { bodies: bodies.to_vec(), ..State::of(none) };
         let (effects, count) = (self.system.effects.clone(), Many(bodies.len()));
-        Linked::ready(&self.network, effects, count, &start, self.h, false).ok()
+        Linked::ready(&self.network, effects, count, &start, h, false).ok()
+    }
+}
+
+impl<F, const D: usize, const W: usize> LinkedLanes<F, D, W> {
+    /// What a lane obeys.
+    fn law(&self, lane: usize) -> &Law<F, D> {
+        &self.obeyed.laws[self.number_of_law(lane)]
+    }
+
+    fn number_of_law(&self, lane: usize) -> usize {
+        if self.obeyed.laws.len() == 1 { 0 } else { lane }
     }
 
     fn course(&self) -> Course<'_, W> {
-        let Self { plan, links, parts, equal, sums, set, .. } = self;
-        Course { plan, links, parts, equal: *equal, sums: *sums, set: *set }
+        let Common { plan, parts, equal, sums, set, .. } = &*self.common;
+        let Obeyed { links, over, .. } = &*self.obeyed;
+        Course { plan, links, over: over.as_deref(), parts, equal: *equal, sums: *sums, set: *set }
     }
 }
 
 /// Bodies of a lane; low digits of momenta only where sums are compensated.
 fn bodies_of<const D: usize, const W: usize>(
-    plan: &Plan,
+    Common { plan, sums, .. }: &Common,
+    masses: &[[f64; 2]],
     numbers: &[Numbers<W>],
     lane: usize,
     [way, low]: [usize; 2],
     unit: f64,
-    sums: bool,
 ) -> Vec<Body<f64, D>> {
     let Places { q, q_low, .. } = plan.places;
     let vector = |from: usize, body: usize| from_fn(|d| numbers[from + body * D + d].0[lane].0);
     let momentum = |from: usize, body: usize| -> [f64; D] {
         let way: [f64; D] = vector(from, body);
-        from_fn(|d| plan.masses[body * D + d][0] * (way[d] / unit))
+        from_fn(|d| masses[body * D + d][0] * (way[d] / unit))
     };
     let body = |body| Body {
         q: vector(q, body),
-        q_low: if sums { vector(q_low, body) } else { [0.0; D] },
+        q_low: if *sums { vector(q_low, body) } else { [0.0; D] },
         p: momentum(way, body),
-        p_low: if sums { momentum(low, body) } else { [0.0; D] },
+        p_low: if *sums { momentum(low, body) } else { [0.0; D] },
     };
     (0..plan.coordinates / D).map(body).collect()
 }
@@ -197,15 +290,16 @@ fn gradients<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>, q: 
 #[cold]
 #[inline(never)]
 fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
-    common: &Common<F, D, W>,
+    common: &Common,
+    Law { system, masses, .. }: &Law<F, D>,
     lane: usize,
     part: &Part,
     numbers: &[Numbers<W>],
     room: &mut Option<BodiesOf<F, Many, D>>,
 ) -> Result<Landed, Stuck> {
-    let Common { system, plan, sums, .. } = common;
+    let plan = &common.plan;
     let Places { way, way_low, .. } = plan.places;
-    let places = bodies_of(plan, numbers, lane, [way, way_low], part.unit, *sums);
+    let places = bodies_of(common, masses, numbers, lane, [way, way_low], part.unit);
     let bodies = match room {
         None => room.insert(system.bodies(&places, 0.0)),
         Some(bodies) => {
@@ -216,7 +310,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
             bodies
         }
     };
-    let mut heard = Heard::of(system);
+    let mut heard = Heard::of(&**system);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     system.settle(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
     system.drift(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
@@ -224,7 +318,7 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     let [drift, settle] = &heard.multipliers;
     let multiplier = |&i: &usize| 0.5 * part.h * part.h * (drift[i] + settle[i]);
     let multipliers = plan.equation.iter().map(multiplier).collect();
-    Ok(Landed { multipliers, gradients: gradients(system, &bodies.q) })
+    Ok(Landed { multipliers, gradients: gradients(&**system, &bodies.q) })
 }
 
 impl<F: Forces<f64, D>, const D: usize, const W: usize> Engine<D> for LinkedLanes<F, D, W>
@@ -247,11 +341,12 @@ where
         let common = &*self.common;
         let mut numbers = self.with_room();
         let mut part = self.part;
-        let mut room = common.pulls.as_ref().map(|pulls| pulls.begin());
-        let course = common.course();
-        let mut bodies = None;
+        let mut room = self.obeyed.pulls.as_ref().map(|pulls| pulls.begin());
+        let course = self.course();
+        let mut bodies: Vec<_> = self.obeyed.laws.iter().map(|_| None).collect();
         let mut apart = |lane: usize, part: &Part, numbers: &[Numbers<W>]| {
-            go_apart(common, lane, part, numbers, &mut bodies)
+            let law = self.number_of_law(lane);
+            go_apart(common, &self.obeyed.laws[law], lane, part, numbers, &mut bodies[law])
         };
         let n = self.bodies_of_each();
         while let Some(Leg { from, steps, written }) = tour.next() {
@@ -273,17 +368,19 @@ where
             }
         }
         numbers.truncate(common.plan.places.kept);
-        Ok(Box::new(Self { common: self.common.clone(), numbers, part }))
+        Ok(Box::new(Self { common: self.common.clone(), obeyed: self.obeyed.clone(), numbers, part }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
-        let Common { system, plan, parts, equal, sums, .. } = &*self.common;
+        let law = self.law(lane).clone();
+        let (system, common) = (&*law.system, self.common.clone());
+        let Common { plan, parts, equal, sums, h, .. } = &*common;
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
         let independent = system.freedom(&ahead) + plan.equations == plan.moving.len();
         let narrow = plan.equations > constraints::FEW
-            && self.common.ready(bodies).is_none_or(|system| system.is_narrow());
+            && law.ready(bodies, *h).is_none_or(|system| system.is_narrow());
         let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
@@ -299,14 +396,14 @@ where
         let (mut squares, mut lengths, mut reaches) =
             (vec![0.0; plan.equations], vec![0.0_f64; plan.equations], vec![0.0_f64; plan.equations]);
         for (entry, (&[c, i], &x)) in plan.of_entry.iter().zip(&entries).enumerate() {
-            let over = plan.masses[c][1];
+            let over = law.masses[c][1];
             put(lifted + entry, over * x);
             back[c] += over * x * multipliers[i];
             squares[i] += over * x * x;
             lengths[i] = lengths[i].max(x.abs());
         }
         for (c, (body, d)) in coordinates.enumerate() {
-            let over = plan.masses[c][1];
+            let over = law.masses[c][1];
             let h = part.unit * over;
             // Equal steps: as if one had led here, which would have left half of Λ in the way.
             let left = if *equal { back[c] } else { 0.0 };
@@ -336,9 +433,24 @@ where
         self.numbers.iter_mut().for_each(|numbers| numbers.0[to] = numbers.0[from]);
     }
 
-    fn obey(&mut self, _: usize, _: usize) {}
+    fn obey(&mut self, from: usize, to: usize) {
+        if self.obeyed.laws.len() == 1 {
+            return;
+        }
+        let Obeyed { laws, links, pulls, over } = Arc::make_mut(&mut self.obeyed);
+        laws[to] = laws[from].clone();
+        links.copy(from, to);
+        if let Some(pulls) = pulls {
+            pulls.copy(from, to);
+        }
+        over.iter_mut().flatten().for_each(|over| over.0[to] = over.0[from]);
+    }
 
-    fn obey_as_in(&mut self, _: &dyn Engine<D>) {}
+    fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
+        if let Some(Self { obeyed, .. }) = (engine as &dyn Any).downcast_ref() {
+            self.obeyed = obeyed.clone();
+        }
+    }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let mut now = self.with_room();
@@ -348,19 +460,20 @@ where
 
     fn by_itself(
         &self,
-        _: usize,
+        lane: usize,
         bodies: &[Body<f64, D>],
         _: u64,
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
-        let ready = self.common.ready(bodies);
-        let system = ready.as_ref().unwrap_or(&self.common.system);
+        let law = self.law(lane);
+        let ready = law.ready(bodies, self.common.h);
+        let system = ready.as_ref().unwrap_or(&law.system);
         by_itself::<f64, _, D>(system, &self.common.stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
-        let Some(pulls) = &self.common.pulls else { return };
+        let Some(pulls) = &self.obeyed.pulls else { return };
         let Common { plan, parts, set, .. } = &*self.common;
         let (mut pulling, n) = (pulls.begin(), plan.coordinates);
         let mut kicked = vec![zeros(); n];
@@ -372,9 +485,10 @@ where
     }
 
     fn forces(&self) -> Vec<&'static str> {
-        let mut bodies = self.common.system.bodies(&self.bodies(0), 0.0);
+        let system = &*self.law(0).system;
+        let mut bodies = system.bodies(&self.bodies(0), 0.0);
         let mut forces = vec![[0.0; D]; self.bodies_of_each()];
-        let name = |number| self.common.system.add_force_alone(number, &mut bodies, &mut forces);
+        let name = |number| system.add_force_alone(number, &mut bodies, &mut forces);
         (0..F::EFFECTS).filter_map(name).collect()
     }
 
@@ -395,8 +509,8 @@ where
         Ok(Box::new(again))
     }
 
-    fn hallmarks(&self, _: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(&self.common.system, bodies, 0.0)
+    fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
+        of_system(&*self.law(lane).system, bodies, 0.0)
     }
 
     fn method(&self) -> Hallmark {
@@ -405,153 +519,15 @@ where
     }
 }
 
-/// Forces of effects that act on each body by itself.
-struct OnEach<G, const D: usize>(G);
-
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulls<W> for OnEach<G, D> {
-    fn begin(&self) -> Box<dyn Pulling<W> + '_> {
-        Box::new(self)
-    }
-}
-
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulling<W> for &OnEach<G, D> {
-    fn pull(
-        &mut self,
-        set: Fusing,
-        times: f64,
-        q: &[Numbers<W>],
-        masses: &[[f64; 2]],
-        to: &mut [Numbers<W>],
-    ) {
-        set.run(PullEach { effects: &self.0, times, q, masses, to });
-    }
-}
-
-struct PullEach<'a, G, const D: usize, const W: usize> {
-    effects: &'a G,
-    times: f64,
-    q: &'a [Numbers<W>],
-    masses: &'a [[f64; 2]],
-    to: &'a mut [Numbers<W>],
-}
-
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Work for PullEach<'_, G, D, W> {
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { effects, times, q, masses, to } = self;
-        let effects = effects.clone(); // out of reach of what the loops write
-        let bodies = q.as_chunks::<D>().0.iter().zip(masses.as_chunks::<D>().0);
-        for ((q, masses), to) in bodies.zip(to.as_chunks_mut::<D>().0) {
-            if masses[0][1] != 0.0 {
-                pull_one(&effects, masses.map(|[_, over]| Fused(times * over)), q, to);
-            }
-        }
-    }
-}
-
-/// One body. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
-#[inline(always)]
-fn pull_one<G: Forces<Number, D>, const D: usize, const W: usize>(
-    effects: &G,
-    times: [Number; D],
-    q: &[Numbers<W>; D],
-    to: &mut [Numbers<W>; D],
-) {
-    let (zero, one) = ([Fused(-0.0); D], Fused(1.0));
-    for l in 0..W {
-        let force = effects.kick(&from_fn(|d| q[d].0[l]), one, zero);
-        for d in 0..D {
-            to[d].0[l] = times[d].multiply_add(force[d], to[d].0[l]);
-        }
-    }
-}
-
-/// Numbers of the lanes for which forces between bodies are evaluated at once.
-type Vector = Numbers<FEW>;
-
-/// Forces of any effects.
-struct Any<G, const D: usize> {
-    effects: G,
-    bodies: usize,
-}
-
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulls<W> for Any<G, D> {
-    fn begin(&self) -> Box<dyn Pulling<W> + '_> {
-        let zero = zeros::<FEW>();
-        Box::new(Room {
-            effects: &self.effects,
-            positions: vec![[zero; D]; self.bodies],
-            forces: vec![Force::zero(); self.bodies],
-            room: self.effects.room(self.bodies),
-        })
-    }
-}
-
-/// Effects, and room for some lanes.
-struct Room<'a, G: Forces<Vector, D>, const D: usize> {
-    effects: &'a G,
-    positions: Vec<[Vector; D]>,
-    forces: Vec<G::Force>,
-    room: G::Room,
-}
-
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulling<W> for Room<'_, G, D> {
-    fn pull(
-        &mut self,
-        set: Fusing,
-        times: f64,
-        q: &[Numbers<W>],
-        masses: &[[f64; 2]],
-        to: &mut [Numbers<W>],
-    ) {
-        set.run(PullAll { room: self, times, q, masses, to });
-    }
-}
-
-struct PullAll<'a, 'b, G: Forces<Vector, D>, const D: usize, const W: usize> {
-    room: &'a mut Room<'b, G, D>,
-    times: f64,
-    q: &'a [Numbers<W>],
-    masses: &'a [[f64; 2]],
-    to: &'a mut [Numbers<W>],
-}
-
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Work for PullAll<'_, '_, G, D, W> {
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { room: Room { effects, positions, forces, room }, times, q, masses, to } = self;
-        for first in (0..W).step_by(FEW) {
-            for (position, q) in positions.iter_mut().zip(q.as_chunks::<D>().0) {
-                *position = from_fn(|d| Lanes(from_fn(|l| q[d].0[first + l])));
-            }
-            effects.evaluate(Moment { time: 0.0, positions }, room, forces);
-            let bodies = forces.iter().zip(masses.as_chunks::<D>().0).zip(to.as_chunks_mut::<D>().0);
-            for ((force, masses), to) in bodies {
-                let force = force.components();
-                for d in 0..D {
-                    let times = Fused(times * masses[d][1]);
-                    for l in 0..FEW {
-                        to[d].0[first + l] = times.multiply_add(force[d].0[l], to[d].0[first + l]);
-                    }
-                }
-            }
-        }
-    }
-}
-
 impl<F: Forces<f64, D>, const D: usize, const W: usize> Source<D> for LinkedLanes<F, D, W> {
-    fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        let Common { system, .. } = &*self.common;
+    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
+        let system = &*self.law(lane).system;
         let bodies = as_shown(system, sight);
         [system.kinetic_energy(&bodies), system.potential_energy(&bodies)]
     }
 
-    fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        let Common { system, .. } = &*self.common;
+    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
+        let system = &*self.law(lane).system;
         let bodies = as_shown(system, sight);
         let (mut multipliers, mut forces) =
             (vec![0.0; system.equations()], vec![[0.0; D]; sight.positions.len()]);
@@ -560,27 +536,27 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> Source<D> for LinkedLane
         (multipliers, forces.into_iter().map(Into::into).collect())
     }
 
-    fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let (system, mut energies) = (&self.common.system, Vec::new());
+    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        let (system, mut energies) = (&*self.law(lane).system, Vec::new());
         system.effect_energies(&as_shown(system, sight), &mut energies);
         energies
     }
 
-    fn residuals(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let system = &self.common.system;
+    fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
+        let system = &*self.law(lane).system;
         let mut residuals = vec![0.0; system.equations()];
         system.residuals(&as_shown(system, sight), &mut residuals);
         residuals
     }
 
-    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
-        let system = &self.common.system;
+    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
+        let system = &*self.law(lane).system;
         let bodies = as_shown(system, sight);
         2.0 * system.kinetic_energy(&bodies) / system.freedom(&bodies) as f64
     }
 
-    fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        Rates::mass_product(&self.common.system, body, a, b)
+    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
+        Rates::mass_product(&*self.law(lane).system, body, a, b)
     }
 
     fn step_size(&self) -> f64 {

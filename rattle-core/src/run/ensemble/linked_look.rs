@@ -5,7 +5,8 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::linked_row::{Course, Pulling, each, two_sum};
+use crate::run::ensemble::linked_pulls::Pulling;
+use crate::run::ensemble::linked_row::{Course, each, two_sum};
 use crate::run::ensemble::plan::Places;
 use crate::solve::crowd::{PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -85,7 +86,7 @@ impl<const W: usize> Course<'_, W> {
         let Self { plan, links, sums, set, .. } = *self;
         let Places { q, way, way_low, free, change, .. } = plan.places;
         links.gradients(plan, set, q, numbers);
-        plan.lift(numbers);
+        plan.lift(self.over, numbers);
         for &c in &plan.moving {
             numbers[free + c] = if sums { numbers[way_low + c] } else { zeros() };
         }

@@ -23,8 +23,9 @@ use crate::number::real::Real;
 use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::linked_pulls::Pulling;
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
 /// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
@@ -44,18 +45,6 @@ const CORRECTIONS: usize = 5;
 /// that is eliminated from both ends the last pivot is 4/n.
 pub(super) const CLEAR: f64 = 4096.0;
 
-/// Forces on all bodies of all lanes.
-pub(super) trait Pulls<const W: usize>: Send + Sync {
-    /// Room to evaluate them in.
-    fn begin(&self) -> Box<dyn Pulling<W> + '_>;
-}
-
-/// Forces and their room.
-pub(super) trait Pulling<const W: usize> {
-    /// Adds so many times M⁻¹f, with the forces at these coordinates, and for each the mass and 1 over it.
-    fn pull(&mut self, set: Fusing, times: f64, q: &[Numbers<W>], masses: &[[f64; 2]], to: &mut [Numbers<W>]);
-}
-
 /// Λ and the entries of G of a lane that cannot go with the others.
 pub(super) struct Landed {
     pub(super) multipliers: Vec<f64>,
@@ -70,6 +59,8 @@ pub(super) type Apart<'a, const W: usize> =
 pub(super) struct Course<'a, const W: usize> {
     pub(super) plan: &'a Plan,
     pub(super) links: &'a Links<W>,
+    /// 1 over the masses of all lanes, coordinate by coordinate, where they differ.
+    pub(super) over: Option<&'a [Numbers<W>]>,
     pub(super) parts: &'a [Part],
     /// Whether all steps are equal.
     pub(super) equal: bool,
@@ -113,40 +104,9 @@ fn each_lane<const N: usize, const W: usize>(
 }
 
 impl<const W: usize> Course<'_, W> {
-    /// So many parts of steps.
-    #[inline(always)]
-    pub(super) fn go(
-        &self,
-        count: usize,
-        part: &mut usize,
-        numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
-        apart: &mut Apart<'_, W>,
-    ) -> Result<(), Stuck> {
-        let mut left = count;
-        while left > 0 {
-            if const { W == ROW } {
-                let going = (*part, left);
-                let done = if self.sums {
-                    self.go_few::<true>(going, numbers, pulling)
-                } else {
-                    self.go_few::<false>(going, numbers, pulling)
-                };
-                *part = (*part + done) % self.parts.len();
-                left -= done;
-            }
-            if left > 0 {
-                self.advance(&self.parts[*part], numbers, pulling, apart)?;
-                *part = (*part + 1) % self.parts.len();
-                left -= 1;
-            }
-        }
-        Ok(())
-    }
-
     /// One part of a step.
     #[inline(always)]
-    fn advance(
+    pub(super) fn advance(
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],
@@ -295,7 +255,7 @@ impl<const W: usize> Course<'_, W> {
         if part.kick != 0.0 {
             self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
         }
-        plan.lift(numbers);
+        plan.lift(self.over, numbers);
         if !equal {
             self.project(numbers);
         } else if sums {
@@ -327,13 +287,27 @@ impl<const W: usize> Course<'_, W> {
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
     ) {
-        let (Some(pulling), Plan { coordinates: n, places: Places { q, .. }, masses, .. }) =
+        let (Some(pulling), Plan { coordinates: n, places: Places { q, pull, .. }, masses, .. }) =
             (pulling, self.plan)
         else {
             return;
         };
-        if let Ok([q, to]) = numbers.get_disjoint_mut([*q..q + n, to..to + n]) {
-            pulling.pull(self.set, times, q, masses, to);
+        let Some(over) = self.over else {
+            if let Ok([q, to]) = numbers.get_disjoint_mut([*q..q + n, to..to + n]) {
+                pulling.pull(self.set, times, q, masses, to);
+            }
+            return;
+        };
+        if let Ok([q, pull]) = numbers.get_disjoint_mut([*q..q + n, *pull..pull + n]) {
+            pull.fill(zeros());
+            pulling.pull(self.set, times, q, masses, pull);
+        }
+        for c in 0..*n {
+            let (over, force, mut sum) = (&over[c], numbers[pull + c], numbers[to + c]);
+            for l in 0..W {
+                sum.0[l] = over.0[l].multiply_add(force.0[l], sum.0[l]);
+            }
+            numbers[to + c] = sum;
         }
     }
 

@@ -18,7 +18,8 @@
 //!   [`Langevin`](crate::effect::Langevin), or a Lobatto method;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
-//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps;
+//!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
+//!   different topologies, or with other bodies pinned;
 //! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision;
 //!   except sweeps in which bodies act on each other.
 //!
@@ -58,6 +59,7 @@ mod linked_few;
 mod linked_going;
 mod linked_lanes;
 mod linked_look;
+mod linked_pulls;
 mod linked_row;
 pub mod look;
 mod loops;

@@ -7,7 +7,6 @@
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::run::ensemble::linked_few::MOST;
 use crate::systems::network::group::Group;
 use crate::systems::network::in_lanes::{InLanes, Numbers, zeros};
 use crate::systems::network::mass::Root;
@@ -18,6 +17,10 @@ use std::ops::Range;
 
 /// More numbers than that are not kept side by side: they would be read from far away in each step.
 const MOST_NUMBERS: usize = 16_384;
+
+/// So many equations, or fewer, have entries for all pairs of them, and are eliminated in turn, as
+/// [those of sizes that are compiled](crate::run::ensemble::linked_few) are.
+const FEW: usize = 3;
 
 /// Sums of products.
 #[derive(Debug, Clone, Default)]
@@ -185,6 +188,8 @@ pub(super) struct Places {
     pub(super) x: usize,
     y: usize,
     zero: usize,
+    /// Forces, where masses differ between lanes.
+    pub(super) pull: usize,
     /// The end of all.
     pub(super) end: usize,
 }
@@ -199,7 +204,7 @@ pub(super) struct Plan {
     /// Equations and coordinates of a component that goes [by itself](crate::run::ensemble::linked_few), where it is
     /// all that moves.
     pub(super) few: Option<(usize, usize)>,
-    /// For each coordinate its mass and 1 over it; both 0 where pinned.
+    /// For each coordinate its mass and 1 over it; both 0 where pinned. Of one where they differ between lanes.
     pub(super) masses: Vec<[f64; 2]>,
     /// The coordinates that are not pinned.
     pub(super) moving: Vec<usize>,
@@ -224,12 +229,14 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// For so many bodies of D coordinates; none where they cannot go side by side. `SUMS` says whether sums are
-    /// compensated.
-    pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool) -> Option<Self> {
-        let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
-        let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
-        let masses: Vec<_> = over.as_flattened().iter().map(|&over| [mass(over), over]).collect();
+    /// For so many bodies of D coordinates; none where they cannot go side by side. `sums` says whether sums are
+    /// compensated, `apart` whether masses differ between lanes.
+    pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool, apart: bool) -> Option<Self> {
+        let mut masses = masses(shape)?;
+        if apart {
+            let one = |x: f64| if x == 0.0 { 0.0 } else { 1.0 };
+            masses.iter_mut().for_each(|mass| *mass = mass.map(one));
+        }
         // Not those of links between pinned bodies, which hold or do not.
         let equations = shape.components.iter().map(|component| component.rows.equations()).sum();
         let (n, m, entries) = (masses.len(), equations, shape.blocks * D);
@@ -242,7 +249,7 @@ impl Plan {
                 rows.blocks_of(row).for_each(|(_, body)| of_body[body].push(row));
             }
             let m = rows.equations();
-            let pattern = if m <= MOST { Pattern::full(m) } else { Pattern::new(&of_body, m) };
+            let pattern = if m <= FEW { Pattern::full(m) } else { Pattern::new(&of_body, m) };
             let firsts = (lower, upper);
             lower += pattern.lower.len();
             upper += pattern.upper.len();
@@ -269,7 +276,8 @@ impl Plan {
         (places.diagonal, places.inverse) = (take(m), take(m));
         (places.lower, places.upper) = (take(lower), take(upper));
         (places.lambda, places.found, places.x, places.y) = (take(m), take(m), take(m), take(m));
-        (places.zero, places.end) = (take(1), take(0));
+        (places.zero, places.pull) = (take(1), take(if apart { n } else { 0 }));
+        places.end = take(0);
         if places.end > MOST_NUMBERS {
             return None;
         }
@@ -297,6 +305,7 @@ impl Plan {
         if let [Piece { rows, .. }] = &pieces[..]
             && rows.bodies.len() * D == plan.moving.len()
             && side_by_side
+            && !apart
         {
             plan.few = Some((m, plan.moving.len()));
         }
@@ -414,9 +423,9 @@ impl Plan {
         self.back.carry_out(numbers);
     }
 
-    /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ.
+    /// Writes M⁻¹Gᵀ from G, and ∇gᵢ·M⁻¹∇gᵢ; with M⁻¹ of each lane where they differ.
     #[inline(always)]
-    pub(super) fn lift<const W: usize>(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn lift<const W: usize>(&self, of_lanes: Option<&[Numbers<W>]>, numbers: &mut [Numbers<W>]) {
         let Places { lifted, gradient, square, .. } = self.places;
         for (i, entries) in self.of_row.iter().enumerate() {
             let mut sum = zeros::<W>();
@@ -425,6 +434,13 @@ impl Plan {
                 let mut up = zeros::<W>();
                 for l in 0..W {
                     up.0[l] = over * of.0[l];
+                }
+                if let Some(over) = of_lanes {
+                    for l in 0..W {
+                        up.0[l] = over[coordinate].0[l] * of.0[l];
+                    }
+                }
+                for l in 0..W {
                     sum.0[l] = of.0[l].multiply_add(up.0[l], sum.0[l]);
                 }
                 numbers[lifted + entry] = up;
@@ -448,6 +464,13 @@ impl Plan {
     }
 }
 
+/// For each coordinate its mass and 1 over it, both 0 where pinned; none where a mass is a matrix.
+pub(super) fn masses<const D: usize>(shape: &Shape<D>) -> Option<Vec<[f64; 2]>> {
+    let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
+    let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };
+    Some(over.as_flattened().iter().map(|&over| [mass(over), over]).collect())
+}
+
 /// The blocks of an equation, by the numbers of their bodies.
 fn in_turn(rows: &Rows, i: usize) -> Vec<(usize, usize)> {
     let mut blocks: Vec<_> = rows.blocks_of(i).collect();
@@ -465,7 +488,14 @@ struct Piece<'a> {
 }
 
 /// All links of a network, for W trajectories side by side.
+#[derive(Clone)]
 pub(super) struct Links<const W: usize>(Vec<OfOneKind<W>>);
+
+impl<const W: usize> Clone for OfOneKind<W> {
+    fn clone(&self) -> Self {
+        Self { links: self.links.boxed(), runs: self.runs.clone(), ..*self }
+    }
+}
 
 /// Links of one kind, and where what they give is written.
 struct OfOneKind<const W: usize> {
@@ -478,10 +508,10 @@ struct OfOneKind<const W: usize> {
 }
 
 impl<const W: usize> Links<W> {
-    /// Those of a network; none where some cannot go side by side.
+    /// Those of a network, each group by its number; none where some cannot go side by side.
     pub(super) fn of<const D: usize>(
         shape: &Shape<D>,
-        in_lanes: impl Fn(&dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
+        in_lanes: impl Fn(usize, &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
     ) -> Option<Self> {
         let mut links = Vec::new();
         for (number, group) in shape.groups.iter().enumerate() {
@@ -492,9 +522,14 @@ impl<const W: usize> Links<W> {
                 let own = component.rows.runs.iter().filter(|run| run.group == number);
                 runs.extend(own.map(|run| (run.members.clone(), row + run.row, (block + run.block) * D)));
             }
-            links.push(OfOneKind { links: in_lanes(&**group)?, runs, equations, width });
+            links.push(OfOneKind { links: in_lanes(number, &**group)?, runs, equations, width });
         }
         Some(Self(links))
+    }
+
+    /// Has lane `to` obey what lane `from` does.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        self.0.iter_mut().for_each(|links| links.links.copy(from, to));
     }
 
     /// g and its gradients at these coordinates.

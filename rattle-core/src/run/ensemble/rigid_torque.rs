@@ -6,6 +6,7 @@ use crate::effect::moment::Moment;
 use crate::effect::swept::Swept;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lanes};
+use crate::run::ensemble::laws::Alike;
 use crate::run::ensemble::rigid_row::{Nine, Rotor, Three, Torquing, at, put};
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
 use crate::systems::rigid::rotation::turning;
@@ -30,7 +31,7 @@ where
     if const { G::EFFECTS == 0 } {
         None
     } else if const { G::ON_EACH } {
-        Some(Box::new(OnEach(Same(one))))
+        Some(Box::new(OnEach(Alike(one))))
     } else {
         Some(Box::new(Any(few)))
     }
@@ -42,24 +43,6 @@ where
     G: Swept<Number, D> + 'static,
 {
     Box::new(OnEach(swept))
-}
-
-/// All lanes alike.
-#[derive(Clone)]
-struct Same<G>(G);
-
-impl<G: Forces<Number, D>, const D: usize> Swept<Number, D> for Same<G> {
-    type Lane = G;
-
-    #[inline(always)]
-    fn lane(&self, _: usize) -> G {
-        self.0.clone()
-    }
-    #[inline(always)]
-    fn kick(&self, _: usize, q: &[Number; D], c: Number, p: [Number; D]) -> [Number; D] {
-        self.0.kick(q, c, p)
-    }
-    fn copy(&mut self, _: usize, _: usize) {}
 }
 
 /// Effects that act on each body by itself.

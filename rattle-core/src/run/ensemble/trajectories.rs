@@ -4,7 +4,7 @@ use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::vectors::LANES;
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::grouping::{
-    Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, rigid,
+    Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
 use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, Precision};
@@ -157,6 +157,12 @@ impl<const D: usize> Ensemble<D> {
                 let systems = scenes.iter().zip(starts).map(system).collect::<Option<Vec<_>>>()?;
                 let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
                 return rigid::<P, S, _, D>(&bodies, &systems, &TurnedApart(&effects), starts, lanes);
+            }
+            if const { goes_as::<C, S, D>(Kind::Network) } {
+                let network = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
+                let networks = scenes.iter().map(network).collect::<Option<Vec<_>>>()?;
+                let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
+                return linked_apart::<P, S, _, D>(&networks, &effects, starts, lanes);
             }
             let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
             let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();

@@ -4,9 +4,10 @@ use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
-use crate::number::lanes::Fused;
-use crate::systems::network::in_lanes::{FEW, InLanes, LinksInLanes, Number, ROW};
+use crate::number::lanes::{Fused, side_by_side};
+use crate::systems::network::in_lanes::{FEW, InLanes, LinksInLanes, Number, ROW, SweptLinks};
 use crate::systems::network::places::{Places, Row};
+use std::any::Any;
 use std::array::from_fn;
 use std::fmt::Debug;
 use std::ops::Range;
@@ -14,7 +15,7 @@ use std::sync::Arc;
 
 /// Copies of one constraint. Rows (equations) and blocks (the D numbers of a row that belong to one body) of a range of
 /// members lie one after the other.
-pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
+pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
     /// The type that the macro made.
     fn name(&self) -> &'static str;
     /// Equations of a member.
@@ -66,6 +67,10 @@ pub(crate) trait Group<const D: usize>: Debug + Send + Sync {
     /// The same for a few trajectories.
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
 
+    /// The same for the trajectories of a sweep, each with the parameters of its own group, the first of which is this
+    /// one; none also where groups are of other kinds, or tie other bodies.
+    fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>>;
+
     /// Whether there are kinks.
     fn has_kinks(&self) -> bool;
     /// The first member of which a normal jumps on the straight way between two places and times.
@@ -95,6 +100,7 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) acting: Option<[[bool; D]; A]>,
     in_lanes: fn(&Self) -> Box<dyn InLanes<ROW>>,
     in_few_lanes: fn(&Self) -> Box<dyn InLanes<FEW>>,
+    swept: fn(&[&Self]) -> Box<dyn InLanes<ROW>>,
 }
 
 impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
@@ -109,7 +115,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     /// Constraints, one for all members or one for each.
     pub(crate) fn new<C>(constraints: Vec<C>, members: Vec<[usize; A]>) -> Self
     where
-        C: Constraint<K, M, Kernel<f64> = G>,
+        C: Constraint<K, M, Kernel<f64> = G> + 'static,
     {
         let name = short_name::<C>();
         Self {
@@ -119,7 +125,26 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
             acting: None,
             in_lanes: |links| Box::new(links.fused::<C>()),
             in_few_lanes: |links| Box::new(links.fused::<C>()),
+            swept: |links| Box::new(Self::swept_as::<C>(links)),
         }
+    }
+
+    /// Those of each lane; of lanes beyond these the first.
+    fn swept_as<C: Constraint<K, M, Kernel<f64> = G> + 'static>(
+        links: &[&Self],
+    ) -> SweptLinks<C, K, M, A, D> {
+        let number = links.iter().map(|links| links.kernels.len()).max().unwrap_or(1);
+        let kernel = |member| {
+            side_by_side(
+                |lane| {
+                    let links = links.get(lane).unwrap_or(&links[0]);
+                    C::map_kernel(links.kernel(member), |&number| Fused(number))
+                },
+                |kernel, number| drop(C::map_kernel::<Number, Number>(kernel, number)),
+                |kernel, number| C::map_kernel(kernel, number),
+            )
+        };
+        SweptLinks { kernels: (0..number).map(kernel).collect(), members: links[0].members.clone() }
     }
 
     /// The same over numbers of lanes.
@@ -192,7 +217,7 @@ where
 
     fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>> {
         let kernels = if self.kernels.len() == 1 { 0..1 } else { members.clone() };
-        let Self { name, acting, in_lanes, in_few_lanes, .. } = *self;
+        let Self { name, acting, in_lanes, in_few_lanes, swept, .. } = *self;
         Arc::new(Self {
             name,
             kernels: self.kernels[kernels].to_vec(),
@@ -200,6 +225,7 @@ where
             acting,
             in_lanes,
             in_few_lanes,
+            swept,
         })
     }
 
@@ -282,6 +308,13 @@ where
     }
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>> {
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
+    }
+
+    fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>> {
+        let links = groups.iter().map(|&group| (group as &dyn Any).downcast_ref::<Self>());
+        let links = links.collect::<Option<Vec<_>>>()?;
+        let alike = links.iter().all(|links| links.goes_in_lanes() && links.members == self.members);
+        alike.then(|| (self.swept)(&links))
     }
 
     fn has_kinks(&self) -> bool {

@@ -3,10 +3,11 @@
 //! Made from a [`Group`](crate::systems::network::group::Group) for ensembles alone. Its type does not contain the
 //! number of coordinates of a body, so code that uses it is compiled once, not for every scene.
 
-use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lanes};
 use std::array::from_fn;
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// Trajectories of a row: what is walked through once for all is little to each of them.
@@ -29,6 +30,10 @@ pub(crate) const fn zeros<const W: usize>() -> Numbers<W> {
 /// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
 /// and coordinate of the link's bodies, are written one after the other.
 pub(crate) trait InLanes<const W: usize>: Send + Sync {
+    /// A copy.
+    fn boxed(&self) -> Box<dyn InLanes<W>>;
+    /// Has lane `to` obey what lane `from` does.
+    fn copy(&mut self, _from: usize, _to: usize) {}
     /// g and ∂g/∂q of some members.
     fn gradients(
         &self,
@@ -41,6 +46,7 @@ pub(crate) trait InLanes<const W: usize>: Send + Sync {
 }
 
 /// Copies of one constraint between A bodies of D coordinates; K = A·D.
+#[derive(Clone)]
 pub(super) struct LinksInLanes<H, const K: usize, const M: usize, const A: usize, const D: usize> {
     /// One for all members, or one for each.
     pub(super) kernels: Vec<H>,
@@ -53,13 +59,15 @@ impl<H: Clone, const K: usize, const M: usize, const A: usize, const D: usize> L
     fn kernel(&self, member: usize) -> H {
         self.kernels[if self.kernels.len() == 1 { 0 } else { member }].clone()
     }
+}
 
-    /// Where the coordinates of a member's bodies are.
-    #[inline(always)]
-    fn places<'a, const W: usize>(&self, member: usize, q: &'a [Numbers<W>]) -> [&'a Numbers<W>; K] {
-        let bodies = &self.members[member];
-        from_fn(|k| &q[bodies[k / D] * D + k % D])
-    }
+/// Where the coordinates of a member's bodies are.
+#[inline(always)]
+fn places<'a, const K: usize, const A: usize, const D: usize, const W: usize>(
+    bodies: &[usize; A],
+    q: &'a [Numbers<W>],
+) -> [&'a Numbers<W>; K] {
+    from_fn(|k| &q[bodies[k / D] * D + k % D])
 }
 
 impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> InLanes<W>
@@ -67,6 +75,10 @@ impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W:
 where
     H: ConstraintKernel<Number, K, M>,
 {
+    fn boxed(&self) -> Box<dyn InLanes<W>> {
+        Box::new(self.clone())
+    }
+
     fn gradients(
         &self,
         set: Fusing,
@@ -99,28 +111,105 @@ where
         let Self { links, members, q, g, gradients } = self;
         let rows = gradients.as_chunks_mut::<K>().0.as_chunks_mut::<M>().0;
         for (member, (g, rows)) in members.zip(g.as_chunks_mut().0.iter_mut().zip(rows)) {
-            gradients_of(&links.kernel(member), links.places(member, q), g, rows);
+            let kernel = links.kernel(member);
+            gradients_of::<H, &H, K, M, W>(
+                |_| &kernel,
+                places::<K, A, D, W>(&links.members[member], q),
+                g,
+                rows,
+            );
         }
     }
 }
 
 /// One member. Arguments of a function are known not to overlap, so that the loop becomes one over vectors.
 #[inline(always)]
-fn gradients_of<H, const K: usize, const M: usize, const W: usize>(
-    kernel: &H,
+fn gradients_of<H, B, const K: usize, const M: usize, const W: usize>(
+    kernel: impl Fn(usize) -> B,
     q: [&Numbers<W>; K],
     g: &mut [Numbers<W>; M],
     rows: &mut [[Numbers<W>; K]; M],
 ) where
     H: ConstraintKernel<Number, K, M>,
+    B: Borrow<H>,
 {
     for l in 0..W {
-        let (values, gradients) = kernel.value_and_jacobian(&from_fn(|k| q[k].0[l]));
+        let (values, gradients) = kernel(l).borrow().value_and_jacobian(&from_fn(|k| q[k].0[l]));
         for i in 0..M {
             g[i].0[l] = values[i];
             for k in 0..K {
                 rows[i][k].0[l] = gradients[i][k];
             }
+        }
+    }
+}
+
+/// The same with parameters of its own for each lane: a kernel for each member, whose numbers are lanes.
+pub(super) struct SweptLinks<
+    C: Constraint<K, M>,
+    const K: usize,
+    const M: usize,
+    const A: usize,
+    const D: usize,
+> {
+    pub(super) kernels: Vec<C::Kernel<Numbers<ROW>>>,
+    pub(super) members: Vec<[usize; A]>,
+}
+
+impl<C, const K: usize, const M: usize, const A: usize, const D: usize> InLanes<ROW>
+    for SweptLinks<C, K, M, A, D>
+where
+    C: Constraint<K, M> + 'static,
+{
+    fn boxed(&self) -> Box<dyn InLanes<ROW>> {
+        Box::new(Self { kernels: self.kernels.clone(), members: self.members.clone() })
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        for kernel in &mut self.kernels {
+            *kernel = C::map_kernel(kernel, |number| number.copied(from, to));
+        }
+    }
+
+    fn gradients(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        q: &[Numbers<ROW>],
+        g: &mut [Numbers<ROW>],
+        gradients: &mut [Numbers<ROW>],
+    ) {
+        set.run(SweptGradients { links: self, members, q, g, gradients });
+    }
+}
+
+struct SweptGradients<'a, C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize>
+{
+    links: &'a SweptLinks<C, K, M, A, D>,
+    members: Range<usize>,
+    q: &'a [Numbers<ROW>],
+    g: &'a mut [Numbers<ROW>],
+    gradients: &'a mut [Numbers<ROW>],
+}
+
+impl<C: Constraint<K, M>, const K: usize, const M: usize, const A: usize, const D: usize> Work
+    for SweptGradients<'_, C, K, M, A, D>
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { links: SweptLinks { kernels, members: all }, members, q, g, gradients } = self;
+        let rows = gradients.as_chunks_mut::<K>().0.as_chunks_mut::<M>().0;
+        for (member, (g, rows)) in members.zip(g.as_chunks_mut().0.iter_mut().zip(rows)) {
+            let kernel = kernels[if kernels.len() == 1 { 0 } else { member }].clone();
+            let places = places::<K, A, D, ROW>(&all[member], q);
+            gradients_of::<C::Kernel<Number>, _, K, M, ROW>(
+                |lane| C::map_kernel(&kernel, |number| number.0[lane]),
+                places,
+                g,
+                rows,
+            );
         }
     }
 }
