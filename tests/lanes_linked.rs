@@ -260,7 +260,7 @@ fn same_in_rows<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: usize>(
         let mut equal = scene.ensemble(starts(), Rattle::new(0.01)).unwrap();
         let mut sums = scene.ensemble_in(Compensated, starts(), Rattle::new(0.01)).unwrap();
         let composed = Composition::new(SUZUKI_1990_ORDER_4, 0.02);
-        let mut unequal = scene.ensemble(starts(), composed.clone()).unwrap();
+        let mut unequal = scene.ensemble(starts(), composed).unwrap();
         let mut all = scene.ensemble_in(Compensated, starts(), composed).unwrap();
         let each = [&mut equal, &mut sums, &mut unequal, &mut all].map(|ensemble| {
             ensemble.run(130);
@@ -283,19 +283,19 @@ fn steps_compiled_for_their_sizes_give_the_same_bits() {
     for masses in [[1.0; 4], [0.3, 1.0, 2.5, 0.7]] {
         let of = |n: usize| masses[..n].to_vec();
         let few = |n: usize| move |lean| planar(lean)[..n].to_vec();
-        same_in_rows(&line(vec![[0, 1]]).masses(of(2)).with(gravity.clone()), few(2));
-        same_in_rows(&line(vec![[1, 0]]).pin(0, pinned).masses(of(2)).with(gravity.clone()), few(2));
+        same_in_rows(&line(vec![[0, 1]]).masses(of(2)).with(gravity), few(2));
+        same_in_rows(&line(vec![[1, 0]]).pin(0, pinned).masses(of(2)).with(gravity), few(2));
         let double = line(vec![[0, 1], [2, 1]]).pin(0, pinned);
-        same_in_rows(&double.masses(of(3)).with(gravity.clone()), few(3));
+        same_in_rows(&double.masses(of(3)).with(gravity), few(3));
         let triple = line(vec![[2, 3], [1, 2], [0, 1]]).pin(0, pinned);
-        same_in_rows(&triple.masses(of(4)).with(gravity.clone()), few(4));
+        same_in_rows(&triple.masses(of(4)).with(gravity), few(4));
     }
     let line = |links: Vec<[usize; 2]>| Scene::points(links.len() + 1).link(Rod { length: 1.0 }, links);
     let (pinned, weight) = ([0.0; 3], Weight { g: 0.5 });
     let few = |n: usize| move |lean| chain(n - 1, lean);
-    same_in_rows(&line(vec![[0, 1]]).masses([2.0, 0.7]).with(weight.clone()), few(2));
-    same_in_rows(&line(vec![[0, 1]]).pin(0, pinned).with(weight.clone()), few(2));
-    same_in_rows(&line(vec![[0, 1], [1, 2]]).pin(0, pinned).with(weight.clone()), few(3));
+    same_in_rows(&line(vec![[0, 1]]).masses([2.0, 0.7]).with(weight), few(2));
+    same_in_rows(&line(vec![[0, 1]]).pin(0, pinned).with(weight), few(2));
+    same_in_rows(&line(vec![[0, 1], [1, 2]]).pin(0, pinned).with(weight), few(3));
     let triangle =
         Scene::points(3).link(Rod { length: 1.0 }, [[2, 1], [0, 2], [1, 0]]).masses([16.0, 1.0, 1.0]);
     same_in_rows(&triangle.with(weight), |lean| {

@@ -112,8 +112,7 @@ fn equal_scenes_are_an_ensemble() {
     let starts = starts(70, |_| [1.0; 2]);
     let scenes: Vec<_> = (0..70).map(|_| double([1.0; 2], 1.0)).collect();
     let method = Composition::new(SUZUKI_1990_ORDER_4, 0.05);
-    let mut sweep =
-        Ensemble::sweep(Double, scenes.iter().zip(starts.iter().cloned()), method.clone()).unwrap();
+    let mut sweep = Ensemble::sweep(Double, scenes.iter().zip(starts.iter().cloned()), method).unwrap();
     let mut ensemble = scenes[0].ensemble(starts, method).unwrap();
     sweep.run(200);
     ensemble.run(200);
