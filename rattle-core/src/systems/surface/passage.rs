@@ -28,12 +28,7 @@ pub(super) fn check<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
 ) -> Result<(), Failure> {
     let number = |x: T| x.lanes().nth(lane).unwrap_or(f64::NAN);
     let [from, to] = ends.map(|body| body.map(number));
-    // Hermite's cubic through places and velocities.
-    let place = |s: f64| -> [f64; D] {
-        let r = 1.0 - s;
-        let [a, b, c, d] = [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s];
-        from_fn(|i| a * from.q[i] + b * to.q[i] + c * from.p[i] + d * to.p[i])
-    };
+    let place = |s: f64| between(h, &from, &to, s);
     let normal = |s: f64| {
         let [gradient] = constraint.jacobian(&place(s).map(T::from_f64));
         gradient.map(number)
@@ -53,4 +48,31 @@ pub(super) fn check<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
     let (share, gradient) = if dot(&start.1, &start.1) < dot(&end.1, &end.1) { start } else { end };
     let position = place(share).to_vec();
     Err(Failure { body, cause: StepFailure::NoNormal { position, gradient: gradient.to_vec() } })
+}
+
+/// Hermite's cubic through places and momenta at the two ends of a step.
+#[inline(always)]
+pub(super) fn between<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>, s: f64) -> [T; D] {
+    let r = 1.0 - s;
+    let [a, b, c, d] =
+        [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s].map(T::from_f64);
+    from_fn(|i| a * from.q[i] + b * to.q[i] + c * from.p[i] + d * to.p[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cubic is fixed by its places and slopes at two ends. All numbers are binary fractions, so equality is exact.
+    #[test]
+    fn the_curve_is_a_cubic_where_the_way_is_one() {
+        let way = |t: f64| ([1.0 + t * (2.0 + t * (3.0 + t * 5.0))], [2.0 + t * (6.0 + t * 15.0)]);
+        let [from, to] = [0.0, 0.5].map(|t| {
+            let (q, p) = way(t);
+            Body { q, q_low: [0.0], p, p_low: [0.0] }
+        });
+        for s in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            assert_eq!(between(0.5, &from, &to, s), way(0.5 * s).0, "at {s} of the step");
+        }
+    }
 }

@@ -24,6 +24,7 @@ use crate::systems::surface::crowd::EVERY;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
+use crate::systems::surface::passage::between;
 use crate::systems::surface::position::Departure;
 use crate::systems::surface::step::pull;
 use std::array::from_fn;
@@ -232,13 +233,4 @@ fn walk<T: Real, const D: usize>(
         }
     }
     off
-}
-
-/// Hermite's cubic through places and momenta at the two ends of a step.
-#[inline(always)]
-fn between<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>, s: f64) -> [T; D] {
-    let r = 1.0 - s;
-    let [a, b, c, d] =
-        [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s].map(T::from_f64);
-    from_fn(|i| a * from.q[i] + b * to.q[i] + c * from.p[i] + d * to.p[i])
 }
