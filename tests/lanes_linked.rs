@@ -69,20 +69,30 @@ fn off<P: Precision, C: Hold<D> + 'static, E: Effects<D>, N: Count, S: Method, c
 ) -> f64 {
     let mut ensemble = scene.ensemble_in(precision, starts.iter().cloned(), method.clone()).unwrap();
     ensemble.run(steps);
-    let apart = starts.iter().enumerate().step_by(3).map(|(i, start)| {
-        let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
-        simulation.run(steps).unwrap();
-        let state = ensemble.state(i);
-        assert_eq!((ensemble.failure(i), state.time()), (None, simulation.time()));
-        let places = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
-        let ways = state.momenta().zip(simulation.momenta()).map(|(a, b)| (a - b).norm());
-        places.chain(ways).fold(0.0, f64::max)
-    });
-    apart.fold(0.0, f64::max)
+    let each = starts.iter().enumerate().step_by(3);
+    each.map(|(i, start)| off_alone(&ensemble, i, scene, start, method, steps)).fold(0.0, f64::max)
 }
 
-/// Whether all is rounding, and something is.
-fn check(found: &[f64]) {
+/// How far a trajectory is off a simulation of its scene.
+pub(crate) fn off_alone<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
+    ensemble: &Ensemble<D>,
+    i: usize,
+    scene: &Scene<C, E, N, D>,
+    start: &State<D>,
+    method: &S,
+    steps: u64,
+) -> f64 {
+    let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
+    simulation.run(steps).unwrap();
+    let state = ensemble.state(i);
+    assert_eq!((ensemble.failure(i), state.time()), (None, simulation.time()));
+    let places = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
+    let ways = state.momenta().zip(simulation.momenta()).map(|(a, b)| (a - b).norm());
+    places.chain(ways).fold(0.0, f64::max)
+}
+
+/// Whether all is rounding, and something is: who goes alone is off by nothing.
+pub(crate) fn check(found: &[f64]) {
     println!("{found:?}");
     let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
     assert!(found.iter().all(|&off| off < 4e-13 && (off > 0.0) == fused), "{found:?}");

@@ -1,9 +1,9 @@
 //! Sweeps over networks in lanes: each trajectory as a simulation of its own scene but for rounding.
 
+use crate::lanes_linked::{check, off_alone};
 use rattle::bodies::Many;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::Effects;
-use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod;
 use rattle::method::Method;
 use rattle::network::Network;
@@ -40,23 +40,8 @@ fn off<P: Precision, C: Hold<2> + 'static, E: Effects<2> + 'static, S: Method>(
     let mut sweep =
         Ensemble::sweep(precision, scenes.iter().zip(starts.iter().cloned()), method.clone()).unwrap();
     sweep.run(50);
-    let apart = scenes.iter().zip(&starts).enumerate().map(|(i, (scene, start))| {
-        let mut simulation = scene.simulate(start.clone(), method.clone()).unwrap();
-        simulation.run(50).unwrap();
-        let state = sweep.state(i);
-        assert_eq!((sweep.failure(i), state.time()), (None, simulation.time()));
-        let places = state.positions().zip(simulation.positions()).map(|(a, b)| (a - b).norm());
-        let ways = state.momenta().zip(simulation.momenta()).map(|(a, b)| (a - b).norm());
-        places.chain(ways).fold(0.0, f64::max)
-    });
-    apart.fold(0.0, f64::max)
-}
-
-/// Whether all is rounding, and something is: who goes alone is off by nothing.
-fn check(found: &[f64]) {
-    println!("{found:?}");
-    let fused = InstructionSet::widest().fuses();
-    assert!(found.iter().all(|&off| off < 4e-13 && (off > 0.0) == fused), "{found:?}");
+    let each = scenes.iter().zip(&starts).enumerate();
+    each.map(|(i, (scene, start))| off_alone(&sweep, i, scene, start, method, 50)).fold(0.0, f64::max)
 }
 
 const LENGTHS: fn(usize) -> [f64; 2] = |i| [spread(i, 0.5, 1.5), spread(i + 7, 0.5, 1.5)];

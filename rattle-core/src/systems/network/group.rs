@@ -115,7 +115,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     /// Constraints, one for all members or one for each.
     pub(crate) fn new<C>(constraints: Vec<C>, members: Vec<[usize; A]>) -> Self
     where
-        C: Constraint<K, M, Kernel<f64> = G> + 'static,
+        C: Constraint<K, M, Kernel<f64> = G>,
     {
         let name = short_name::<C>();
         Self {
@@ -130,9 +130,7 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
     }
 
     /// Those of each lane; of lanes beyond these the first.
-    fn swept_as<C: Constraint<K, M, Kernel<f64> = G> + 'static>(
-        links: &[&Self],
-    ) -> SweptLinks<C, K, M, A, D> {
+    fn swept_as<C: Constraint<K, M, Kernel<f64> = G>>(links: &[&Self]) -> SweptLinks<C, K, M, A, D> {
         let number = links.iter().map(|links| links.kernels.len()).max().unwrap_or(1);
         let kernel = |member| {
             side_by_side(

@@ -159,7 +159,7 @@ pub(super) struct SweptLinks<
 impl<C, const K: usize, const M: usize, const A: usize, const D: usize> InLanes<ROW>
     for SweptLinks<C, K, M, A, D>
 where
-    C: Constraint<K, M> + 'static,
+    C: Constraint<K, M>,
 {
     fn boxed(&self) -> Box<dyn InLanes<ROW>> {
         Box::new(Self { kernels: self.kernels.clone(), members: self.members.clone() })
