@@ -20,7 +20,7 @@ FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kink
     systems/linked/start systems/phase/landing systems/phase/step systems/rigid/rotation
     run/ensemble/around run/ensemble/crossing run/ensemble/asked run/ensemble/loops run/ensemble/stages
     run/ensemble/linked_look""".split()
-PROGRAMS = os.environ.get("PROGRAMS", "roots shapes links networks phase ensembles").split()
+PROGRAMS = os.environ.get("PROGRAMS", "core roots shapes links networks phase ensembles").split()
 LONGEST = float(os.environ.get("LONGEST", "4"))  # CPU seconds: tests that take longer are left out
 
 
@@ -59,10 +59,12 @@ def blamed(line, files):
 
 def build_tests():
     for program in PROGRAMS:
-        built = cargo("test", "--test", program, "--no-run", "--message-format=json", cwd=TREE)
+        inside = program == "core"  # the tests inside the library
+        which = ["-p", "rattle-core", "--lib"] if inside else ["--test", program]
+        built = cargo("test", *which, "--no-run", "--message-format=json", cwd=TREE)
         assert built.returncode == 0, built.stderr[-3000:]
         for line in map(json.loads, filter(lambda line: line.startswith("{"), built.stdout.splitlines())):
-            if line.get("executable") and line["target"]["name"] == program:
+            if line.get("executable") and (inside or line["target"]["name"] == program):
                 yield line["executable"], str(pathlib.Path(line["manifest_path"]).parent)
 
 

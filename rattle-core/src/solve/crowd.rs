@@ -28,6 +28,13 @@ pub(crate) const REACH: f64 = 2.0;
 /// are long.
 pub(crate) const PATH: f64 = 0.05;
 
+/// How far it is asked: `back`, as far as the constraint takes a body back in a step, but no farther than `along`, the
+/// part [`PATH`] of the path, then that part, and as far as forces push. The first and last are [`REACH`] times that.
+#[inline(always)]
+pub(crate) fn furthest<T: Real>(back: T, along: T, pushed: T) -> T {
+    back.min(along) + along + pushed
+}
+
 /// √3, by which a length may be larger than its largest coordinate in space.
 pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 
@@ -85,4 +92,41 @@ where
 {
     let (_, [gradient]) = constraint.value_and_jacobian(&add_scaled(q, shift, n));
     dot(&gradient, n) - S::from_f64(RISES) * square
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first numbers of SplitMix64 from zero, as in its authors' own program.
+    #[test]
+    fn numbers_are_those_of_the_generator() {
+        let known =
+            [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4, 0x06c4_5d18_8009_454f, 0xf88b_b8a8_724c_81ec];
+        assert_eq!([0, 1, 2, 3].map(mixed), known);
+    }
+
+    #[test]
+    fn shares_go_on_where_the_last_ones_ended() {
+        for (steps, first, number) in [(0, 0, 48), (64, 54, 6), (127, 54, 6), (128, 60, 6), (6400, 648, 6)] {
+            let found: Vec<f64> = shares(steps).collect();
+            assert_eq!(found.len(), number, "after {steps} steps");
+            for (n, &share) in (first..).zip(&found) {
+                let evenly = mixed(n) as f64 / 2.0_f64.powi(63) - 1.0;
+                let expected = if n % 3 == 2 { evenly.powi(9) } else { evenly };
+                assert!((share - expected).abs() <= 1e-15, "after {steps} steps number {n} is {share}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_reach_halves_at_most_and_ends_where_paths_are_bent() {
+        assert_eq!([reach(0.5, 2.0), reach(1.0, 8.0), reach(1.0, 10.0)], [2.0, 4.0, 5.0]);
+        // A radius of speed²/bend in normals: 0.1 · 8/4, less than 3/√4; not where the path is straight, or none.
+        assert_eq!(shift(3.0, 4.0, 8.0, -4.0), 0.2);
+        assert_eq!(
+            [shift(3.0, 4.0, 8.0, 0.0), shift(3.0, 4.0, 0.0, 0.0), shift(0.2, 4.0, 8.0, 4.0)],
+            [1.5, 1.5, 0.1]
+        );
+    }
 }

@@ -28,7 +28,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
-use crate::solve::crowd::{PATH, REACH, ROOT_3};
+use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
@@ -338,7 +338,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             // Lengths by their largest coordinate: roots take long.
             let over = S::from_f64(ROOT_3) * largest(&at(normal, i)) / square[i];
             let along = over * path * largest(&way).max(S::from_f64(unit * least(i)));
-            furthest[i] = (reach * back).min(along) + along + over * largest(&pushed);
+            furthest[i] = crowd::furthest(reach * back, along, over * largest(&pushed));
         }
         look_around(laws, steps, q, normal, square, &furthest)
     }

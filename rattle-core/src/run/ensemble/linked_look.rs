@@ -8,7 +8,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_pulls::Pulling;
 use crate::run::ensemble::linked_row::{Course, each, two_sum};
 use crate::run::ensemble::plan::Places;
-use crate::solve::crowd::{PATH, RISES, ROOT_3, shares};
+use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
 
 impl<const W: usize> Course<'_, W> {
@@ -50,7 +50,7 @@ impl<const W: usize> Course<'_, W> {
             each(ways + i, of, numbers, |[entry, way, push, guess, last, earlier]| {
                 let back = guess.abs().max(last.abs()).max(earlier.abs());
                 let along = path * way / entry;
-                (reach * back).min(along) + along + pushed * push / entry
+                crowd::furthest(reach * back, along, pushed * push / entry)
             });
         }
         let mut crowded = [0.0; W];

@@ -37,7 +37,7 @@ pub(super) fn of_all<E: Effects<D>, const D: usize, const W: usize>(
     } else if const { E::Forces::<f64>::ON_EACH } {
         Some(Box::new(OnEach(Alike(effects.forces::<Number>()))))
     } else {
-        Some(Box::new(Any { effects: effects.forces::<Vector>(), bodies }))
+        Some(Box::new(Any { effects: vec![effects.forces::<Numbers<FEW>>()], bodies }))
     }
 }
 
@@ -51,8 +51,8 @@ pub(super) fn of_each<'a, E: Effects<D> + 'static, const D: usize, const W: usiz
     } else if const { E::Forces::<f64>::ON_EACH } {
         Some(Box::new(OnEach(E::swept::<Number, W>(effects))))
     } else {
-        let effects = (0..W).map(|lane| effects(lane).forces::<Number>()).collect();
-        Some(Box::new(OneByOne { effects, bodies }))
+        let effects = (0..W).map(|lane| effects(lane).forces::<Numbers<1>>()).collect();
+        Some(Box::new(Any { effects, bodies }))
     }
 }
 
@@ -126,114 +126,42 @@ fn pull_one<G: Swept<Number, D>, const D: usize, const W: usize>(
     }
 }
 
-/// Any effects, with parameters of its own for each lane: one lane at a time.
+/// Any effects, evaluated for N lanes at a time: the same on all lanes, or for each lane its own where N is 1.
 #[derive(Clone)]
-struct OneByOne<G, const D: usize> {
+struct Any<G, const D: usize, const N: usize> {
     effects: Vec<G>,
     bodies: usize,
 }
 
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulls<W> for OneByOne<G, D> {
+impl<G: Forces<Numbers<N>, D>, const D: usize, const N: usize, const W: usize> Pulls<W> for Any<G, D, N> {
     fn boxed(&self) -> Box<dyn Pulls<W>> {
         Box::new(self.clone())
     }
     fn begin(&self) -> Box<dyn Pulling<W> + '_> {
-        let rooms = self.effects.iter().map(|effects| effects.room(self.bodies));
-        Box::new(Rooms {
-            lanes: self.effects.iter().zip(rooms).collect(),
-            positions: vec![[Fused(0.0); D]; self.bodies],
+        let zero = zeros::<N>();
+        Box::new(Room {
+            effects: self.effects.iter().map(|effects| (effects, effects.room(self.bodies))).collect(),
+            positions: vec![[zero; D]; self.bodies],
             forces: vec![Force::zero(); self.bodies],
         })
     }
     fn copy(&mut self, from: usize, to: usize) {
-        self.effects[to] = self.effects[from].clone();
-    }
-}
-
-/// Effects of lanes, and room for one.
-struct Rooms<'a, G: Forces<Number, D>, const D: usize> {
-    lanes: Vec<(&'a G, G::Room)>,
-    positions: Vec<[Number; D]>,
-    forces: Vec<G::Force>,
-}
-
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Pulling<W> for Rooms<'_, G, D> {
-    fn pull(
-        &mut self,
-        set: Fusing,
-        times: f64,
-        q: &[Numbers<W>],
-        masses: &[[f64; 2]],
-        to: &mut [Numbers<W>],
-    ) {
-        set.run(PullOneByOne { rooms: self, times, q, masses, to });
-    }
-}
-
-struct PullOneByOne<'a, 'b, G: Forces<Number, D>, const D: usize, const W: usize> {
-    rooms: &'a mut Rooms<'b, G, D>,
-    times: f64,
-    q: &'a [Numbers<W>],
-    masses: &'a [[f64; 2]],
-    to: &'a mut [Numbers<W>],
-}
-
-impl<G: Forces<Number, D>, const D: usize, const W: usize> Work for PullOneByOne<'_, '_, G, D, W> {
-    type Done = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { rooms: Rooms { lanes, positions, forces }, times, q, masses, to } = self;
-        for (l, (effects, room)) in lanes.iter_mut().enumerate() {
-            for (position, q) in positions.iter_mut().zip(q.as_chunks::<D>().0) {
-                *position = from_fn(|d| q[d].0[l]);
-            }
-            effects.evaluate(Moment { time: 0.0, positions }, room, forces);
-            let bodies = forces.iter().zip(masses.as_chunks::<D>().0).zip(to.as_chunks_mut::<D>().0);
-            for ((force, masses), to) in bodies {
-                let force = force.components();
-                for d in 0..D {
-                    to[d].0[l] = Fused(times * masses[d][1]).multiply_add(force[d], to[d].0[l]);
-                }
-            }
+        if self.effects.len() > 1 {
+            self.effects[to] = self.effects[from].clone();
         }
     }
 }
 
-/// Numbers of the lanes for which forces between bodies are evaluated at once.
-type Vector = Numbers<FEW>;
-
-/// Any effects, the same on all lanes.
-#[derive(Clone)]
-struct Any<G, const D: usize> {
-    effects: G,
-    bodies: usize,
-}
-
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulls<W> for Any<G, D> {
-    fn boxed(&self) -> Box<dyn Pulls<W>> {
-        Box::new(self.clone())
-    }
-    fn begin(&self) -> Box<dyn Pulling<W> + '_> {
-        let zero = zeros::<FEW>();
-        Box::new(Room {
-            effects: &self.effects,
-            positions: vec![[zero; D]; self.bodies],
-            forces: vec![Force::zero(); self.bodies],
-            room: self.effects.room(self.bodies),
-        })
-    }
-}
-
-/// Effects, and room for some lanes.
-struct Room<'a, G: Forces<Vector, D>, const D: usize> {
-    effects: &'a G,
-    positions: Vec<[Vector; D]>,
+/// Effects, each with its room, and what is evaluated for N lanes.
+struct Room<'a, G: Forces<Numbers<N>, D>, const D: usize, const N: usize> {
+    effects: Vec<(&'a G, G::Room)>,
+    positions: Vec<[Numbers<N>; D]>,
     forces: Vec<G::Force>,
-    room: G::Room,
 }
 
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulling<W> for Room<'_, G, D> {
+impl<G: Forces<Numbers<N>, D>, const D: usize, const N: usize, const W: usize> Pulling<W>
+    for Room<'_, G, D, N>
+{
     fn pull(
         &mut self,
         set: Fusing,
@@ -246,31 +174,35 @@ impl<G: Forces<Vector, D>, const D: usize, const W: usize> Pulling<W> for Room<'
     }
 }
 
-struct PullAll<'a, 'b, G: Forces<Vector, D>, const D: usize, const W: usize> {
-    room: &'a mut Room<'b, G, D>,
+struct PullAll<'a, 'b, G: Forces<Numbers<N>, D>, const D: usize, const N: usize, const W: usize> {
+    room: &'a mut Room<'b, G, D, N>,
     times: f64,
     q: &'a [Numbers<W>],
     masses: &'a [[f64; 2]],
     to: &'a mut [Numbers<W>],
 }
 
-impl<G: Forces<Vector, D>, const D: usize, const W: usize> Work for PullAll<'_, '_, G, D, W> {
+impl<G: Forces<Numbers<N>, D>, const D: usize, const N: usize, const W: usize> Work
+    for PullAll<'_, '_, G, D, N, W>
+{
     type Done = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { room: Room { effects, positions, forces, room }, times, q, masses, to } = self;
-        for first in (0..W).step_by(FEW) {
+        let Self { room: Room { effects, positions, forces }, times, q, masses, to } = self;
+        let last = effects.len() - 1;
+        for (chunk, first) in (0..W).step_by(N).enumerate() {
             for (position, q) in positions.iter_mut().zip(q.as_chunks::<D>().0) {
                 *position = from_fn(|d| Lanes(from_fn(|l| q[d].0[first + l])));
             }
+            let (effects, room) = &mut effects[chunk.min(last)];
             effects.evaluate(Moment { time: 0.0, positions }, room, forces);
             let bodies = forces.iter().zip(masses.as_chunks::<D>().0).zip(to.as_chunks_mut::<D>().0);
             for ((force, masses), to) in bodies {
                 let force = force.components();
                 for d in 0..D {
                     let times = Fused(times * masses[d][1]);
-                    for l in 0..FEW {
+                    for l in 0..N {
                         to[d].0[first + l] = times.multiply_add(force[d].0[l], to[d].0[first + l]);
                     }
                 }

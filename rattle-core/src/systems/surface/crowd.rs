@@ -65,3 +65,34 @@ impl Crowd {
         self.tiles[tile]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// After how many steps of [`shares`](crate::solve::crowd::shares) each drift of this length asks, and for which.
+    fn asked(lengths: impl IntoIterator<Item = f64>) -> Vec<Option<(u64, f64)>> {
+        let mut crowd = Crowd::of(1);
+        lengths.into_iter().map(|h| crowd.turn(h)).collect()
+    }
+
+    #[test]
+    fn it_is_asked_at_first_and_after_16_drifts_again() {
+        for (drift, asked) in asked([-1.0; 50]).into_iter().enumerate() {
+            let expected = match drift {
+                0 => Some((0, 1.25)),
+                16 => Some((64, 1.25)),
+                32 => Some((128, 1.25)),
+                48 => Some((192, 1.25)),
+                _ => None,
+            };
+            assert_eq!(asked, expected, "drift {drift}");
+        }
+    }
+
+    #[test]
+    fn it_is_asked_anew_where_steps_are_a_quarter_longer() {
+        let expected = [Some((0, 1.25)), None, None, Some((0, 1.5625 * 1.25)), None];
+        assert_eq!(asked([1.0, -1.25, 0.5, -1.5625, 1.5625]), expected);
+    }
+}
