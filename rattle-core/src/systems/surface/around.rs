@@ -64,7 +64,7 @@ mod tests {
     use crate::systems::surface::normal::Normal;
     use std::f64::consts::FRAC_PI_3;
 
-    /// g = scale·(sin(wave·y)/wave + bend·x²/2): sheets above each other, π/wave apart. At the origin g rises along the
+    /// g = scale·(sin(wave·y)/wave + bend·x²/2): sheets above each other, π/wave apart. At the origin g rises along its
     /// normal by half of what it does there, the least that is taken for one sheet, at a distance of π/3/wave.
     #[derive(Clone)]
     struct Sheets {
@@ -122,7 +122,7 @@ mod tests {
         Around { constraint: sheets, bodies, h, turn }.run()
     }
 
-    /// The distance, of a body that moves along x, is written out here: (bend, velocity, force) and the sum for h = 0.1.
+    /// How far is written out here, for h = 0.1 and a body that moves along x: bend, velocity and force, and the sum.
     #[test]
     fn sheets_are_seen_as_far_as_the_step_is_bent_and_no_farther() {
         let cases = [
