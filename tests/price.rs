@@ -100,6 +100,51 @@ fn lanes_are_priced_beside_simulations() {
     assert!(alone.clone().all(|refused| matches!(refused.why, Some(Error::Price(PriceMistake::OneByOne)))));
 }
 
+/// In double precision, and not by Lobatto's methods.
+#[test]
+fn links_are_priced_side_by_side() {
+    let scene = double_pendulum(1.0);
+    let others = (1..16).map(|i| {
+        let (sin, cos) = (0.1 * f64::from(i)).sin_cos();
+        State::of([[0.0, 0.0], [1.0, 0.0], [1.0 + sin, cos]])
+    });
+    let prices = scene.scene.price(&scene.start, 1.0).side_by_side(others).budget(2.0).clock(scene.clock());
+    let prices = prices.measure().unwrap();
+    let mut compared = 0;
+    for lanes in Candidate::LANES {
+        let Candidate::InLanes(&method, numbers) = lanes else { panic!("{lanes}") };
+        let why = prices
+            .refused
+            .iter()
+            .find(|refused| refused.method == lanes)
+            .and_then(|refused| refused.why.as_ref());
+        match (method, numbers) {
+            (_, Numbers::Single) => {
+                assert!(matches!(why, Some(Error::Price(PriceMistake::AlwaysDouble))), "{why:?}")
+            }
+            (Candidate::Lobatto3 | Candidate::Lobatto5 | Candidate::Lobatto8, _) => {
+                assert!(matches!(why, Some(Error::Price(PriceMistake::OneByOne))), "{why:?}");
+            }
+            _ => {
+                assert!(why.is_none(), "{lanes}: {why:?}");
+                let rows = |method: Candidate| prices.rows.iter().filter(move |row| row.method == method);
+                for (row, alone) in rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone))) {
+                    if row.h == alone.h {
+                        let [a, b] = [row, alone].map(|row| row.position.unwrap());
+                        assert!(
+                            (a - b).abs() <= 1e-13 + 1e-9 * b,
+                            "{lanes}: {a:e} and {b:e} at h = {}",
+                            row.h
+                        );
+                        compared += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(compared >= 10, "{compared}\n{prices}");
+}
+
 #[test]
 fn time_is_never_longer_than_asked() {
     for budget in [0.003, 0.03, 0.3] {

@@ -136,7 +136,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let double = Scene::points(3).link(Rod { length: 1.0 }, [[0, 1], [1, 2]]).pin(0, [0.0; 2]);
     let double = double.with(planar::Gravity { g: 1.0 });
     let start = State::of([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
-    price(measured("double_pendulum", "A double pendulum", double.price(&start, 5.0), budget)?)?;
+    let others: Vec<_> = (1..=LANES).map(|i| bent(around(i))).collect();
+    let pricing = double.price(&start, 5.0).side_by_side(others);
+    price(measured("double_pendulum", "A double pendulum", pricing, 2.0 * budget)?)?;
     let columns = ["x1", "y1", "x2", "y2"];
     let exact = row(include_str!("../../tests/data/double_pendulum.csv"), &[("t", "5")], &columns)?;
     check(&double, &start, 5.0, budget, &exact)?;
@@ -161,7 +163,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let start = Rigid::start(&Matrix3::identity(), &[1.8, 0.4, -0.9].into());
     price(measured("free_body", "A free rigid body", free.price(&start, 5.0), budget)?)?;
     let top = Scene::rigid(body).with(Top { weight: 1.0 });
-    price(measured("heavy_body", "A heavy rigid body", top.price(&start, 5.0), budget)?)?;
+    let others = (1..=LANES).map(|i| Rigid::start(&Matrix3::identity(), &around(i).into()));
+    let pricing = top.price(&start, 5.0).side_by_side(others);
+    price(measured("heavy_body", "A heavy rigid body", pricing, 2.0 * budget)?)?;
 
     let hopf = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
     let start = hopf.project(&on_fibres()?)?;
@@ -279,6 +283,11 @@ fn forecasts() -> Result<(), Box<dyn Error>> {
 fn around(number: u32) -> [f64; 3] {
     let (sin, cos) = (f64::from(number) * std::f64::consts::TAU / f64::from(LANES + 1)).sin_cos();
     [cos, sin, 0.0]
+}
+
+/// A double pendulum at rest, its second rod in this direction.
+fn bent([x, y, _]: [f64; 3]) -> State<2> {
+    State::of([[0.0, 0.0], [1.0, 0.0], [1.0 + x, y]])
 }
 
 /// Twenty-one bodies at rest, apart from each other.

@@ -25,6 +25,9 @@ pub enum PriceMistake {
     /// Trajectories of this scene do not go side by side by this method: an ensemble moves them one by one.
     #[error("trajectories go one by one here, and take as long as simulations")]
     OneByOne,
+    /// Linked and rigid bodies in lanes are computed in double precision, whatever is asked for.
+    #[error("linked and rigid bodies are computed in double precision")]
+    AlwaysDouble,
     /// Random forces: another step size gives another path, so there is no error to measure.
     #[error(
         "random forces of `{effect}` make another path with every step size, and there is no error of one path to price"

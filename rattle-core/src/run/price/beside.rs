@@ -7,7 +7,7 @@ use crate::methods::lobatto::Lobatto;
 use crate::methods::rattle::Rattle;
 use crate::motion::bodies::Count;
 use crate::motion::guess::Extrapolated;
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind};
 use crate::motion::state::State;
 use crate::run::ensemble::precision::{Compensated, Double, Single};
 use crate::run::ensemble::trajectories::Ensemble;
@@ -37,7 +37,12 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
     h: f64,
 ) -> Result<Ensemble<D>, Error> {
     let starts = starts.iter().cloned();
+    let on_surfaces = const { matches!(C::KIND, Kind::Other) }; // what others refuse is not compiled for them
     match (method, numbers) {
+        (Candidate::Rattle, Numbers::Single) if !on_surfaces => Err(Error::Price(PriceMistake::AlwaysDouble)),
+        (Candidate::Lobatto3 | Candidate::Lobatto5 | Candidate::Lobatto8, _) if !on_surfaces => {
+            Err(Error::Price(PriceMistake::OneByOne))
+        }
         (Candidate::Rattle, Numbers::Single) => scene.ensemble_in(Single, starts, Rattle::new(h)),
         (Candidate::Rattle, Numbers::Double) => scene.ensemble_in(Double, starts, Rattle::new(h)),
         (Candidate::Rattle, Numbers::Compensated) => scene.ensemble_in(Compensated, starts, Rattle::new(h)),
