@@ -105,12 +105,24 @@ fn equal_scenes_are_an_ensemble() {
 }
 
 /// Bits depend on no neighbour, no division of the run, and not on a checkpoint, also where some trajectories fail, or
-/// their steps have to be divided.
+/// their steps have to be divided. Of each three trajectories two have the same masses, which are in lanes without the
+/// third one that does not.
 #[test]
 fn neighbours_are_not_disturbed() {
-    let number = 70;
     let lengths = |i: usize| if i.is_multiple_of(40) { [0.02, 1.0] } else { LENGTHS(i) };
-    let scenes: Vec<_> = (0..number).map(|i| double(lengths(i), spread(i, 0.2, 2.0))).collect();
+    let masses = |i: usize| if i % 3 == 1 { [1.0, spread(i, 0.3, 3.0), 1.0] } else { [1.0, 3.0, 1.7] };
+    let g = |i: usize| spread(i, 0.2, 2.0);
+    undisturbed(lengths, |i| double(lengths(i), g(i)));
+    undisturbed(lengths, |i| double(lengths(i), g(i)).masses(masses(i)));
+    undisturbed(lengths, |i| double(lengths(i), g(i)).masses(masses(i)).with(weights(g(i), masses(i))));
+}
+
+fn undisturbed<E: Effects<2> + 'static>(
+    lengths: impl Fn(usize) -> [f64; 2],
+    scene: impl Fn(usize) -> Scene<Network<2>, E, Many, 2>,
+) {
+    let number = 70;
+    let scenes: Vec<_> = (0..number).map(scene).collect();
     let starts: Vec<_> = (0..number)
         .map(|i| {
             let at_rest = start(lengths(i), spread(i, 0.3, 1.4)).with_momenta([[0.0; 2]; 3]);
@@ -125,6 +137,7 @@ fn neighbours_are_not_disturbed() {
         };
         let all: Vec<_> = (0..number).collect();
         let mut first = of(&all);
+        let at_first = first.checkpoint();
         first.run(80);
         assert!(halvings > 0 || first.failures().count() > 0);
         assert!(first.failures().all(|(i, _)| i.is_multiple_of(40)));
@@ -142,6 +155,13 @@ fn neighbours_are_not_disturbed() {
             parts = again;
         }
         all.iter().for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} in parts"));
+        // Those that have ended go on from where they were before.
+        for _ in 0..2 {
+            parts.resume(&at_first).unwrap();
+            parts.run(80);
+            all.iter()
+                .for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} from the start again"));
+        }
     }
 }
 
@@ -160,4 +180,36 @@ fn other_topologies_go_alone() {
     };
     let scenes: Vec<_> = (0..30).map(scene).collect();
     assert_eq!(off(Double, &scenes, &starts, &Rattle::new(0.01)), 0.0);
+}
+
+/// Energies and forces are those of the scene of each trajectory.
+#[test]
+fn sights_know_their_scenes() {
+    struct Told(Vec<f64>);
+    impl Observer<2> for Told {
+        fn see(&mut self, _: &Sight<'_, 2>, now: &Sight<'_, 2>) {
+            self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature()]);
+            self.0.extend(now.multipliers().into_iter().chain(now.effect_energies()));
+        }
+        fn join(&mut self, next: Self) {
+            self.0.extend(next.0);
+        }
+    }
+    let masses = |i: usize| [1.0, spread(i, 0.3, 3.0), spread(i + 3, 0.3, 3.0)];
+    let scene = |i: usize| double(LENGTHS(i), spread(i, 0.2, 2.0)).masses(masses(i));
+    let scenes: Vec<_> = (0..3).map(scene).collect();
+    let starts: Vec<_> =
+        scenes.iter().zip(starts(3, LENGTHS)).map(|(scene, start)| scene.project(&start).unwrap()).collect();
+    let trajectories = scenes.iter().zip(starts.iter().cloned());
+    let mut sweep = Ensemble::sweep(Double, trajectories, Rattle::new(0.01)).unwrap();
+    let seen = sweep.observe(30, 10, || Each::of(|| Told(Vec::new())));
+    for (i, (scene, start)) in scenes.iter().zip(&starts).enumerate() {
+        let (mut own, mut simulation) =
+            (Told(Vec::new()), scene.simulate(start.clone(), Rattle::new(0.01)).unwrap());
+        simulation.observe(30, 10, &mut own).unwrap();
+        let told = seen.get(i).unwrap();
+        assert_eq!(told.0.len(), own.0.len());
+        let off = told.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-11, "{i}: {off:e}");
+    }
 }

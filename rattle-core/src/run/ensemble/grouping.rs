@@ -130,7 +130,7 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
             if const { S::COLLOCATES == $stages && D <= MOST_COORDINATES } {
-                return Some(P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes)));
+                return P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes));
             }
         )*};
     }
@@ -164,12 +164,10 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
-        let rows = (*first..).step_by(FEW).zip(starts.chunks(FEW));
-        return Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect());
+        return in_rows(FEW, starts, |from, starts| Some(side_by_side(row.clone(), first + from, starts)));
     }
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method)?;
-    let rows = (*first..).step_by(ROW).zip(starts.chunks(ROW));
-    Some(rows.map(|(first, starts)| side_by_side(row.clone(), first, starts)).collect())
+    in_rows(ROW, starts, |from, starts| Some(side_by_side(row.clone(), first + from, starts)))
 }
 
 /// The same, each in a network and under effects of its own.
@@ -186,12 +184,11 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     }
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let method = (&stages[..], equal, *h, P::compute(Sums), *set);
-    let row = |(from, starts): (usize, &[State<D>])| {
+    in_rows(ROW, starts, |from, starts| {
         let own = from..from + starts.len();
         let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
         Some(side_by_side(row, first + from, starts))
-    };
-    (0..).step_by(ROW).zip(starts.chunks(ROW)).map(row).collect()
+    })
 }
 
 /// Trajectories of rigid bodies, no more than there are lanes, in rows, if the method is a splitting; in systems of one
@@ -207,9 +204,9 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     if starts.iter().any(|start| start.len() != number) {
         return None;
     }
-    let row = Rigids { bodies, systems, effects, starts, lanes, sums: P::compute(Sums) };
+    let rows = Rigids { bodies, systems, effects, starts, lanes, sums: P::compute(Sums) };
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    Some(if starts.len() <= 3 * FEW { row.in_rows::<FEW>(equal) } else { row.in_rows::<ROW>(equal) })
+    if starts.len() <= 3 * FEW { rows.of::<FEW>(equal) } else { rows.of::<ROW>(equal) }
 }
 
 /// What turns rigid bodies.
@@ -248,21 +245,21 @@ struct Rigids<'a, X, Y, const D: usize> {
 }
 
 impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
-    fn in_rows<const W: usize>(&self, equal: bool) -> Vec<Box<dyn Group<D>>>
+    /// Rows of W.
+    fn of<const W: usize>(&self, equal: bool) -> Groups<D>
     where
         Width: Turns<W>,
     {
         let Self { bodies, systems, effects, starts, lanes: InLanes { stages, h, set, first, .. }, sums } =
             *self;
-        let row = |(from, starts): (usize, &[State<D>])| {
+        in_rows(W, starts, |from, starts| {
             let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
             let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
             let method = (&stages[..], equal, *h);
             let (torques, number) = (effects.torques(from), starts[0].len());
             let engine = RigidLanes::<Y, D, W>::new(systems, bodies, torques, number, method, sums, *set);
-            side_by_side(engine, first + from, starts)
-        };
-        (0..).step_by(W).zip(starts.chunks(W)).map(row).collect()
+            Some(side_by_side(engine, first + from, starts))
+        })
     }
 }
 
@@ -275,6 +272,15 @@ impl InNumbers for Sums {
     fn compute<S: Lane, const SUMS: usize>(self) -> bool {
         SUMS > 0
     }
+}
+
+/// Trajectories in rows of so many, each made from the number of its first, counted from these, and its starts.
+fn in_rows<const D: usize>(
+    width: usize,
+    starts: &[State<D>],
+    mut row: impl FnMut(usize, &[State<D>]) -> Option<Box<dyn Group<D>>>,
+) -> Groups<D> {
+    (0..).step_by(width).zip(starts.chunks(width)).map(|(from, starts)| row(from, starts)).collect()
 }
 
 /// Trajectories in the lanes of an engine, the first of which has this number.
@@ -315,21 +321,20 @@ impl<O: Obeyed<D>, const N: usize, const D: usize> InNumbers for Collocations<'_
 where
     Table<N>: Tabulated,
 {
-    type Done = Vec<Box<dyn Group<D>>>;
+    type Done = Groups<D>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
         let Self(obeyed, starts, InLanes { h, set, first, .. }) = self;
-        let row = |(from, starts): (usize, &[State<D>])| {
+        in_rows(OF_STAGES, starts, |from, starts| {
             let table = const { &Table::<N>::TABLE };
             if const { O::ALIKE } && starts.len() == 1 {
                 let laws = obeyed.laws::<S, 1>(from);
                 let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
-                return side_by_side(engine, first + from, starts);
+                return Some(side_by_side(engine, first + from, starts));
             }
             let laws = obeyed.laws::<S, OF_STAGES>(from);
             let engine = CollocationLanes::<S, _, OF_STAGES, D, SUMS, N>::new(laws, table, *h, *set);
-            side_by_side(engine, first + from, starts)
-        };
-        (0..).step_by(OF_STAGES).zip(starts.chunks(OF_STAGES)).map(row).collect()
+            Some(side_by_side(engine, first + from, starts))
+        })
     }
 }

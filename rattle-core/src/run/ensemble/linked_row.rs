@@ -300,12 +300,13 @@ impl<const W: usize> Course<'_, W> {
         };
         if let Ok([q, pull]) = numbers.get_disjoint_mut([*q..q + n, *pull..pull + n]) {
             pull.fill(zeros());
-            pulling.pull(self.set, times, q, masses, pull);
+            pulling.pull(self.set, 1.0, q, masses, pull);
         }
+        // Rounded as where masses are the same: bits depend on no neighbour.
         for c in 0..*n {
             let (over, force, mut sum) = (&over[c], numbers[pull + c], numbers[to + c]);
             for l in 0..W {
-                sum.0[l] = over.0[l].multiply_add(force.0[l], sum.0[l]);
+                sum.0[l] = (Fused(times) * over.0[l]).multiply_add(force.0[l], sum.0[l]);
             }
             numbers[to + c] = sum;
         }

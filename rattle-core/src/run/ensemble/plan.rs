@@ -432,12 +432,13 @@ impl Plan {
             for &[entry, coordinate] in entries {
                 let (over, of) = (Fused(self.masses[coordinate][1]), &numbers[gradient + entry]);
                 let mut up = zeros::<W>();
-                for l in 0..W {
-                    up.0[l] = over * of.0[l];
-                }
                 if let Some(over) = of_lanes {
                     for l in 0..W {
                         up.0[l] = over[coordinate].0[l] * of.0[l];
+                    }
+                } else {
+                    for l in 0..W {
+                        up.0[l] = over * of.0[l];
                     }
                 }
                 for l in 0..W {

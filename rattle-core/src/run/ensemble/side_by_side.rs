@@ -34,6 +34,9 @@ const BILLED: u32 = 256;
 /// Trajectories in the lanes of an engine.
 pub(crate) struct SideBySide<const D: usize> {
     engine: Box<dyn Engine<D>>,
+    /// An engine whose lanes obey what they did at first: once trajectories have ended, their lanes obey what others
+    /// do.
+    at_first: Option<Box<dyn Engine<D>>>,
     h: f64,
     steps: u64,
     /// Times of the starts, and what rounding took from them.
@@ -76,6 +79,7 @@ impl<const D: usize> Clone for SideBySide<D> {
     fn clone(&self) -> Self {
         Self {
             engine: self.engine.boxed(),
+            at_first: self.at_first.as_ref().map(|engine| engine.boxed()),
             start_time: self.start_time.clone(),
             ended: self.ended.clone(),
             own: self.own.clone(),
@@ -99,6 +103,7 @@ impl<const D: usize> SideBySide<D> {
         let mut group = Self {
             h: engine.step_size(),
             engine,
+            at_first: None,
             steps: 0,
             start_time,
             draws,
@@ -232,6 +237,9 @@ impl<const D: usize> SideBySide<D> {
                 self.set(lane, &bodies);
             }
             self.stand_in(&self.moving.clone());
+        }
+        if self.at_first.is_none() && !self.ended.is_empty() {
+            self.at_first = Some(before.0);
         }
         self.steps = end;
         true
@@ -456,10 +464,12 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             ended.push(Ended { lane: lane(own), steps, bodies, failure });
         }
         let lanes = format!("{} lanes", self.engine.width());
-        let mut engine = from.within(&lanes, |from| self.engine.recalled(from))?;
+        let at_first = self.at_first.as_ref().unwrap_or(&self.engine);
+        let mut engine = from.within(&lanes, |from| at_first.recalled(from))?;
         for (lane, &Draws { trajectory, steps, .. }) in draws.iter().enumerate().take(engine.width()) {
             engine.draw_as(lane, trajectory, steps);
         }
+        let at_first = (!ended.is_empty()).then(|| engine.boxed());
         for (to, &from) in
             copy_of.iter().enumerate().take(self.engine.width()).filter(|&(to, &from)| to != from)
         {
@@ -467,6 +477,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         }
         let again = Self {
             engine,
+            at_first,
             h: self.h,
             steps,
             start_time: times.iter().map(|&[time, low]| (time, low)).collect(),

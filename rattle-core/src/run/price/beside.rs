@@ -37,12 +37,20 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
     h: f64,
 ) -> Result<Ensemble<D>, Error> {
     let starts = starts.iter().cloned();
-    let on_surfaces = const { matches!(C::KIND, Kind::Other) }; // what others refuse is not compiled for them
+    if const { !matches!(C::KIND, Kind::Other) } {
+        // What does not go side by side is not compiled.
+        return match (method, numbers) {
+            (Candidate::Rattle, Numbers::Compensated) => {
+                scene.ensemble_in(Compensated, starts, Rattle::new(h))
+            }
+            (Candidate::Rattle, _) => scene.ensemble_in(Double, starts, Rattle::new(h)),
+            (Candidate::Composition(coefficients), _) => {
+                scene.ensemble(starts, Composition::new(coefficients, h))
+            }
+            _ => Err(Error::Price(PriceMistake::OneByOne)),
+        };
+    }
     match (method, numbers) {
-        (Candidate::Rattle, Numbers::Single) if !on_surfaces => Err(Error::Price(PriceMistake::AlwaysDouble)),
-        (Candidate::Lobatto3 | Candidate::Lobatto5 | Candidate::Lobatto8, _) if !on_surfaces => {
-            Err(Error::Price(PriceMistake::OneByOne))
-        }
         (Candidate::Rattle, Numbers::Single) => scene.ensemble_in(Single, starts, Rattle::new(h)),
         (Candidate::Rattle, Numbers::Double) => scene.ensemble_in(Double, starts, Rattle::new(h)),
         (Candidate::Rattle, Numbers::Compensated) => scene.ensemble_in(Compensated, starts, Rattle::new(h)),
@@ -69,6 +77,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
         let ensemble = (self.make)(scene, &self.starts, method, numbers, h)?;
         if ensemble.groups.iter().all(|group| group.len() == 1) {
             return Err(Error::Price(PriceMistake::OneByOne));
+        }
+        if !matches!(C::KIND, Kind::Other) && numbers == Numbers::Single {
+            return Err(Error::Price(PriceMistake::AlwaysDouble));
         }
         let again = move || self.begin(scene, method, numbers, h, energy);
         Ok(Box::new(InLanes { ensemble, energy, again: Box::new(again) }))

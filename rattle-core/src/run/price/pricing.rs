@@ -109,8 +109,8 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
 
     /// Prices [ensembles](crate::run::ensemble::Ensemble) too: trajectories from `others` side by side with the one
     /// from the start, on one core, in [double](crate::run::ensemble::Double) precision and, by RATTLE, in single
-    /// precision and with compensated sums. Rows [in lanes](Candidate::InLanes) tell the error of the trajectory from
-    /// the start and the cost of one of all trajectories.
+    /// precision (on surfaces) and with compensated sums. Rows [in lanes](Candidate::InLanes) tell the error of the
+    /// trajectory from the start and the cost of one of all trajectories.
     ///
     /// The energy of such a row is compared with that at the start, and NaN where the time does work on the scene;
     /// averages are not told.
