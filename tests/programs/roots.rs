@@ -24,3 +24,5 @@ mod shadow;
 mod singular_points;
 #[path = "../variable.rs"]
 mod variable;
+#[path = "../wrapped.rs"]
+mod wrapped;
