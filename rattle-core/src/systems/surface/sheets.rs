@@ -39,6 +39,10 @@ const SMALLEST_SHARE: f64 = 1.0 / 1024.0;
 /// of that of places.
 const THERE: f64 = 65536.0;
 
+/// A step that led astray by more than this part of its path is walked. On a circle that are steps of more than 1.1
+/// radians.
+const BOLD: f64 = 0.1;
+
 /// Parts of the step that a walk goes by way of.
 const BENDS: u32 = 8;
 
@@ -63,15 +67,16 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
-        let asked = now.kept.crowd.asked;
+        let (asked, was_near) = (now.kept.crowd.asked, now.kept.crowd.near);
         if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
-            let as_at_first = astray > FARTHER * asked; // as far as a sheet that was passed over may be
+            // As far as a sheet that was passed over may be; and that none is near any more is no matter of a few places.
+            let as_at_first = was_near || astray > FARTHER * asked;
             self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
         }
         let near = now.kept.crowd.near;
         for body in 0..self.count.number() {
             let (from, to) = (before.body(body), now.body(body));
-            if near || self.is_off_inside(h, body, &from, &to, now) {
+            if near || is_bold(h, &from, &to) || self.is_off_inside(h, body, &from, &to, now) {
                 check_walk(&self.constraint, body, h, &from, &to)?;
             }
         }
@@ -155,6 +160,14 @@ fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>
     let way = add_scaled(&now.q, T::from_f64(-1.0), &before.q);
     let off = add_scaled(&way, half, &sum(&before.p, &now.p));
     off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
+}
+
+/// Whether a step led astray by more than [`BOLD`] of its path: farther than any sign reaches.
+#[inline(always)]
+fn is_bold<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>) -> bool {
+    let path = scaled(T::from_f64(0.5 * h), &sum(&from.p, &to.p));
+    let off = sum(&add_scaled(&to.q, T::from_f64(-1.0), &from.q), &scaled(T::from_f64(-1.0), &path));
+    !dot(&off, &off).le(T::from_f64(BOLD * BOLD) * dot(&path, &path)).all()
 }
 
 /// Walks from one place towards another, by way of what places and momenta at both say. An error where that is not
