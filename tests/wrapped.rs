@@ -186,6 +186,39 @@ fn each_stays_on_its_sphere() {
     }
 }
 
+/// Whether 40 steps from here end on the unit sphere, or before in an error.
+fn keeps<S: Method>(k: f64, g: f64, q: [f64; 3], p: [f64; 3], method: S) -> bool {
+    let scene = Scene::on(Wrapped { squares: 1.0, k, ..NONE }).with(Gravity { g });
+    let start = scene.project(&State::at(q).moving(p)).unwrap();
+    let mut simulation = scene.simulate(start, method).unwrap();
+    for _ in 0..40 {
+        if simulation.step().is_err() {
+            return true;
+        }
+        if !((simulation.position().norm() - 1.0).abs() <= 0.7 / k) {
+            return false;
+        }
+    }
+    true
+}
+
+/// Two that were led far astray, and two where a look at few places had missed that other spheres were near.
+#[test]
+fn those_that_were_wrong_are_not() {
+    let [q, p] =
+        [[-0.592_648_455, 0.772_796_453, 0.227_053_849], [-0.569_524_220, -0.301_059_442, -0.461_872_727]];
+    assert!(keeps(3.253_713_839, 5.734_478_913, q, p, Lobatto::<3>::new(0.308_153_728)));
+    let [q, p] =
+        [[-0.687_739_973, 0.600_961_297, 0.407_258_209], [0.095_155_057, 0.067_704_869, 0.060_781_907]];
+    assert!(keeps(44.725_010_403, 8.325_016_071, q, p, Lobatto::<3>::new(0.304_109_552)));
+    let [q, p] =
+        [[-0.451_742_272, 0.033_700_532, 0.891_511_746], [0.371_650_418, 0.448_320_008, 0.171_373_605]];
+    assert!(keeps(2231.783_320_632, 2.137_360_855, q, p, Lobatto::<5>::new(0.146_864_014)));
+    let [q, p] =
+        [[-0.326_331_636, 0.829_376_711, 0.453_477_601], [-0.004_461_853, 0.611_749_118, -1.122_054_353]];
+    assert!(keeps(7265.517_359_430, 1.781_877_480, q, p, Lobatto::<5>::new(0.243_192_970)));
+}
+
 #[test]
 #[ignore = "a minute: cargo test --release --test roots wrapped:: -- --ignored --nocapture"]
 fn each_of_many_stays_on_its_sphere() {

@@ -2,9 +2,10 @@
 //!
 //! Power series, explicit methods and collocation end on *some* sheet. Two signs show that it may be a wrong one: g
 //! rises and falls along the normal, as it does where other sheets are near ([`crate::solve::crowd`]); or g *inside*
-//! the step, on a curve through its two ends, is not as small as it is along one sheet. In either case the end is
-//! tested by a walk: with short steps of RATTLE along the curve, each of them examined inside. If the end lies on
-//! another sheet, the walk arrives at a point beside it.
+//! the step, on a curve through its two ends, is not as small as it is along one sheet. In either case, and where a
+//! step leads so far from what its momenta say that neither sign would tell, the end is tested by a walk: with short
+//! steps of RATTLE along the curve, each of them examined inside. If the end lies on another sheet, the walk arrives at
+//! a point beside it.
 //!
 //! The curve is Hermite's cubic, and where g is not small on it, the quartic that also matches the acceleration at the
 //! end. On the lemniscate at h = 0.02 and 0.05 a fifth and a half of all steps need the quartic, and 0.03 % and 2 % a
@@ -69,7 +70,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
         let (asked, was_near) = (now.kept.crowd.asked, now.kept.crowd.near);
         if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
-            // As far as a sheet that was passed over may be; and that none is near any more is no matter of a few places.
+            // As far as a sheet that was passed over may be; and that none is near any more is no matter of a few
+            // places.
             let as_at_first = was_near || astray > FARTHER * asked;
             self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
         }
