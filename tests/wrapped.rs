@@ -123,7 +123,8 @@ fn moves<S: Method>(
                     break;
                 }
                 found[0] += 1;
-                if !(off(simulation.position()) <= half) {
+                let stays = off(simulation.position()) <= half;
+                if !stays {
                     told(simulation.steps(), off(simulation.position()));
                     found[2] += 1;
                     break;
@@ -153,7 +154,8 @@ fn moves_in_lanes(kind: u32, seed: u64) -> [u64; 3] {
     for i in 0..ensemble.len() {
         let off = (ensemble.state(i).positions().next().unwrap().norm() - radius).abs();
         let failed = ensemble.failure(i).is_some();
-        let wrong = !failed && !(off <= half);
+        let stays = off <= half;
+        let wrong = !failed && !stays;
         if wrong {
             println!("lanes, seed {seed}, trajectory {i}: {off:e} off, h = {h}: {surface:?}");
         }
@@ -195,7 +197,8 @@ fn keeps<S: Method>(k: f64, g: f64, q: [f64; 3], p: [f64; 3], method: S) -> bool
         if simulation.step().is_err() {
             return true;
         }
-        if !((simulation.position().norm() - 1.0).abs() <= 0.7 / k) {
+        let stays = (simulation.position().norm() - 1.0).abs() <= 0.7 / k;
+        if !stays {
             return false;
         }
     }
@@ -213,10 +216,10 @@ fn those_that_were_wrong_are_not() {
     assert!(keeps(44.725_010_403, 8.325_016_071, q, p, Lobatto::<3>::new(0.304_109_552)));
     let [q, p] =
         [[-0.451_742_272, 0.033_700_532, 0.891_511_746], [0.371_650_418, 0.448_320_008, 0.171_373_605]];
-    assert!(keeps(2231.783_320_632, 2.137_360_855, q, p, Lobatto::<5>::new(0.146_864_014)));
+    assert!(keeps(2_231.783_320_632, 2.137_360_855, q, p, Lobatto::<5>::new(0.146_864_014)));
     let [q, p] =
         [[-0.326_331_636, 0.829_376_711, 0.453_477_601], [-0.004_461_853, 0.611_749_118, -1.122_054_353]];
-    assert!(keeps(7265.517_359_430, 1.781_877_480, q, p, Lobatto::<5>::new(0.243_192_970)));
+    assert!(keeps(7_265.517_359_430, 1.781_877_480, q, p, Lobatto::<5>::new(0.243_192_970)));
 }
 
 #[test]
