@@ -91,6 +91,37 @@ pub(crate) fn off_alone<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D:
     places.chain(ways).fold(0.0, f64::max)
 }
 
+/// All that sights tell, each 10 of 30 steps.
+#[derive(Default)]
+pub(crate) struct Told(Vec<f64>);
+
+impl<const D: usize> Observer<D> for Told {
+    fn see(&mut self, _: &Sight<'_, D>, now: &Sight<'_, D>) {
+        self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature(), now.time]);
+        self.0.extend(now.multipliers().into_iter().chain(now.effect_energies()));
+        self.0.extend(now.constraint_forces().iter().map(|f| f.norm()));
+        self.0.extend(now.positions.iter().chain(now.momenta).flat_map(|q| q.iter()));
+    }
+    fn join(&mut self, next: Self) {
+        self.0.extend(next.0);
+    }
+}
+
+impl Told {
+    /// How far this is off what is told of a simulation.
+    pub(crate) fn off_alone<C: Hold<D>, E: Effects<D>, N: Count, S: Method, const D: usize>(
+        &self,
+        scene: &Scene<C, E, N, D>,
+        start: &State<D>,
+        method: &S,
+    ) -> f64 {
+        let mut own = Self::default();
+        scene.simulate(start.clone(), method.clone()).unwrap().observe(30, 10, &mut own).unwrap();
+        assert_eq!(self.0.len(), own.0.len());
+        self.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+}
+
 /// Whether all is rounding, and something is: who goes alone is off by nothing.
 pub(crate) fn check(found: &[f64]) {
     println!("{found:?}");
@@ -429,27 +460,10 @@ fn sights_tell_the_same() {
         .masses([1.0, 2.0, 3.0])
         .with(PlanarGravity { g: 1.0 });
     let starts = starts(&scene, |lean| chain(2, lean));
-    struct Told(Vec<f64>);
-    impl Observer<2> for Told {
-        fn see(&mut self, _: &Sight<'_, 2>, now: &Sight<'_, 2>) {
-            let forces = now.constraint_forces().into_iter().map(|f| f.norm());
-            self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature(), now.time]);
-            self.0.extend(now.multipliers().into_iter().chain(forces).chain(now.effect_energies()));
-            self.0.extend(now.positions.iter().flat_map(|q| q.iter()));
-        }
-        fn join(&mut self, next: Self) {
-            self.0.extend(next.0);
-        }
-    }
     let mut ensemble = scene.ensemble(starts[..3].iter().cloned(), Rattle::new(0.01)).unwrap();
-    let seen = ensemble.observe(30, 10, || Each::of(|| Told(Vec::new())));
+    let seen = ensemble.observe(30, 10, || Each::of(Told::default));
     for (i, start) in starts[..3].iter().enumerate() {
-        let (mut own, mut simulation) =
-            (Told(Vec::new()), scene.simulate(start.clone(), Rattle::new(0.01)).unwrap());
-        simulation.observe(30, 10, &mut own).unwrap();
-        let told = seen.get(i).unwrap();
-        assert_eq!(told.0.len(), own.0.len());
-        let off = told.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = seen.get(i).unwrap().off_alone(&scene, start, &Rattle::new(0.01));
         assert!(off < 1e-11, "{i}: {off:e}");
     }
     let bill = ensemble.bill().unwrap();

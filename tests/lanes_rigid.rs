@@ -1,6 +1,7 @@
 //! Rigid bodies in lanes: as each trajectory alone but for rounding, whatever the moments of inertia, effects and
 //! methods.
 
+use crate::lanes_linked::Told;
 use rattle::bodies::Count;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
 use rattle::effect::Effects;
@@ -287,27 +288,11 @@ fn lanes_end_where_simulations_end() {
 fn sights_tell_the_same() {
     let (moments, method) = (MOMENTS[0], Rattle::new(0.05));
     let scene = Scene::rigid(Rigid::new(moments)).with(Field { weight: 1.0, pull: 0.5 });
-    struct Told(Vec<f64>);
-    impl Observer<9> for Told {
-        fn see(&mut self, _: &Sight<'_, 9>, now: &Sight<'_, 9>) {
-            self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature(), now.time]);
-            self.0.extend(now.multipliers().into_iter().chain(now.effect_energies()));
-            self.0.extend(now.constraint_forces().iter().map(|f| f.norm()));
-            self.0.extend(now.positions.iter().chain(now.momenta).flat_map(|q| q.iter()));
-        }
-        fn join(&mut self, next: Self) {
-            self.0.extend(next.0);
-        }
-    }
     let starts: Vec<_> = (0..3).map(|i| start(i, moments, 1.0)).collect();
     let mut ensemble = scene.ensemble(starts.iter().cloned(), method).unwrap();
-    let seen = ensemble.observe(30, 10, || Each::of(|| Told(Vec::new())));
+    let seen = ensemble.observe(30, 10, || Each::of(Told::default));
     for (i, start) in starts.iter().enumerate() {
-        let (mut own, mut simulation) = (Told(Vec::new()), scene.simulate(start.clone(), method).unwrap());
-        simulation.observe(30, 10, &mut own).unwrap();
-        let told = seen.get(i).unwrap();
-        assert_eq!(told.0.len(), own.0.len());
-        let off = told.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = seen.get(i).unwrap().off_alone(&scene, start, &method);
         assert!(off < 1e-13, "{i}: {off:e}");
     }
     let bill = ensemble.bill().unwrap();

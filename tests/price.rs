@@ -11,7 +11,7 @@ use rattle::Error;
 use rattle::effect::{Langevin, LinearDrag};
 use rattle::error::{Limit, PriceMistake};
 use rattle::prelude::*;
-use rattle::price::{Candidate, Clock, Numbers};
+use rattle::price::{Candidate, Clock, Numbers, Price, Prices};
 
 #[test]
 fn orders_and_errors_are_those_of_the_methods() {
@@ -53,6 +53,18 @@ fn orders_and_errors_are_those_of_the_methods() {
     assert_eq!(prices.csv().lines().count(), prices.rows.len() + 1);
 }
 
+/// The rows in lanes beside those of a simulation with the same steps, their errors the same to this rounding.
+fn like_alone(prices: &Prices, lanes: Candidate, method: Candidate, rounding: f64) -> Vec<(&Price, &Price)> {
+    let rows = |method: Candidate| prices.rows.iter().filter(move |row| row.method == method);
+    let both = rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone)));
+    let both: Vec<_> = both.filter(|(row, alone)| row.h == alone.h).collect();
+    for (row, alone) in &both {
+        let [a, b] = [row, alone].map(|row| row.position.unwrap());
+        assert!((a - b).abs() <= rounding + 1e-9 * b, "{lanes}: {a:e} and {b:e} at h = {}", row.h);
+    }
+    both
+}
+
 /// A trajectory in lanes is the one of a simulation, to rounding; a single has seven digits; what cannot go side by
 /// side says so.
 #[test]
@@ -68,19 +80,11 @@ fn lanes_are_priced_beside_simulations() {
         let Candidate::InLanes(&method, numbers) = lanes else { panic!("{lanes}") };
         assert!(rows(lanes).count() > 1, "{lanes}");
         let rounding = if numbers == Numbers::Single { 1e-4 } else { 1e-13 };
-        for (row, alone) in rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone))) {
-            if row.h == alone.h {
-                let [a, b] = [row, alone].map(|row| row.position.unwrap());
-                assert!((a - b).abs() <= rounding + 1e-9 * b, "{lanes}: {a:e} and {b:e} at h = {}", row.h);
-                // A row has room for 64, of which 16 are used.
-                let ratio = row.seconds / alone.seconds;
-                assert!(
-                    (0.5..20.0).contains(&ratio),
-                    "{lanes}: {ratio} times the evaluations at h = {}",
-                    row.h
-                );
-                compared += 1;
-            }
+        for (row, alone) in like_alone(&prices, lanes, method, rounding) {
+            // A row has room for 64, of which 16 are used.
+            let ratio = row.seconds / alone.seconds;
+            assert!((0.5..20.0).contains(&ratio), "{lanes}: {ratio} times the evaluations at h = {}", row.h);
+            compared += 1;
         }
     }
     assert!(compared > 20, "{compared}\n{prices}");
@@ -127,18 +131,7 @@ fn links_are_priced_side_by_side() {
             }
             _ => {
                 assert!(why.is_none(), "{lanes}: {why:?}");
-                let rows = |method: Candidate| prices.rows.iter().filter(move |row| row.method == method);
-                for (row, alone) in rows(lanes).flat_map(|row| rows(method).map(move |alone| (row, alone))) {
-                    if row.h == alone.h {
-                        let [a, b] = [row, alone].map(|row| row.position.unwrap());
-                        assert!(
-                            (a - b).abs() <= 1e-13 + 1e-9 * b,
-                            "{lanes}: {a:e} and {b:e} at h = {}",
-                            row.h
-                        );
-                        compared += 1;
-                    }
-                }
+                compared += like_alone(&prices, lanes, method, 1e-13).len();
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Sweeps over networks in lanes: each trajectory as a simulation of its own scene but for rounding.
 
-use crate::lanes_linked::{check, off_alone};
+use crate::lanes_linked::{Told, check, off_alone};
 use rattle::bodies::Many;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::Effects;
@@ -185,16 +185,6 @@ fn other_topologies_go_alone() {
 /// Energies and forces are those of the scene of each trajectory.
 #[test]
 fn sights_know_their_scenes() {
-    struct Told(Vec<f64>);
-    impl Observer<2> for Told {
-        fn see(&mut self, _: &Sight<'_, 2>, now: &Sight<'_, 2>) {
-            self.0.extend([now.kinetic_energy(), now.potential_energy(), now.temperature()]);
-            self.0.extend(now.multipliers().into_iter().chain(now.effect_energies()));
-        }
-        fn join(&mut self, next: Self) {
-            self.0.extend(next.0);
-        }
-    }
     let masses = |i: usize| [1.0, spread(i, 0.3, 3.0), spread(i + 3, 0.3, 3.0)];
     let scene = |i: usize| double(LENGTHS(i), spread(i, 0.2, 2.0)).masses(masses(i));
     let scenes: Vec<_> = (0..3).map(scene).collect();
@@ -202,14 +192,9 @@ fn sights_know_their_scenes() {
         scenes.iter().zip(starts(3, LENGTHS)).map(|(scene, start)| scene.project(&start).unwrap()).collect();
     let trajectories = scenes.iter().zip(starts.iter().cloned());
     let mut sweep = Ensemble::sweep(Double, trajectories, Rattle::new(0.01)).unwrap();
-    let seen = sweep.observe(30, 10, || Each::of(|| Told(Vec::new())));
+    let seen = sweep.observe(30, 10, || Each::of(Told::default));
     for (i, (scene, start)) in scenes.iter().zip(&starts).enumerate() {
-        let (mut own, mut simulation) =
-            (Told(Vec::new()), scene.simulate(start.clone(), Rattle::new(0.01)).unwrap());
-        simulation.observe(30, 10, &mut own).unwrap();
-        let told = seen.get(i).unwrap();
-        assert_eq!(told.0.len(), own.0.len());
-        let off = told.0.iter().zip(&own.0).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = seen.get(i).unwrap().off_alone(scene, start, &Rattle::new(0.01));
         assert!(off < 1e-11, "{i}: {off:e}");
     }
 }

@@ -93,7 +93,14 @@ fn wrapped(kind: u32, random: &mut StdRng) -> (Wrapped, f64, f64) {
     }
 }
 
-/// So many runs of this kind: steps that arrived, runs that were refused, and those that went wrong.
+/// Two directions, outwards and along the sphere, the second one shorter.
+fn directions(random: &mut StdRng) -> [Vector3<f64>; 2] {
+    let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
+    let [outward, way] = [(); 2].map(|()| vector().normalize());
+    [outward, way - outward * outward.dot(&way)]
+}
+
+/// Runs of this kind from these seeds: steps that arrived, runs that were refused, and those that went wrong.
 fn moves<S: Method>(
     kind: u32,
     seeds: std::ops::Range<u64>,
@@ -104,13 +111,11 @@ fn moves<S: Method>(
     for seed in seeds {
         let mut random = StdRng::seed_from_u64(seed * u64::from(KINDS) + u64::from(kind));
         let (surface, radius, half) = wrapped(kind, &mut random);
-        let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let [outward, way] = [(); 2].map(|()| vector().normalize());
+        let [outward, along] = directions(&mut random);
         let (speed, g) = (size(&mut random, -1.0, 1.0), size(&mut random, -0.5, 1.0));
         let h = size(&mut random, -2.5, -0.3);
         let scene = Scene::on(surface).with(Gravity { g });
-        let tangent = way - outward * outward.dot(&way);
-        let Ok(start) = scene.project(&State::at(radius * outward).moving(speed * tangent)) else { continue };
+        let Ok(start) = scene.project(&State::at(radius * outward).moving(speed * along)) else { continue };
         let off = |q: Vector3<f64>| (q.norm() - radius).abs();
         assert!(start.positions().all(|q| off(q) <= 1e-6 * radius), "{surface:?}");
         let told = |steps: u64, off: f64| {
@@ -135,7 +140,7 @@ fn moves<S: Method>(
     found
 }
 
-/// The same in lanes, the starts of a whole range being those of one surface.
+/// The same in lanes: sixteen trajectories on one surface.
 fn moves_in_lanes(kind: u32, seed: u64) -> [u64; 3] {
     let mut found = [0; 3];
     let mut random = StdRng::seed_from_u64(seed * u64::from(KINDS) + u64::from(kind));
@@ -143,10 +148,8 @@ fn moves_in_lanes(kind: u32, seed: u64) -> [u64; 3] {
     let (g, h) = (size(&mut random, -0.5, 1.0), size(&mut random, -2.5, -0.3));
     let scene = Scene::on(surface).with(Gravity { g });
     let starts = (0..16).filter_map(|_| {
-        let mut vector = || Vector3::from_fn(|_, _| random.random_range(-1.0..1.0));
-        let [outward, way] = [(); 2].map(|()| vector().normalize());
-        let tangent = size(&mut random, -1.0, 1.0) * (way - outward * outward.dot(&way));
-        scene.project(&State::at(radius * outward).moving(tangent)).ok()
+        let [outward, along] = directions(&mut random);
+        scene.project(&State::at(radius * outward).moving(size(&mut random, -1.0, 1.0) * along)).ok()
     });
     let starts: Vec<_> = starts.collect();
     let Ok(mut ensemble) = scene.ensemble(starts, Rattle::new(h)) else { return found };
@@ -223,7 +226,7 @@ fn those_that_were_wrong_are_not() {
 }
 
 #[test]
-#[ignore = "a minute: cargo test --release --test roots wrapped:: -- --ignored --nocapture"]
+#[ignore = "minutes: cargo test --release --test roots wrapped:: -- --ignored --nocapture"]
 fn each_of_many_stays_on_its_sphere() {
     for kind in 0..KINDS {
         let found = all(kind, 16..20_000);

@@ -37,31 +37,29 @@ pub(super) fn ensemble<C: Hold<D> + 'static, E: Effects<D>, N: Count, const D: u
     h: f64,
 ) -> Result<Ensemble<D>, Error> {
     let starts = starts.iter().cloned();
-    if const { !matches!(C::KIND, Kind::Other) } {
-        // What does not go side by side is not compiled.
-        return match (method, numbers) {
-            (Candidate::Rattle, Numbers::Compensated) => {
-                scene.ensemble_in(Compensated, starts, Rattle::new(h))
-            }
-            (Candidate::Rattle, _) => scene.ensemble_in(Double, starts, Rattle::new(h)),
-            (Candidate::Composition(coefficients), _) => {
-                scene.ensemble(starts, Composition::new(coefficients, h))
-            }
-            _ => Err(Error::Price(PriceMistake::OneByOne)),
-        };
-    }
     match (method, numbers) {
-        (Candidate::Rattle, Numbers::Single) => scene.ensemble_in(Single, starts, Rattle::new(h)),
-        (Candidate::Rattle, Numbers::Double) => scene.ensemble_in(Double, starts, Rattle::new(h)),
+        (Candidate::Rattle, Numbers::Single) if const { on_surfaces::<C, D>() } => {
+            scene.ensemble_in(Single, starts, Rattle::new(h))
+        }
+        (Candidate::Rattle, Numbers::Single | Numbers::Double) => {
+            scene.ensemble_in(Double, starts, Rattle::new(h))
+        }
         (Candidate::Rattle, Numbers::Compensated) => scene.ensemble_in(Compensated, starts, Rattle::new(h)),
         (Candidate::Composition(coefficients), _) => {
             scene.ensemble(starts, Composition::new(coefficients, h))
         }
+        // What does not go side by side is not compiled.
+        _ if const { !on_surfaces::<C, D>() } => Err(Error::Price(PriceMistake::OneByOne)),
         (Candidate::Lobatto3, _) => scene.ensemble(starts, Lobatto::<3>::new(h).guess(Extrapolated)),
         (Candidate::Lobatto5, _) => scene.ensemble(starts, Lobatto::<5>::new(h).guess(Extrapolated)),
         (Candidate::Lobatto8, _) => scene.ensemble(starts, Lobatto::<8>::new(h).guess(Extrapolated)),
         _ => Err(Error::Price(PriceMistake::OneByOne)),
     }
+}
+
+/// Whether these constraints are surfaces: others go by fewer methods, and in double precision.
+const fn on_surfaces<C: Hold<D>, const D: usize>() -> bool {
+    matches!(C::KIND, Kind::Other)
 }
 
 impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
@@ -78,7 +76,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
         if ensemble.groups.iter().all(|group| group.len() == 1) {
             return Err(Error::Price(PriceMistake::OneByOne));
         }
-        if !matches!(C::KIND, Kind::Other) && numbers == Numbers::Single {
+        if numbers == Numbers::Single && !on_surfaces::<C, D>() {
             return Err(Error::Price(PriceMistake::AlwaysDouble));
         }
         let again = move || self.begin(scene, method, numbers, h, energy);

@@ -97,7 +97,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         if !steps.is_multiple_of(EVERY) && astray <= asked {
             return;
         }
-        // At as many places as at first for a root that was passed over, and to see that none is near any more.
+        // At as many places as at first for a root that was passed over, and to be clear of one that was near.
         let steps = if astray <= asked && !now.kept.crowd.near { steps } else { 0 };
         let ways = now.q.as_ref().iter().zip(before.q.as_ref());
         let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));

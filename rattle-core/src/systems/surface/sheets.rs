@@ -70,8 +70,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
         let (asked, was_near) = (now.kept.crowd.asked, now.kept.crowd.near);
         if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
-            // As far as a sheet that was passed over may be; and that none is near any more is no matter of a few
-            // places.
+            // For a sheet that was passed over; and to be clear of one that was near, which a few places may all miss.
             let as_at_first = was_near || astray > FARTHER * asked;
             self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
         }
@@ -154,21 +153,27 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     }
 }
 
-/// How far a step of length h may have led astray: by how much more than its momenta say. Of a right step that is some
-/// part of h³; a sheet that was passed over makes it as large as the sheets are apart.
+/// How far a step of length h may have led astray: by how much more than its momenta say, and the path that these do
+/// say. Of a right step the first is some part of h³; a sheet that was passed over makes it as large as the sheets are
+/// apart.
+#[inline(always)]
+fn off_path<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> [[T; D]; 2] {
+    let path = scaled(T::from_f64(0.5 * h), &sum(&before.p, &now.p));
+    let way = add_scaled(&now.q, T::from_f64(-1.0), &before.q);
+    [add_scaled(&way, T::from_f64(-1.0), &path), path]
+}
+
+/// The largest coordinate of that.
 #[inline(always)]
 fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> f64 {
-    let half = T::from_f64(-0.5 * h);
-    let way = add_scaled(&now.q, T::from_f64(-1.0), &before.q);
-    let off = add_scaled(&way, half, &sum(&before.p, &now.p));
+    let [off, _] = off_path(h, before, now);
     off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
 }
 
 /// Whether a step led astray by more than [`BOLD`] of its path: farther than any sign reaches.
 #[inline(always)]
 fn is_bold<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>) -> bool {
-    let path = scaled(T::from_f64(0.5 * h), &sum(&from.p, &to.p));
-    let off = sum(&add_scaled(&to.q, T::from_f64(-1.0), &from.q), &scaled(T::from_f64(-1.0), &path));
+    let [off, path] = off_path(h, from, to);
     !dot(&off, &off).le(T::from_f64(BOLD * BOLD) * dot(&path, &path)).all()
 }
 

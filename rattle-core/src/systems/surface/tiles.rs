@@ -88,7 +88,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let turn = bodies.kept.crowd.turn(h);
         for (number, tile) in tiles(self.count.number()).enumerate() {
             if let Some((turn, h)) = turn {
-                // That none is near any more is no matter of a few places.
+                // As at first where a sheet was near: a few places may all miss it.
                 let turn = if bodies.kept.crowd.of_tile(number) == 0 { turn } else { 0 };
                 let of_tile = Tile::of(bodies, tile.clone());
                 let around = Around { constraint: &self.in_lanes, bodies: of_tile, h, turn };
