@@ -332,7 +332,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         bodies: &[Body<f64, D>],
         time: f64,
     ) -> Vec<<E::Forces<f64> as Forces<f64, D>>::Force> {
-        let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
+        let positions = Body::positions(bodies);
         let mut forces = vec![Force::zero(); bodies.len()];
         let (effects, at) = (self.effects.forces::<f64>(), Moment { time, positions: &positions });
         effects.evaluate(at, &mut effects.room(bodies.len()), &mut forces);

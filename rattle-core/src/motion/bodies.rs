@@ -84,6 +84,30 @@ impl<T, const D: usize> Body<T, D> {
     }
 }
 
+impl<T: Copy, const D: usize> Body<T, D> {
+    /// Positions alone.
+    pub(crate) fn positions(bodies: &[Self]) -> Vec<[T; D]> {
+        bodies.iter().map(|body| body.q).collect()
+    }
+
+    /// Momenta alone.
+    pub(crate) fn momenta(bodies: &[Self]) -> Vec<[T; D]> {
+        bodies.iter().map(|body| body.p).collect()
+    }
+}
+
+/// Bodies of which positions, momenta and what rounding took from them are in four lists.
+pub(crate) fn gathered<T: Copy, const D: usize>([q, q_low, p, p_low]: [&[[T; D]]; 4]) -> Vec<Body<T, D>> {
+    (0..q.len()).map(|i| Body { q: q[i], q_low: q_low[i], p: p[i], p_low: p_low[i] }).collect()
+}
+
+/// And back.
+fn scatter<T: Copy, const D: usize>(places: &[Body<T, D>], [q, q_low, p, p_low]: [&mut [[T; D]]; 4]) {
+    for (i, place) in places.iter().enumerate() {
+        (q[i], q_low[i], p[i], p_low[i]) = (place.q, place.q_low, place.p, place.p_low);
+    }
+}
+
 /// Positions and momenta of all bodies, and what a [`System`](crate::motion::system::System) has evaluated there.
 ///
 /// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` is the rounding error of `q`. Of
@@ -136,12 +160,14 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         let (work, noise) = (T::from_f64(0.0), Noise::default());
         let marks = Vec::new();
         let mut bodies = Self { q, q_low, p, p_low, time, work, noise, marks, kept, room: None };
-        for i in 0..count.number() {
-            let Body { q, q_low, p, p_low } = places[i];
-            (bodies.q.as_mut()[i], bodies.q_low.as_mut()[i]) = (q, q_low);
-            (bodies.p.as_mut()[i], bodies.p_low.as_mut()[i]) = (p, p_low);
-        }
+        bodies.put(&places[..count.number()]);
         bodies
+    }
+
+    /// Puts each body at one of these places.
+    pub(crate) fn put(&mut self, places: &[Body<T, D>]) {
+        let lists = [self.q.as_mut(), self.q_low.as_mut(), self.p.as_mut(), self.p_low.as_mut()];
+        scatter(places, lists);
     }
 
     /// A saved copy, which [`save`](Self::save) can overwrite later.
@@ -205,6 +231,11 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         let done = work(self, &mut room.saved, &mut room.vectors[..length]);
         self.room = Some(room);
         done
+    }
+
+    /// All bodies in their order.
+    pub(crate) fn all(&self) -> Vec<Body<T, D>> {
+        gathered([self.q.as_ref(), self.q_low.as_ref(), self.p.as_ref(), self.p_low.as_ref()])
     }
 
     /// Body number `i`.

@@ -52,11 +52,17 @@ impl Failure {
         bodies: impl IntoIterator<Item = usize>,
         lane: usize,
     ) -> Option<Self> {
-        let numbers = |x: &[T; D]| x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect();
-        bodies.into_iter().find_map(|body| {
-            let (effect, force) = effects.culprit(at, body)?;
-            let (force, position) = (numbers(&force), numbers(&at.positions[body]));
-            Some(Self { body, cause: StepFailure::ForceNotFinite { effect, force, position } })
-        })
+        for body in bodies {
+            if let Some((effect, force)) = effects.culprit(at, body) {
+                let (force, position) = (numbers(&force, lane), numbers(&at.positions[body], lane));
+                return Some(Self { body, cause: StepFailure::ForceNotFinite { effect, force, position } });
+            }
+        }
+        None
     }
+}
+
+/// Those of a lane.
+fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
+    x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect()
 }

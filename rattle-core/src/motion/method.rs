@@ -204,6 +204,23 @@ pub struct Stage {
     pub after: f64,
 }
 
+impl Stage {
+    /// All numbers of these stages.
+    pub(crate) fn numbers(stages: &[Self]) -> Vec<f64> {
+        stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]).collect()
+    }
+
+    /// These stages in one of so many equal parts of a step, and the sum of their drifts.
+    pub(crate) fn parts(stages: &[Self], parts: u32) -> (Vec<Self>, f64) {
+        let share = |x: f64| x / f64::from(parts);
+        let part =
+            |stage: &Self| Self { before: share(stage.before), h: share(stage.h), after: share(stage.after) };
+        let stages: Vec<_> = stages.iter().map(part).collect();
+        let whole = stages.iter().map(|stage| stage.h).sum();
+        (stages, whole)
+    }
+}
+
 /// Refuses a step size that is zero or not finite.
 pub(crate) fn check_step_size(h: f64) -> Result<(), Error> {
     if h.is_finite() && h != 0.0 { Ok(()) } else { Err(Error::StepSize(h)) }

@@ -97,9 +97,14 @@ impl Record {
         self.add(name, shape, Data::Numbers(numbers.into_iter().collect()));
     }
 
+    /// Adds a list of numbers.
+    pub(crate) fn list(&mut self, name: &str, numbers: &[f64]) {
+        self.add(name, &[numbers.len()], Data::Numbers(numbers.into()));
+    }
+
     /// Adds vectors of D numbers each.
     pub fn vectors<const D: usize>(&mut self, name: &str, vectors: &[[f64; D]]) {
-        self.numbers(name, &[vectors.len(), D], vectors.as_flattened().iter().copied());
+        self.add(name, &[vectors.len(), D], Data::Numbers(vectors.as_flattened().into()));
     }
 
     /// Adds a list of counts.
@@ -152,6 +157,12 @@ impl<'a> Reading<'a> {
             Field { shape: is, data: Data::Numbers(numbers), .. } if is == shape => Ok(numbers),
             field => Err(self.other(name, wanted, Some(field))),
         }
+    }
+
+    /// Copies the numbers of the next field, of which there must be as many, to there.
+    pub(crate) fn copy(&mut self, name: &str, to: &mut [f64]) -> Result<(), Error> {
+        to.copy_from_slice(self.numbers(name, &[to.len()])?);
+        Ok(())
     }
 
     /// The next field, of `N` numbers.
@@ -307,7 +318,7 @@ impl Hallmark {
     /// Writes the fields that [`Reading::same`] compares.
     pub fn write(&self, to: &mut Record) {
         to.text(&format!("{} is", self.part), &self.name);
-        to.numbers(&self.part, &[self.numbers.len()], self.numbers.iter().copied());
+        to.list(&self.part, &self.numbers);
     }
 }
 

@@ -125,17 +125,21 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     fn check_forces(&self, bodies: &[Body<f64, D>], time: f64) -> Result<(), Error> {
         for (body, force) in self.forces(bodies, time).iter().enumerate() {
             let force = force.components();
-            if !force.iter().all(|f| f.is_finite()) {
-                let positions: Vec<_> = bodies.iter().map(|body| body.q).collect();
+            if !is_finite(&force) {
+                let positions = Body::positions(bodies);
                 let at = Moment { time, positions: &positions };
-                let effect =
-                    self.effects.forces::<f64>().culprit(at, body).map_or("sum of effects", |(name, _)| name);
+                let culprit = self.effects.forces::<f64>().culprit(at, body);
+                let effect = if let Some((name, _)) = culprit { name } else { "sum of effects" };
                 let cause = StartFailure::ForceNotFinite { effect, force: force.to_vec() };
                 return Err(Error::Start { body, cause });
             }
         }
         Ok(())
     }
+}
+
+fn is_finite(numbers: &[f64]) -> bool {
+    numbers.iter().all(|x| x.is_finite())
 }
 
 /// The bodies where a simulation starts, with room for flows.

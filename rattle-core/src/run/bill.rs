@@ -42,6 +42,13 @@ pub struct Item {
     pub nanoseconds: f64,
 }
 
+impl Item {
+    /// That of a force.
+    pub(in crate::run) fn of_force(name: &str, nanoseconds: f64) -> Self {
+        Self { what: format!("force of `{name}`"), nanoseconds }
+    }
+}
+
 impl Bill {
     /// That of nothing.
     pub(in crate::run) fn nothing() -> Self {
@@ -103,7 +110,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         let mut copy = self.clone();
         copy.step()?;
         let mut failed = None;
-        let step = time(|| {
+        let step = time(&mut || {
             if failed.is_none() {
                 failed = copy.step().err();
             }
@@ -120,23 +127,25 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
                 let mut alone =
                     || copy.system.add_force_alone(number, &mut copy.bodies, black_box(&mut forces));
                 if let Some(name) = alone() {
-                    let one = time(|| {
+                    let one = time(&mut || {
                         alone();
                     });
-                    let nanoseconds = evaluations as f64 * one;
-                    items.push(Item { what: format!("force of `{name}`"), nanoseconds });
+                    items.push(Item::of_force(name, evaluations as f64 * one));
                 }
             }
         }
-        if Y::FLOWS > 0 {
-            let names: Vec<_> = (0..Y::FLOWS).map(|number| self.system.flow_manner(number).1).collect();
+        if const { Y::FLOWS > 0 } {
+            let mut names = Vec::new();
+            for number in 0..Y::FLOWS {
+                names.push(self.system.flow_manner(number).1);
+            }
             let h = 1e-6 * self.method.step_size();
-            let one = time(|| drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
+            let one = time(&mut || drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));
             let nanoseconds = f64::from(times::<S, _, _, D>(&self.system)) * one;
             items.push(Item { what: format!("momenta by `{}`", names.join("`, `")), nanoseconds });
         }
         let mut copy = self.clone();
-        let look = time(|| {
+        let look = time(&mut || {
             drop(black_box(check(&copy.method, &copy.system, 1, &copy.before, &mut copy.bodies)));
         });
         items.push(Item { what: "looking whether a step is right".into(), nanoseconds: look });
@@ -146,7 +155,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 }
 
 /// Nanoseconds that it takes: the median of some samples.
-pub(in crate::run) fn time(mut work: impl FnMut()) -> f64 {
+pub(in crate::run) fn time(work: &mut dyn FnMut()) -> f64 {
     let mut repeats = 1_u32;
     let mut sample = |repeats: u32| {
         let start = Instant::now();

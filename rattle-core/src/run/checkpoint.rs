@@ -23,13 +23,13 @@
 //! steps, random numbers, work, energy at the start, events, and the errors of the last guesses.
 
 use crate::error::Error;
-use crate::motion::bodies::Body;
+use crate::motion::bodies::{Body, gathered};
 use crate::motion::method::Method;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::ensemble::{Ensemble, STRETCH};
-use crate::run::fingerprint::{of_method, of_system};
+use crate::run::fingerprint::{of_method, of_options, of_system};
 use crate::run::simulation::Simulation;
 
 /// A run that can be stopped and continued: a simulation of any type, or an ensemble.
@@ -133,55 +133,43 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     pub(in crate::run) fn record(&self, to: &mut Record) {
         let bodies = &self.bodies;
-        to.vectors("q", bodies.q.as_ref());
-        to.vectors("q rounding", bodies.q_low.as_ref());
-        to.vectors("p", bodies.p.as_ref());
-        to.vectors("p rounding", bodies.p_low.as_ref());
-        to.numbers("time of the bodies", &[1], [bodies.time]);
-        let places: Vec<_> = (0..self.bodies()).map(|body| bodies.body(body)).collect();
+        let places = bodies.all();
+        write_places(to, &places, bodies.time);
         to.within("run", |to| {
-            self.hallmarks(&places, bodies.time).iter().for_each(|mark| mark.write(to));
+            for mark in self.hallmarks(&places, bodies.time) {
+                mark.write(to);
+            }
         });
-        to.counts("steps", [self.steps]);
-        to.numbers("clock", &[2], [self.clock.0, self.clock.1]);
-        to.numbers("work", &[1], [bodies.work]);
-        to.numbers("energy at the start", &[1], [self.start_energy]);
-        to.counts("events", [self.events()]);
-        to.counts("trajectory and steps before the start", [self.first.trajectory, self.first.step]);
-        to.counts("number of the trajectory", self.number);
-        let memory = self.memory.as_ref();
-        to.numbers("memory of the method", &[memory.len()], memory.iter().copied());
-        to.numbers("memory of the effects", &[bodies.marks.len()], bodies.marks.iter().copied());
+        let account = Account {
+            steps: self.steps,
+            clock: self.clock,
+            work: bodies.work,
+            start_energy: self.start_energy,
+            events: self.events(),
+            first: [self.first.trajectory, self.first.step],
+            number: self.number,
+        };
+        account.write(to);
+        to.list("memory of the method", self.memory.as_ref());
+        to.list("memory of the effects", &bodies.marks);
         to.within("kept", |to| self.system.record(bodies, to));
     }
 
     /// The same simulation where another was.
     pub(in crate::run) fn recalled(&self, from: &mut Reading<'_>) -> Result<Self, Error> {
-        let n = self.bodies();
+        let (places, time) = read_places(from, self.bodies())?;
+        from.within("run", |from| from.same(&self.hallmarks(&places, time)))?;
         let mut again = self.clone();
-        let before = &mut again.before;
-        before.q.as_mut().copy_from_slice(from.vectors("q", n)?);
-        before.q_low.as_mut().copy_from_slice(from.vectors("q rounding", n)?);
-        before.p.as_mut().copy_from_slice(from.vectors("p", n)?);
-        before.p_low.as_mut().copy_from_slice(from.vectors("p rounding", n)?);
-        [before.time] = from.array("time of the bodies")?;
-        let places: Vec<_> = (0..n).map(|body| before.body(body)).collect();
-        from.within("run", |from| from.same(&self.hallmarks(&places, before.time)))?;
-        [again.steps] = from.counted("steps")?;
-        again.clock = from.array("clock")?.into();
-        [before.work] = from.array("work")?;
-        [again.start_energy] = from.array("energy at the start")?;
-        let [events] = from.counted("events")?;
+        let Account { steps, clock, work, start_energy, events, first, number } = Account::read(from)?;
+        (again.steps, again.clock, again.start_energy, again.number) = (steps, clock, start_energy, number);
         if let Some(told) = again.events.as_deref_mut() {
             told.number = events;
         }
-        [again.first.trajectory, again.first.step] = from.counted("trajectory and steps before the start")?;
-        again.number = from.counts("number of the trajectory")?.first().copied();
-        let memory = again.memory.as_mut();
-        memory.copy_from_slice(from.numbers("memory of the method", &[memory.len()])?);
-        let marks = &mut again.before.marks;
-        let found = from.numbers("memory of the effects", &[marks.len()])?;
-        marks.copy_from_slice(found);
+        [again.first.trajectory, again.first.step] = first;
+        again.before.put(&places);
+        (again.before.time, again.before.work) = (time, work);
+        from.copy("memory of the method", again.memory.as_mut())?;
+        from.copy("memory of the effects", &mut again.before.marks)?;
         again.memory_before.as_mut().copy_from_slice(again.memory.as_ref());
         again.system.put_back(&mut again.bodies, &again.before);
         from.within("kept", |from| again.system.recall(&mut again.bodies, from))?;
@@ -190,10 +178,60 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// What tells this run from another.
     fn hallmarks(&self, places: &[Body<f64, D>], time: f64) -> Vec<Hallmark> {
-        let (names, numbers): (Vec<_>, _) = self.options().into_iter().unzip();
-        let names = if names.is_empty() { "none".into() } else { names.join(", ") };
-        let mut marks = vec![of_method(&self.method), Hallmark::new("options", names, numbers)];
+        let mut marks = vec![of_method(&self.method), of_options(&self.options())];
         marks.extend(of_system(&self.system, places, time));
         marks
+    }
+}
+
+/// Writes bodies, and their time.
+fn write_places<const D: usize>(to: &mut Record, places: &[Body<f64, D>], time: f64) {
+    to.vectors("q", &places.iter().map(|body| body.q).collect::<Vec<_>>());
+    to.vectors("q rounding", &places.iter().map(|body| body.q_low).collect::<Vec<_>>());
+    to.vectors("p", &places.iter().map(|body| body.p).collect::<Vec<_>>());
+    to.vectors("p rounding", &places.iter().map(|body| body.p_low).collect::<Vec<_>>());
+    to.list("time of the bodies", &[time]);
+}
+
+/// Reads so many bodies, and their time.
+fn read_places<const D: usize>(from: &mut Reading<'_>, n: usize) -> Result<(Vec<Body<f64, D>>, f64), Error> {
+    let (q, q_low) = (from.vectors("q", n)?, from.vectors("q rounding", n)?);
+    let (p, p_low) = (from.vectors("p", n)?, from.vectors("p rounding", n)?);
+    let [time] = from.array("time of the bodies")?;
+    Ok((gathered([q, q_low, p, p_low]), time))
+}
+
+/// What a simulation counts from its start.
+struct Account {
+    steps: u64,
+    clock: (f64, f64),
+    work: f64,
+    start_energy: f64,
+    events: u64,
+    /// The trajectory, and steps before the start.
+    first: [u64; 2],
+    number: Option<u64>,
+}
+
+impl Account {
+    fn write(&self, to: &mut Record) {
+        to.counts("steps", [self.steps]);
+        to.list("clock", &[self.clock.0, self.clock.1]);
+        to.list("work", &[self.work]);
+        to.list("energy at the start", &[self.start_energy]);
+        to.counts("events", [self.events]);
+        to.counts("trajectory and steps before the start", self.first);
+        to.counts("number of the trajectory", self.number);
+    }
+
+    fn read(from: &mut Reading<'_>) -> Result<Self, Error> {
+        let [steps] = from.counted("steps")?;
+        let clock = from.array("clock")?.into();
+        let [work] = from.array("work")?;
+        let [start_energy] = from.array("energy at the start")?;
+        let [events] = from.counted("events")?;
+        let first = from.counted("trajectory and steps before the start")?;
+        let number = from.counts("number of the trajectory")?.first().copied();
+        Ok(Self { steps, clock, work, start_energy, events, first, number })
     }
 }

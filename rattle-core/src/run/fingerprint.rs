@@ -6,7 +6,7 @@
 
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;
-use crate::motion::method::Method;
+use crate::motion::method::{Method, Stage};
 use crate::motion::record::{Hallmark, short_name};
 use crate::motion::system::{Given, System};
 use std::any::type_name;
@@ -41,12 +41,13 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     let equations = system.equations();
     let sizes = vec![n as f64, D as f64, equations as f64, Y::EFFECTS as f64, Y::FLOWS as f64];
     let mut marks = vec![Hallmark::new("system", system.kind(), sizes)];
-    let velocities: Vec<_> = (0..n).map(|body| system.velocity(&bodies, body)).collect();
-    let pinned = |body| f64::from(u8::from(system.inertia().is_pinned(body)));
-    let masses = velocities.as_flattened().iter().copied().chain((0..n).map(pinned)).collect();
-    marks.push(Hallmark::new("masses", "a list", masses));
-    let energy = vec![system.kinetic_energy(&bodies)];
-    marks.push(Hallmark::new("kinetic energy", "a function", energy));
+    let (mut velocities, mut pinned) = (vec![[0.0; D]; n], vec![0.0; n]);
+    for body in 0..n {
+        velocities[body] = system.velocity(&bodies, body);
+        pinned[body] = f64::from(u8::from(system.inertia().is_pinned(body)));
+    }
+    marks.push(Hallmark::new("masses", "a list", [velocities.as_flattened(), &pinned].concat()));
+    marks.push(Hallmark::new("kinetic energy", "a function", vec![system.kinetic_energy(&bodies)]));
     let mut of_equations = vec![0.0; 2 * equations];
     let (g, rates) = of_equations.split_at_mut(equations);
     system.residuals(&bodies, g);
@@ -55,11 +56,10 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     for number in 0..Y::EFFECTS {
         let mut forces = vec![[0.0; D]; n];
         let name = system.add_force_alone(number, &mut bodies, &mut forces);
-        let name = short_name(name.unwrap_or("no potential"));
-        marks.push(Hallmark::new(format!("effect {number}"), name, forces.as_flattened().to_vec()));
+        marks.push(of_effect(number, name, forces.as_flattened().to_vec()));
     }
     marks.push(Hallmark::new("potential energy", "a function", vec![system.potential_energy(&bodies)]));
-    let momenta: Vec<_> = places.iter().map(|body| body.p).collect();
+    let momenta = Body::momenta(places);
     if Y::REMEMBERS {
         bodies.marks = system.first_marks(&bodies).unwrap_or_default();
     }
@@ -77,10 +77,22 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     marks
 }
 
+/// An effect of which the type has this name, and what it gives alone.
+pub(in crate::run) fn of_effect(number: usize, name: Option<&str>, forces: Vec<f64>) -> Hallmark {
+    Hallmark::new(format!("effect {number}"), short_name(name.unwrap_or("no potential")), forces)
+}
+
+/// What was asked for beside scene and method, each with a number.
+pub(in crate::run) fn of_options(options: &[(&str, f64)]) -> Hallmark {
+    let names: Vec<_> = options.iter().map(|option| option.0).collect();
+    let names = if names.is_empty() { "none".into() } else { names.join(", ") };
+    Hallmark::new("options", names, options.iter().map(|option| option.1).collect())
+}
+
 /// A method, with its step size and parameters.
 pub(in crate::run) fn of_method<S: Method>(method: &S) -> Hallmark {
     let name = format!("{} ({})", method.name(), short_name(type_name::<S>()));
-    let stages = method.stages().into_iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-    let numbers = [method.step_size()].into_iter().chain(method.parameters()).chain(stages).collect();
+    let (parameters, stages) = (method.parameters(), Stage::numbers(&method.stages()));
+    let numbers = [&[method.step_size()], &parameters[..], &stages].concat();
     Hallmark::new("method", name, numbers)
 }

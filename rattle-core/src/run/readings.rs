@@ -64,12 +64,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// Positions of the bodies in order, as an iterator: `.positions().nth(1)` is that of body 1.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.q.as_ref().iter().map(|&q| q.into())
+        vectors(self.bodies.q.as_ref())
     }
 
     /// Momenta p of the bodies in order; with unit masses also velocities.
     pub fn momenta(&self) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
-        self.bodies.p.as_ref().iter().map(|&p| p.into())
+        vectors(self.bodies.p.as_ref())
     }
 
     /// Velocities M⁻¹p of the bodies in order.
@@ -95,7 +95,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[doc(alias = "restart")]
     #[doc(alias = "snapshot")]
     pub fn state(&self) -> State<D> {
-        let bodies = (0..self.bodies()).map(|i| self.bodies.body(i)).collect();
         let (time, time_low) = self.exact_time();
         let numbers = [self.memory.as_ref(), &self.bodies.marks].concat();
         let remembered = (!numbers.is_empty()).then(|| Remembered {
@@ -104,7 +103,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             numbers: numbers.into(),
         });
         let (steps, number) = (self.first.step + self.steps, self.number);
-        State { bodies, time, time_low, remembered, steps, number, surplus_momenta: None }
+        State { bodies: self.bodies.all(), time, time_low, remembered, steps, number, surplus_momenta: None }
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.
@@ -227,7 +226,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         let mut forces = vec![[0.0; D]; self.bodies()];
         self.system.constraint_forces(&self.bodies, &mut forces);
-        forces.into_iter().map(Into::into).collect()
+        vectors(&forces).collect()
     }
 
     fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
@@ -239,8 +238,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Writes the present state.
     pub(crate) fn look(&self, page: Page<'_, D>) {
         page.times[0] = self.time();
-        page.positions.iter_mut().zip(self.positions()).for_each(|(place, q)| *place = q);
-        page.momenta.iter_mut().zip(self.momenta()).for_each(|(place, p)| *place = p);
+        write(self.bodies.q.as_ref(), page.positions);
+        write(self.bodies.p.as_ref(), page.momenta);
     }
 }
 
@@ -289,8 +288,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Whether this is the present state, to the last bit.
     fn is_at(&self, sight: &Sight<'_, D>) -> bool {
-        let (positions, momenta) = (sight.positions.iter().copied(), sight.momenta.iter().copied());
-        sight.time == self.time() && self.positions().eq(positions) && self.momenta().eq(momenta)
+        let (q, p) = (self.bodies.q.as_ref(), self.bodies.p.as_ref());
+        sight.time == self.time()
+            && vectors(q).eq(sight.positions.iter().copied())
+            && vectors(p).eq(sight.momenta.iter().copied())
     }
 
     /// Bodies as this sight shows them.
@@ -304,15 +305,31 @@ pub(in crate::run) fn as_shown<Y: System<f64, D>, const D: usize>(
     system: &Y,
     sight: &Sight<'_, D>,
 ) -> BodiesOf<Y, f64, D> {
-    let zero = [0.0; D];
-    let place = |(&q, &p): (&SVector<f64, D>, &SVector<f64, D>)| Body {
-        q: q.into(),
-        q_low: zero,
-        p: p.into(),
-        p_low: zero,
-    };
-    let places = sight.positions.iter().zip(sight.momenta).map(place).collect::<Vec<_>>();
-    system.bodies(&places, sight.time)
+    system.bodies(&places(sight), sight.time)
+}
+
+/// Where a sight shows bodies.
+fn places<const D: usize>(sight: &Sight<'_, D>) -> Vec<Body<f64, D>> {
+    let low = [0.0; D];
+    let all = sight.positions.iter().zip(sight.momenta);
+    all.map(|(&q, &p)| Body { q: q.into(), q_low: low, p: p.into(), p_low: low }).collect()
+}
+
+/// Vectors, one by one, as users have them.
+fn vectors<const D: usize>(list: &[[f64; D]]) -> impl ExactSizeIterator<Item = SVector<f64, D>> + '_ {
+    list.iter().map(|&x| x.into())
+}
+
+/// Writes them there.
+fn write<const D: usize>(list: &[[f64; D]], to: &mut [SVector<f64, D>]) {
+    to.iter_mut().zip(list).for_each(|(to, &x)| *to = x.into());
+}
+
+/// And back, without what rounding took.
+fn show<const D: usize>(shown: &[SVector<f64, D>], list: &mut [[f64; D]], low: &mut [[f64; D]]) {
+    for ((x, low), &shown) in list.iter_mut().zip(low).zip(shown) {
+        (*x, *low) = (shown.into(), [0.0; D]);
+    }
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {
@@ -323,10 +340,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
         let Sight { time, positions, momenta, .. } = *sight;
         let mut bodies = self.before.clone();
         bodies.time = time;
-        let places = bodies.q.as_mut().iter_mut().zip(bodies.q_low.as_mut()).zip(positions);
-        places.for_each(|((high, low), &q)| (*high, *low) = (q.into(), [0.0; D]));
-        let ways = bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(momenta);
-        ways.for_each(|((high, low), &p)| (*high, *low) = (p.into(), [0.0; D]));
+        show(positions, bodies.q.as_mut(), bodies.q_low.as_mut());
+        show(momenta, bodies.p.as_mut(), bodies.p_low.as_mut());
         [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
     }
 
@@ -339,7 +354,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
             (vec![0.0; self.system.equations()], vec![[0.0; D]; self.bodies()]);
         self.system.multipliers(&bodies, &mut multipliers);
         self.system.constraint_forces(&bodies, &mut forces);
-        (multipliers, forces.into_iter().map(Into::into).collect())
+        (multipliers, vectors(&forces).collect())
     }
 
     fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {

@@ -204,12 +204,19 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// What was asked for beside scene and method, each with a number.
     pub(super) fn options(&self) -> Vec<(&'static str, f64)> {
         let mut options = Vec::new();
-        options.extend(self.halving.map(|halving| ("retry", f64::from(halving.most))));
-        options.extend(self.reversal.as_ref().map(|reversal| ("check_reversal", reversal.tolerance)));
+        if let Some(halving) = &self.halving {
+            options.push(("retry", f64::from(halving.most)));
+        }
+        if let Some(reversal) = &self.reversal {
+            options.push(("check_reversal", reversal.tolerance));
+        }
         if let Some(events) = &self.events {
-            let kinds = events.search.meetings.kinds.iter();
-            options.extend(kinds.map(|contact| (contact.name(), contact.restitution())));
-            options.extend(events.search.over_kinks.then_some(("over_kinks", 1.0)));
+            for contact in &events.search.meetings.kinds {
+                options.push((contact.name(), contact.restitution()));
+            }
+            if events.search.over_kinks {
+                options.push(("over_kinks", 1.0));
+            }
         }
         options
     }

@@ -6,12 +6,12 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
-use crate::motion::record::{Hallmark, short_name};
+use crate::motion::record::Hallmark;
 use crate::number::instructions::Work;
 use crate::number::lanes::Lane;
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
-use crate::run::fingerprint::beside;
+use crate::run::fingerprint::{beside, of_effect};
 use crate::run::watch::sight::Sight;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use nalgebra::SVector;
@@ -23,13 +23,21 @@ fn own<S: Lane, const D: usize>(x: SVector<f64, D>) -> [S; D] {
     <[f64; D]>::from(x).map(S::from_f64)
 }
 
+/// Numbers of lanes as others have them.
+fn numbers<S: Lane>(x: &[S]) -> Vec<f64> {
+    x.iter().map(|x| x.to_f64()).collect()
+}
+
 /// The names of the types of all forces.
 pub(super) fn forces<S: Lane, X: Laws<S, D>, const D: usize>(laws: &X) -> Vec<&'static str> {
     let (effects, mut force) = (laws.effects(0), [[S::from_f64(0.0); D]]);
     let (effects, q) = (effects.borrow(), [[S::from_f64(0.0); D]]);
     let at = Moment { time: 0.0, positions: &q };
-    let name = |number| effects.contribute_alone(number, at, &mut effects.room(1), &mut force);
-    (0..X::Forces::EFFECTS).filter_map(name).collect()
+    let mut names = Vec::new();
+    for number in 0..X::Forces::EFFECTS {
+        names.extend(effects.contribute_alone(number, at, &mut effects.room(1), &mut force));
+    }
+    names
 }
 
 /// What tells what a lane obeys from other laws, asked beside this body.
@@ -41,7 +49,6 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
     let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
     let place = Body { p: [0.0; D], ..*body }; // momenta are what laws make of them
     let (effects, q) = (effects.borrow(), beside(&[place])[0].q.map(S::from_f64));
-    let numbers = |x: &[S]| x.iter().map(|x| x.to_f64()).collect::<Vec<_>>();
     let ([g], [gradient]) = constraint.borrow().value_and_jacobian(&q);
     let constraints = [numbers(&[g]), numbers(&gradient)].concat();
     let mut marks = vec![Hallmark::new("constraints", "a surface", constraints)];
@@ -49,8 +56,7 @@ pub(super) fn hallmarks<S: Lane, X: Laws<S, D>, const D: usize>(
     for number in 0..X::Forces::EFFECTS {
         let mut force = [[S::default(); D]];
         let name = effects.contribute_alone(number, at, &mut room, &mut force);
-        let name = short_name(name.unwrap_or("no potential"));
-        marks.push(Hallmark::new(format!("effect {number}"), name, numbers(force.as_flattened())));
+        marks.push(of_effect(number, name, numbers(force.as_flattened())));
     }
     marks.push(Hallmark::new("potential energy", "a function", numbers(&[effects.energy(at)])));
     marks
@@ -75,7 +81,7 @@ pub(super) fn effect_energies<S: Lane, const D: usize>(
     let mut energies = Vec::new();
     let at = Moment { time: sight.time, positions: &[own(sight.position())] };
     laws.effects(lane).borrow().energies(at, &mut energies);
-    energies.into_iter().map(S::to_f64).collect()
+    numbers(&energies)
 }
 
 /// g there.

@@ -8,9 +8,10 @@ use crate::motion::method::{Method, Splitting, Stage};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
-use crate::number::instructions::Fusing;
+use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::lanes::Lane;
 use crate::number::vectors::{LANES, MOST_COORDINATES};
+use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
 use crate::run::ensemble::engine::Engine;
 use crate::run::ensemble::group::Group;
@@ -44,6 +45,26 @@ pub(super) struct InLanes {
     pub(super) set: Fusing,
     /// The number of the first trajectory.
     pub(super) first: usize,
+}
+
+impl InLanes {
+    /// With this instruction set, by a splitting of this kind into these stages, or a collocation; none where the
+    /// instructions do not fuse, steps are too short, or the method is neither.
+    pub(super) fn of(
+        (splitting, collocates): (Splitting, bool),
+        stages: Vec<Stage>,
+        h: f64,
+        set: InstructionSet,
+    ) -> Option<Self> {
+        let set = Fusing::of(set)?;
+        let goes = match splitting {
+            Splitting::Not => collocates,
+            Splitting::OneStage => stages.len() == 1,
+            Splitting::Stages => !stages.is_empty(),
+        };
+        let long = h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT);
+        (goes && long).then_some(Self { stages, h, stirs_after: 0, set, first: 0 })
+    }
 }
 
 /// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.
@@ -164,10 +185,10 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
-        return in_rows(FEW, starts, |from, starts| Some(side_by_side(row.clone(), first + from, starts)));
+        return in_rows(FEW, starts, &|from, starts| Some(side_by_side(row.clone(), first + from, starts)));
     }
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method)?;
-    in_rows(ROW, starts, |from, starts| Some(side_by_side(row.clone(), first + from, starts)))
+    in_rows(ROW, starts, &|from, starts| Some(side_by_side(row.clone(), first + from, starts)))
 }
 
 /// The same, each in a network and under effects of its own.
@@ -184,7 +205,7 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     }
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let method = (&stages[..], equal, *h, P::compute(Sums), *set);
-    in_rows(ROW, starts, |from, starts| {
+    in_rows(ROW, starts, &|from, starts| {
         let own = from..from + starts.len();
         let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
         Some(side_by_side(row, first + from, starts))
@@ -252,7 +273,7 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
     {
         let Self { bodies, systems, effects, starts, lanes: InLanes { stages, h, set, first, .. }, sums } =
             *self;
-        in_rows(W, starts, |from, starts| {
+        in_rows(W, starts, &|from, starts| {
             let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
             let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
             let method = (&stages[..], equal, *h);
@@ -278,7 +299,7 @@ impl InNumbers for Sums {
 fn in_rows<const D: usize>(
     width: usize,
     starts: &[State<D>],
-    mut row: impl FnMut(usize, &[State<D>]) -> Option<Box<dyn Group<D>>>,
+    row: &dyn Fn(usize, &[State<D>]) -> Option<Box<dyn Group<D>>>,
 ) -> Groups<D> {
     (0..).step_by(width).zip(starts.chunks(width)).map(|(from, starts)| row(from, starts)).collect()
 }
@@ -325,7 +346,7 @@ where
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
         let Self(obeyed, starts, InLanes { h, set, first, .. }) = self;
-        in_rows(OF_STAGES, starts, |from, starts| {
+        in_rows(OF_STAGES, starts, &|from, starts| {
             let table = const { &Table::<N>::TABLE };
             if const { O::ALIKE } && starts.len() == 1 {
                 let laws = obeyed.laws::<S, 1>(from);

@@ -383,7 +383,7 @@ where
             && law.ready(bodies, *h).is_none_or(|system| system.is_narrow());
         let mut heard = Heard::of(system);
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
-        let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
+        let places = ahead.all();
         let entries = gradients(system, &ahead.q);
         let drifted = settled.and_then(|()| system.drift(0.0, part.h, &mut ahead, &mut heard));
         let multipliers = plan.equation.iter().map(|&i| 0.5 * part.h * part.h * heard.multipliers[0][i]);
@@ -514,8 +514,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let stages = self.common.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-        Hallmark::new("method", "a splitting", stages.collect())
+        Hallmark::new("method", "a splitting", Stage::numbers(&self.common.stages))
     }
 }
 

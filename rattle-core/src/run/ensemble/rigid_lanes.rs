@@ -195,8 +195,7 @@ where
         let (system, moments) = (self.system(lane), self.inertia.lane(lane).map(|x| x.0));
         let mut ahead = system.bodies(bodies, 0.0);
         let mut holds = system.settle(lead, h, &mut ahead, &mut ()).is_ok();
-        let places: Vec<_> = (0..bodies.len()).map(|body| ahead.body(body)).collect();
-        for (rotor, Body { q, q_low, p, p_low }) in self.bodies.iter_mut().zip(places) {
+        for (rotor, Body { q, q_low, p, p_low }) in self.bodies.iter_mut().zip(ahead.all()) {
             let three = |p: &[f64; D]| -> [f64; 3] { from_fn(|i| unit * p[i]) };
             let (way, low) = (three(&p), three(&p_low));
             let v = moments.ahead(&way.map(|x| h / unit * x));
@@ -292,8 +291,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-        Hallmark::new("method", "a splitting", stages.collect())
+        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
     }
 }
 

@@ -501,14 +501,14 @@ impl<const D: usize> Group<D> for SideBySide<D> {
     fn bill(&self) -> Result<Bill, Error> {
         let trajectories = self.moving.iter().filter(|&&moves| moves).count();
         let each = 1.0 / (trajectories as f64 * f64::from(BILLED));
-        let copying = time(|| drop(black_box(self.clone())));
-        let running = time(|| self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
+        let copying = time(&mut || drop(black_box(self.clone())));
+        let running = time(&mut || self.clone().run(u64::from(BILLED), InstructionSet::Portable, None));
         let step = each * (running - copying).max(0.0);
         let mut items = Vec::new();
         let names = self.engine.forces();
         if !names.is_empty() {
-            let nanoseconds = each * time(|| self.engine.kick_alone(BILLED));
-            items.push(Item { what: format!("force of `{}`", names.join("`, `")), nanoseconds });
+            let one = each * time(&mut || self.engine.kick_alone(BILLED));
+            items.push(Item::of_force(&names.join("`, `"), one));
         }
         let rest = "places and constraints, side by side".to_string();
         Ok(Bill { side_by_side: trajectories, ..Bill::new(step, items, rest, 1) })

@@ -161,8 +161,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        let stages = self.stages.iter().flat_map(|stage| [stage.before, stage.h, stage.after]);
-        Hallmark::new("method", "a splitting", stages.collect())
+        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
     }
 }
 
@@ -180,16 +179,8 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     parts: u32,
     places: &[Body<f64, D>],
 ) -> Result<Vec<Body<f64, D>>, Failure> {
-    let share = |x: f64| x / f64::from(parts);
-    let stage = |&Stage { before, h, after }: &Stage| Stage {
-        before: share(before),
-        h: share(h),
-        after: share(after),
-    };
-    let stages = stages.iter().map(stage).collect::<Vec<_>>();
-    let places = places.iter().map(|body| body.map(S::from_f64)).collect::<Vec<_>>();
-    let mut bodies = system.bodies(&places, 0.0);
-    let whole = stages.iter().map(|stage| stage.h).sum();
+    let (stages, whole) = Stage::parts(stages, parts);
+    let mut bodies = system.bodies(&in_lanes(places), 0.0);
     for step in 0..steps {
         if step > 0 {
             system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
@@ -205,14 +196,27 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
                     system.evaluate_forces(&mut bodies);
                 }
                 system.settle(after, h, &mut bodies, &mut ())?;
-                if stirs.is_some_and(|(after, _)| i + 1 == after) {
+                if const { Y::FLOWS > 0 }
+                    && let Some((after, _)) = stirs
+                    && i + 1 == after
+                {
                     stir::in_the_middle(whole, system, &mut bodies)?;
                 }
             }
         }
         system.check_kinks(&start, &bodies)?;
     }
-    Ok((0..places.len()).map(|body| bodies.body(body).map(Lane::to_f64)).collect())
+    Ok(out_of_lanes(&bodies.all()))
+}
+
+/// Bodies in a lane's numbers.
+fn in_lanes<S: Lane, const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<S, D>> {
+    bodies.iter().map(|body| body.map(S::from_f64)).collect()
+}
+
+/// And back.
+fn out_of_lanes<S: Lane, const D: usize>(bodies: &[Body<S, D>]) -> Vec<Body<f64, D>> {
+    bodies.iter().map(|body| body.map(Lane::to_f64)).collect()
 }
 
 /// A block on a tour.
@@ -276,7 +280,8 @@ where
 {
     for done in 1..=if EQUAL { 1 } else { parts.len() } {
         step(&mut desk.block, laws, parts, &mut desk.scratch)?;
-        if let Some(stirring) = stirring
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirring) = stirring
             && done == stirring.after
         {
             stirring.act(steps, &mut desk.block, laws, &parts[done % parts.len()]);

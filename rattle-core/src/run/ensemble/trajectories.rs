@@ -1,8 +1,7 @@
 //! Many independent trajectories, run and observed together.
 
-use crate::number::instructions::{Fusing, InstructionSet};
+use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
-use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::grouping::{
     Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
@@ -100,8 +99,9 @@ impl<const D: usize> Ensemble<D> {
         method: S,
         set: InstructionSet,
     ) -> Result<Self, Error> {
-        let trajectories = starts.into_iter().map(|start| (scene, start));
-        Self::assembled(P::MOST, trajectories, method, set, |scenes, starts, lanes| {
+        let mut starts = starts.into_iter();
+        let next = &mut || starts.next().map(|start| (scene, start));
+        Self::assembled(P::MOST, next, method, set, &|scenes, starts, lanes| {
             if const { goes_as::<C, S, D>(Kind::Rigid) } {
                 let (scene, h) = (scenes[0], lanes.h);
                 let body = (&scene.constraint as &dyn Any).downcast_ref()?;
@@ -146,7 +146,9 @@ impl<const D: usize> Ensemble<D> {
         N: Count + 'a,
         S: Method,
     {
-        Self::assembled(P::MOST, trajectories, method, InstructionSet::widest(), |scenes, starts, lanes| {
+        let (mut trajectories, set) = (trajectories.into_iter(), InstructionSet::widest());
+        let next = &mut || trajectories.next();
+        Self::assembled(P::MOST, next, method, set, &|scenes, starts, lanes| {
             if const { goes_as::<C, S, D>(Kind::Rigid) && E::Forces::<f64>::ON_EACH } {
                 let body = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
                 let bodies = scenes.iter().map(body).collect::<Option<Vec<_>>>()?;
@@ -170,69 +172,67 @@ impl<const D: usize> Ensemble<D> {
         })
     }
 
-    /// Checks all starts, and puts trajectories in lanes, a group after the other, where there are lanes for them.
+    /// Checks the starts that `next` gives until it gives none, and puts trajectories in lanes, a group after the
+    /// other, where there are lanes for them.
     #[allow(clippy::type_complexity, reason = "said once")]
     fn assembled<'a, C: Hold<D> + 'a, E: Effects<D> + 'a, N: Count + 'a, S: Method>(
         most: f64,
-        trajectories: impl IntoIterator<Item = (&'a Scene<C, E, N, D>, State<D>)>,
+        next: &mut dyn FnMut() -> Option<(&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
-        in_lanes: impl Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Groups<D>,
+        in_lanes: &dyn Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Groups<D>,
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let mut lanes = Fusing::of(set)
-            .map(|set| InLanes {
-                stages: method.stages(),
-                h,
-                stirs_after: method.stirs_after(),
-                set,
-                first: 0,
-            })
-            .filter(|lanes| match S::SPLITTING {
-                Splitting::Not => S::COLLOCATES > 0,
-                Splitting::OneStage => lanes.stages.len() == 1,
-                Splitting::Stages => !lanes.stages.is_empty(),
-            })
-            .filter(|lanes| h.abs() >= SHORT && lanes.stages.iter().all(|stage| stage.h.abs() >= SHORT));
+        let mut lanes = InLanes::of((S::SPLITTING, S::COLLOCATES > 0), method.stages(), h, set);
+        if let Some(lanes) = &mut lanes {
+            lanes.stirs_after = method.stirs_after();
+        }
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
-        let mut trajectories = trajectories.into_iter();
         loop {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
-            for (scene, start) in trajectories.by_ref().take(LANES) {
-                let trajectory = ensemble.len + scenes.len();
-                let system = scene.ready(&start, &method);
-                let system = system.and_then(|system| beyond(most, &start).map_or(Ok(system), Err));
-                let error = |error| Error::Trajectory { trajectory, error: Box::new(error) };
-                ready.push(system.map_err(error)?);
+            while scenes.len() < LANES
+                && let Some((scene, start)) = next()
+            {
+                let system = match (scene.ready(&start, &method), beyond(most, &start)) {
+                    (Err(error), _) | (_, Some(error)) => return Err(ensemble.refused(scenes.len(), error)),
+                    (Ok(system), None) => system,
+                };
+                ready.push(system);
                 starts.push(start);
                 scenes.push(scene);
             }
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let many = !matches!(C::KIND, Kind::Other);
-            let goes = (many || starts.iter().all(|start| start.len() == 1))
-                && scenes.iter().all(|scene| act_in_lanes::<S, C, _, D>(&scene.effects.forces(), h));
-            let first = ensemble.len;
-            let groups = lanes.as_mut().filter(|_| goes).and_then(|lanes| {
-                lanes.first = first;
-                in_lanes(&scenes, &starts, lanes)
-            });
-            let alone = || -> Result<Vec<Box<dyn Group<D>>>, Error> {
-                let each = (ensemble.len as u64..).zip(scenes.iter().zip(&starts).zip(ready));
-                each.map(|(trajectory, ((scene, start), system))| {
-                    let simulation = scene.begin(system, start, method.clone(), trajectory)?;
-                    Ok(Box::new(Alone::new(simulation)) as _)
-                })
-                .collect()
-            };
-            for group in groups.map_or_else(alone, Ok)? {
-                ensemble.first.push(ensemble.len);
-                ensemble.len += group.len();
-                ensemble.groups.push(group);
+            let mut goes = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
+            for scene in &scenes {
+                goes = goes && act_in_lanes::<S, C, _, D>(&scene.effects.forces(), h);
+            }
+            if goes && let Some(lanes) = &mut lanes {
+                lanes.first = ensemble.len;
+                if let Some(groups) = in_lanes(&scenes, &starts, lanes) {
+                    groups.into_iter().for_each(|group| ensemble.push(group));
+                    continue;
+                }
+            }
+            for ((scene, system), start) in scenes.into_iter().zip(ready).zip(&starts) {
+                let simulation = scene.begin(system, start, method.clone(), ensemble.len as u64)?;
+                ensemble.push(Box::new(Alone::new(simulation)));
             }
         }
+    }
+
+    /// Puts a group after the others.
+    fn push(&mut self, group: Box<dyn Group<D>>) {
+        self.first.push(self.len);
+        self.len += group.len();
+        self.groups.push(group);
+    }
+
+    /// The start of this number, counted from those that are in already, is refused.
+    fn refused(&self, number: usize, error: Error) -> Error {
+        Error::Trajectory { trajectory: self.len + number, error: Box::new(error) }
     }
 
     /// The same ensemble, in which a step that fails is repeated in 2, 4, … 2^`halvings` equal parts, as
@@ -298,12 +298,24 @@ impl<const D: usize> Ensemble<D> {
         observer: impl Fn() -> O + Sync,
     ) -> O {
         assert!(every > 0, "an ensemble is observed after every 1 or more steps");
+        let mut observers: Vec<O> = Vec::new();
+        observers.resize_with(self.groups.len(), &observer);
+        self.run_watched(steps, every, observers.iter_mut().map(|observer| observer as _).collect());
+        let mut all = observer();
+        for observer in observers {
+            all.join(observer);
+        }
+        all
+    }
+
+    /// The same with an observer for each group.
+    fn run_watched(&mut self, steps: u64, every: u64, observers: Vec<&mut (dyn AnyObserver<D> + Send)>) {
         let (set, taken, next) = (self.set, self.steps, self.steps.saturating_add(every));
-        let start = |group: &mut Box<dyn Group<D>>| {
+        let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
             let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
-            Watching { observer: observer(), before: now.clone(), now, next }
+            Watching { observer, before: now.clone(), now, next }
         };
-        let mut watching: Vec<_> = self.groups.par_iter_mut().map(start).collect();
+        let mut watching: Vec<_> = self.groups.par_iter_mut().zip(observers).map(start).collect();
         let mut left = steps;
         while left > 0 && watching.iter().all(|of| of.observer.failure().is_none()) {
             let moves = self.groups.iter().any(|group| group.moving().contains(&true));
@@ -313,9 +325,6 @@ impl<const D: usize> Ensemble<D> {
             self.steps = self.steps.saturating_add(part);
             left -= part;
         }
-        let mut all = observer();
-        watching.into_iter().for_each(|next| all.join(next.observer));
-        all
     }
 
     /// What a step of a trajectory costs on one thread, item by item.
@@ -479,15 +488,38 @@ impl<const D: usize> Ensemble<D> {
 /// groups in lanes stop anyway.
 const UNWATCHED: u64 = 8 * STRETCH;
 
+/// An observer of any type, as an object: what runs a group and shows it is compiled once for all observers.
+trait AnyObserver<const D: usize> {
+    /// Sees those of a group that move, the first of which has this number.
+    fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>);
+    /// As [`Observer::failure`].
+    fn failure(&self) -> Option<Error>;
+}
+
+impl<O: Observer<D>, const D: usize> AnyObserver<D> for O {
+    fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>) {
+        let sights = before.sights(group, first).zip(now.sights(group, first));
+        for ((before, now), &moves) in sights.zip(group.moving()) {
+            if moves {
+                self.see(&before, &now);
+            }
+        }
+    }
+
+    fn failure(&self) -> Option<Error> {
+        Observer::failure(self)
+    }
+}
+
 /// An observer of a group, what it saw, and after how many steps it is shown the group again.
-struct Watching<O, const D: usize> {
-    observer: O,
+struct Watching<'a, const D: usize> {
+    observer: &'a mut (dyn AnyObserver<D> + Send),
     before: Seen<D>,
     now: Seen<D>,
     next: u64,
 }
 
-impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
+impl<const D: usize> Watching<'_, D> {
     fn run(
         &mut self,
         group: &mut Box<dyn Group<D>>,
@@ -498,10 +530,7 @@ impl<O: Observer<D> + Send, const D: usize> Watching<O, D> {
     ) {
         let Self { observer, before, now, next } = self;
         let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
-            let sights = before.sights(group, first).zip(now.sights(group, first));
-            for ((before, now), _) in sights.zip(group.moving()).filter(|&(_, &moves)| moves) {
-                observer.see(&before, &now);
-            }
+            observer.see_group(group, first, before, now);
             std::mem::swap(before, now);
         };
         let mut onlooker = Onlooker { next: *next, every, now, show: &mut show };

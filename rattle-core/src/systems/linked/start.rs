@@ -35,7 +35,7 @@ impl<const D: usize> Start<D> {
         let (rows, blocks) = shape.widest;
         let v = state.bodies.iter().zip(&shape.roots).map(|(body, root)| root.velocity(&body.p));
         Self {
-            q: state.bodies.iter().map(|body| body.q).collect(),
+            q: Body::positions(&state.bodies),
             v: v.collect(),
             lift: vec![[0.0; D]; state.bodies.len()],
             g: vec![0.0; rows],
@@ -213,7 +213,7 @@ pub(crate) fn project<const D: usize>(
     check_fixed(shape, &state)?;
     let mut start = Start::of(shape, &state);
     // What belongs to other components is left alone: the cost is that of all equations, however many components.
-    let mut p: Vec<_> = state.bodies.iter().map(|body| body.p).collect();
+    let mut p = Body::momenta(&state.bodies);
     for c in 0..shape.components.len() {
         place(shape, c, algebra, &mut start, state.time)?;
         let Shape { components, roots, .. } = &mut *shape;
@@ -324,7 +324,7 @@ fn place<const D: usize>(
 
 /// Whether links between pinned bodies alone hold.
 fn check_fixed<const D: usize>(shape: &Shape<D>, state: &State<D>) -> Result<(), Error> {
-    let q: Vec<_> = state.bodies.iter().map(|body| body.q).collect();
+    let q = Body::positions(&state.bodies);
     let mut topology = (usize::MAX, (Vec::new(), 0));
     for &(group, member) in &shape.fixed {
         let links = &shape.groups[group];
