@@ -7,7 +7,7 @@
 //!
 //! Twenty particles start from places that are random, uniform in area. The table shows how energy goes into heat: U
 //! falls, and what drag has taken is what is missing. A test compares the points with those of the test set for initial
-//! value problems (`cargo test --test motion fekete::`). The page in `out/fekete/` shows the motion.
+//! value problems (`cargo long --test motion fekete::`). The page in `out/fekete/` shows the motion.
 
 use rattle::curvature::points;
 use rattle::effect::LinearDrag;

@@ -338,12 +338,13 @@ fn gas_keeps_its_energy(collisions: u64, bound: f64) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
 fn a_gas_of_beads_keeps_its_energy() {
     // Without optimisation a tenth of them.
     gas_keeps_its_energy(2000, 1e-13);
 }
 
-/// `cargo test --test motion events:: -- --ignored --nocapture`
+/// `cargo long --test motion events:: -- --ignored --nocapture`
 #[test]
 #[ignore = "takes minutes"]
 fn a_gas_of_beads_keeps_its_energy_for_long() {
@@ -352,6 +353,7 @@ fn a_gas_of_beads_keeps_its_energy_for_long() {
 
 /// Each collision multiplies rounding by some two free ways over a diameter, for the two that take part.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
 fn a_gas_of_beads_runs_back() {
     let mut gas = beads(30, 0.16, 0.02);
     let start = gas.state();

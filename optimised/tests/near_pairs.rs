@@ -124,6 +124,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
 fn forces_are_those_of_a_plain_loop_to_the_bit() {
     let within = SCREENED.within(REACH).shifted();
     as_in_a_plain_loop::<_, _, 2>(500, SCREENED, Open, &within);
@@ -430,6 +431,7 @@ fn bits_of<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> Ve
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
 fn a_gas_on_a_surface_that_repeats_itself() {
     // Second order, with the switch that is usual.
     let errors = [2e-4, 1e-4, 5e-5].map(|h| {
@@ -486,7 +488,7 @@ fn a_gas_on_a_surface_that_repeats_itself() {
     assert!(off < 2e-14, "{off:e}");
 }
 
-/// What each ending does to the energy in 10⁵ steps: `cargo test --test motion near_pairs:: -- --ignored --nocapture`.
+/// What each ending does to the energy in 10⁵ steps: `cargo long --test motion near_pairs:: -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement of half a minute"]
 fn drift_of_each_ending() {

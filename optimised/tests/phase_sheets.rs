@@ -118,6 +118,7 @@ fn families(seed: u64, number: u32) -> [Outcome; 7] {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
 fn steps_stay_on_their_sheets() {
     families(1, 50).iter().for_each(|outcome| outcome.check(22));
 }
@@ -159,7 +160,7 @@ fn a_checkpoint_goes_on_to_the_bit() {
     }
 }
 
-/// `cargo test --test phase phase_sheets::many -- --ignored`
+/// `cargo long --test phase phase_sheets::many -- --ignored`
 #[test]
 #[ignore = "some minutes"]
 fn many_steps_stay_on_their_sheets() {

@@ -60,7 +60,8 @@ def blamed(line, files):
 def build_tests():
     for program in PROGRAMS:
         inside = program == "core"  # the tests inside the library
-        which = ["-p", "rattle-core", "--lib"] if inside else ["--test", program]
+        long = ["--profile", "long", "--features", "optimised/long"]
+        which = ["-p", "rattle-core", "--lib"] if inside else [*long, "--test", program]
         built = cargo("test", *which, "--no-run", "--message-format=json", cwd=TREE)
         assert built.returncode == 0, built.stderr[-3000:]
         for line in map(json.loads, filter(lambda line: line.startswith("{"), built.stdout.splitlines())):

@@ -17,6 +17,8 @@ pub struct Case {
     pub bound: f64,
     pub reason: &'static str,
     pub measure: Box<dyn Fn() -> Measured + Send + Sync>,
+    /// Whether it takes seconds if it is not optimised: `cargo long` measures it.
+    pub long: bool,
 }
 
 /// What the cases of one kind have in common.
@@ -35,7 +37,17 @@ impl Kind {
         measure: impl Fn() -> Measured + Send + Sync + 'static,
     ) -> Case {
         let Self { why, expect, reason } = self;
-        Case { name: name.into(), why, expect, bound, reason, measure: Box::new(measure) }
+        Case { name: name.into(), why, expect, bound, reason, measure: Box::new(measure), long: false }
+    }
+
+    /// A case that takes long.
+    pub fn long(
+        self,
+        name: impl Into<String>,
+        bound: f64,
+        measure: impl Fn() -> Measured + Send + Sync + 'static,
+    ) -> Case {
+        Case { long: true, ..self.case(name, bound, measure) }
     }
 }
 
@@ -85,8 +97,8 @@ Where naive code breaks, what holds here instead, and what was measured. The sui
 a number is beyond its bound:
 
 ```sh
-cargo test --test cases suite:: -- --nocapture          # measures all rows
-cargo test --test cases suite::page -- --ignored       # writes this page
+cargo long --test cases suite:: -- --nocapture          # measures all rows; `cargo test` those that take no seconds
+cargo long --test cases suite::page -- --ignored       # writes this page
 ```
 
 Lengths, times and masses are of size one where a case says nothing else. ε is 2.2e-16. A bound of 0 is met bit for

@@ -58,21 +58,21 @@ pub fn cases() -> Vec<Case> {
         expect: "70 great circles after 10 000 steps",
         reason: "places follow momenta that walk: 2.5 n^1.5 h ε; compensated: ε of 100 radians, twice",
     };
-    cases.push(circles.case("70 lanes, doubles", walk(10_000) * E, || off_circles(Double, 1.0, 10_000)));
-    cases.push(circles.case("70 lanes, compensated", 200.0 * E, || off_circles(Compensated, 1.0, 10_000)));
+    cases.push(circles.long("70 lanes, doubles", walk(10_000) * E, || off_circles(Double, 1.0, 10_000)));
+    cases.push(circles.long("70 lanes, compensated", 200.0 * E, || off_circles(Compensated, 1.0, 10_000)));
     cases.push(
         circles
-            .case("70 lanes, single precision", walk(10_000) * SINGLE, || off_circles(Single, 1.0, 10_000)),
+            .long("70 lanes, single precision", walk(10_000) * SINGLE, || off_circles(Single, 1.0, 10_000)),
     );
     let kept = Kind {
         why: "a tolerance made for doubles is out of reach: every step goes to the limit of corrections",
         expect: "the sphere is kept under gravity for 20 000 steps",
         reason: "three coordinates rounded by half a last place, and one rounding of g",
     };
-    cases.push(kept.case("on the sphere, single precision", 4.0 * SINGLE, || {
+    cases.push(kept.long("on the sphere, single precision", 4.0 * SINGLE, || {
         states(Single, 1.0, 1.0, (0..70).map(start), 20_000).map(|states| off_sphere(&states))
     }));
-    cases.push(kept.case("on the sphere, doubles", 4.0 * E, || {
+    cases.push(kept.long("on the sphere, doubles", 4.0 * E, || {
         states(Double, 1.0, 1.0, (0..70).map(start), 20_000).map(|states| off_sphere(&states))
     }));
     let scaled = Kind {

@@ -1,8 +1,8 @@
 //! Hard cases as a table: a row says why naive code breaks there and what holds instead, and measures that.
 //!
 //! ```text
-//! cargo test --test cases suite:: -- --nocapture        prints the table
-//! cargo test --test cases suite::page -- --ignored     writes docs/hard-cases.md
+//! cargo long --test cases suite:: -- --nocapture        prints the table; `cargo test` those that take no seconds
+//! cargo long --test cases suite::page -- --ignored     writes docs/hard-cases.md
 //! ```
 //!
 //! To add a row: a `case` in the file of its area, then the page anew. Rows share few types of scenes, by parameters,
@@ -42,7 +42,8 @@ fn areas() -> Vec<Area> {
 }
 
 fn measured() -> Vec<(&'static str, Vec<Row>)> {
-    let rows = |area: Area| (area.name, area.cases.into_par_iter().map(Row::of).collect());
+    let now = |case: &Case| cfg!(feature = "long") || !case.long;
+    let rows = |area: Area| (area.name, area.cases.into_par_iter().filter(now).map(Row::of).collect());
     areas().into_iter().map(rows).collect()
 }
 
@@ -82,14 +83,15 @@ fn the_page_lists_the_rows_of_the_table() {
     let table: Vec<_> =
         areas().into_iter().flat_map(|area| area.cases.into_iter().map(row(area.name))).collect();
     let page = std::fs::read_to_string(page_on_disk()).unwrap();
-    let hint = "`cargo test --test cases suite::page -- --ignored` writes the page anew";
+    let hint = "`cargo long --test cases suite::page -- --ignored` writes the page anew";
     assert_eq!(case::listed(&page), table, "{hint}");
     assert_eq!(table.iter().collect::<BTreeSet<_>>().len(), table.len(), "names are different");
 }
 
 #[test]
-#[ignore = "writes docs/hard-cases.md"]
+#[ignore = "writes docs/hard-cases.md: cargo long"]
 fn page() {
+    assert!(cfg!(feature = "long"), "some rows take long: cargo long --test cases suite::page -- --ignored");
     let rows = measured();
     let beyond: Vec<_> =
         rows.iter().flat_map(|(_, rows)| rows).filter(|row| !row.holds()).map(Row::line).collect();

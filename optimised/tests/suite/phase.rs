@@ -67,9 +67,9 @@ pub fn cases() -> Vec<Case> {
         reason: "rounding, grown like t²",
     };
     for (name, t) in [("B", 1.0), ("B", 20.0), ("C", 1.0), ("C", 20.0)] {
-        cases.push(
-            truth.case(format!("Hopf pendulum, start {name}, t = {t}"), 2e-14, move || solution(name, t)),
-        );
+        let case =
+            truth.case(format!("Hopf pendulum, start {name}, t = {t}"), 2e-14, move || solution(name, t));
+        cases.push(Case { long: t > 1.0, ..case });
     }
     let scaled = Kind {
         why: "the parameter of fibres has the inverse scale of g, and a tolerance on g has its own",
@@ -113,12 +113,12 @@ pub fn cases() -> Vec<Case> {
         expect: "the energy swings with h² and does not drift in 20 000 steps; g and {g, H} hold",
         reason: "the swing of a run of 10⁵ steps; four coordinates rounded by ε/2 with slopes of 2",
     };
-    cases.push(kept.case("Hopf pendulum, energy", 1.2e-4, || {
+    cases.push(kept.long("Hopf pendulum, energy", 1.2e-4, || {
         largest(simulate((UNIT, FALLING), start("B"), Rattle::new(0.1))?, 20_000, |now| {
             now.energy_error().abs()
         })
     }));
-    cases.push(kept.case("Hopf pendulum, constraints", 3e-15, || {
+    cases.push(kept.long("Hopf pendulum, constraints", 3e-15, || {
         let simulation = simulate((UNIT, FALLING), start("B"), Rattle::new(0.1))?;
         largest(simulation, 20_000, |now| larger(now.constraint_residual(), now.cotangent_residual()))
     }));
@@ -128,11 +128,8 @@ pub fn cases() -> Vec<Case> {
         reason: "each is counted",
     };
     for k in [30.0, 1e3, 3e4] {
-        cases.push(
-            shells.case(format!("shells π/{k:e} apart in |q|² + |p|²"), 0.0, move || {
-                Ok(leave_their_shell(k))
-            }),
-        );
+        let name = format!("shells π/{k:e} apart in |q|² + |p|²");
+        cases.push(shells.long(name, 0.0, move || Ok(leave_their_shell(k))));
     }
     let refused = Kind {
         why: "no multiplier is determined, or none keeps the constraint: any number is an answer",

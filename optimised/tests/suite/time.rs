@@ -62,14 +62,14 @@ pub fn cases() -> Vec<Case> {
         expect: "the largest energy error of 10⁶ more steps is that of the first swings",
         reason: "the swing is sampled at other phases: six digits",
     };
-    cases.push(drift.case("pendulum, 10⁶ steps", 1e-6, no_drift));
+    cases.push(drift.long("pendulum, 10⁶ steps", 1e-6, no_drift));
     let sums = Kind {
         why: "10⁶ sums round 10⁶ times: a bias of ε/2 each is 1e-10",
         expect: "the angle n·asin(h|v|/R), and the energy",
         reason: "speed and step are rounded once: ε of 10⁴ radians each; the energy is rounded when read",
     };
-    cases.push(sums.case("great circle, 10⁶ steps", 2e4 * E, || great_circle(0.01, 1_000_000)));
-    cases.push(sums.case("great circle, energy over 10⁶ steps", 16.0 * E, || {
+    cases.push(sums.long("great circle, 10⁶ steps", 2e4 * E, || great_circle(0.01, 1_000_000)));
+    cases.push(sums.long("great circle, energy over 10⁶ steps", 16.0 * E, || {
         let simulation = on(sphere(1.0), 0.0, at([1.0, 0.0, 0.0], [0.0, 0.6, 0.8]), Rattle::new(0.01))?;
         largest(simulation, 1_000_000, |now| now.energy_error().abs())
     }));
@@ -78,7 +78,7 @@ pub fn cases() -> Vec<Case> {
         expect: "t = n·h",
         reason: "to the last bit or the next",
     };
-    cases.push(clock.case("time after 10⁶ steps of 0.1", E, || {
+    cases.push(clock.long("time after 10⁶ steps of 0.1", E, || {
         let mut simulation = on(sphere(1.0), 0.0, at([1.0, 0.0, 0.0], [0.0, 0.1, 0.0]), Rattle::new(0.1))?;
         simulation.run(1_000_000)?;
         Ok((simulation.time() / 1e5 - 1.0).abs())

@@ -11,7 +11,7 @@ use crate::kernel::space::{Open, Periodic};
 /// **The cut-off.** A symplectic method conserves energy without drift where forces are smooth. The table shows the
 /// energy errors in ε of 120 Lennard-Jones atoms on a gyroid, with a kinetic energy of 120 ε, reach 2.5 σ and steps of
 /// 0.005 σ √(m/ε), as means over the last 5 000 of the given number of steps
-/// (`cargo test --test motion near_pairs:: -- --ignored --nocapture`):
+/// (`cargo long --test motion near_pairs:: -- --ignored --nocapture`):
 ///
 /// | ending | 25 000 | 50 000 | 75 000 | 100 000 steps |
 /// |---|---|---|---|---|
