@@ -176,6 +176,26 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         Ok(again)
     }
 
+    /// What was asked for beside scene and method, each with a number.
+    fn options(&self) -> Vec<(&'static str, f64)> {
+        let mut options = Vec::new();
+        if let Some(halving) = &self.halving {
+            options.push(("retry", f64::from(halving.most)));
+        }
+        if let Some(reversal) = &self.reversal {
+            options.push(("check_reversal", reversal.tolerance));
+        }
+        if let Some(events) = &self.events {
+            for contact in &events.search.meetings.kinds {
+                options.push((contact.name(), contact.restitution()));
+            }
+            if events.search.over_kinks {
+                options.push(("over_kinks", 1.0));
+            }
+        }
+        options
+    }
+
     /// What tells this run from another.
     fn hallmarks(&self, places: &[Body<f64, D>], time: f64) -> Vec<Hallmark> {
         let mut marks = vec![of_method(&self.method), of_options(&self.options())];

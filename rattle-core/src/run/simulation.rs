@@ -47,9 +47,9 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
     pub(super) clock: (f64, f64),
     pub(super) start_energy: f64,
     /// If a step that cannot be taken is to be halved.
-    halving: Option<Halving<Y, S, D>>,
+    pub(super) halving: Option<Halving<Y, S, D>>,
     /// If every step is to be taken back and compared.
-    reversal: Option<Box<Reversal<Y, S, D>>>,
+    pub(super) reversal: Option<Box<Reversal<Y, S, D>>>,
     /// What is to happen inside steps.
     pub(super) events: Option<Box<Events<Y, S, D>>>,
     /// Whether there is reversal or are events, in one look for each step.
@@ -57,8 +57,8 @@ pub struct Simulation<Y: System<f64, D>, S: Method, const D: usize> {
 }
 
 /// How often a step that cannot be taken is halved, and what takes it in parts: compiled for those who ask for it.
-struct Halving<Y: System<f64, D>, S: Method, const D: usize> {
-    most: u32,
+pub(super) struct Halving<Y: System<f64, D>, S: Method, const D: usize> {
+    pub(super) most: u32,
     #[allow(clippy::type_complexity, reason = "said once")]
     take: fn(&mut Simulation<Y, S, D>, u32, &mut dyn Hears<f64>) -> Result<(), Trouble>,
 }
@@ -72,10 +72,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Clone for Halving<Y, S, D> {
 }
 
 /// What it takes to take a step back and go on as if it had not been.
-struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
+pub(super) struct Reversal<Y: System<f64, D>, S: Method, const D: usize> {
     /// What takes a step in so many parts back: compiled for those who ask for it.
     take: fn(&mut Simulation<Y, S, D>, u32) -> Result<(), Trouble>,
-    tolerance: f64,
+    pub(super) tolerance: f64,
     backwards: S,
     after: Saved<Y::Count, f64, D>,
     /// That of a method that has not made a step.
@@ -199,26 +199,6 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             Some(Box::new(Reversal { take: Self::take_back, tolerance, backwards, after, blank, memory }));
         self.goes_again = true;
         Ok(self)
-    }
-
-    /// What was asked for beside scene and method, each with a number.
-    pub(super) fn options(&self) -> Vec<(&'static str, f64)> {
-        let mut options = Vec::new();
-        if let Some(halving) = &self.halving {
-            options.push(("retry", f64::from(halving.most)));
-        }
-        if let Some(reversal) = &self.reversal {
-            options.push(("check_reversal", reversal.tolerance));
-        }
-        if let Some(events) = &self.events {
-            for contact in &events.search.meetings.kinds {
-                options.push((contact.name(), contact.restitution()));
-            }
-            if events.search.over_kinks {
-                options.push(("over_kinks", 1.0));
-            }
-        }
-        options
     }
 
     /// Takes one step.

@@ -295,12 +295,11 @@ impl InNumbers for Sums {
     }
 }
 
+/// Makes a row of the trajectories from this number on that start so.
+type RowOf<'a, const D: usize> = dyn Fn(usize, &[State<D>]) -> Option<Box<dyn Group<D>>> + 'a;
+
 /// Trajectories in rows of so many, each made from the number of its first, counted from these, and its starts.
-fn in_rows<const D: usize>(
-    width: usize,
-    starts: &[State<D>],
-    row: &dyn Fn(usize, &[State<D>]) -> Option<Box<dyn Group<D>>>,
-) -> Groups<D> {
+fn in_rows<const D: usize>(width: usize, starts: &[State<D>], row: &RowOf<'_, D>) -> Groups<D> {
     (0..).step_by(width).zip(starts.chunks(width)).map(|(from, starts)| row(from, starts)).collect()
 }
 
