@@ -109,23 +109,40 @@ fn equal_scenes_are_an_ensemble() {
 /// third one that does not.
 #[test]
 fn neighbours_are_not_disturbed() {
-    let lengths = |i: usize| if i.is_multiple_of(40) { [0.02, 1.0] } else { LENGTHS(i) };
-    let masses = |i: usize| if i % 3 == 1 { [1.0, spread(i, 0.3, 3.0), 1.0] } else { [1.0, 3.0, 1.7] };
-    let g = |i: usize| spread(i, 0.2, 2.0);
-    undisturbed(lengths, |i| double(lengths(i), g(i)));
-    undisturbed(lengths, |i| double(lengths(i), g(i)).masses(masses(i)));
-    undisturbed(lengths, |i| double(lengths(i), g(i)).masses(masses(i)).with(weights(g(i), masses(i))));
+    undisturbed(|i| double(some_short(i), some_gravity(i)));
 }
 
-fn undisturbed<E: Effects<2> + 'static>(
-    lengths: impl Fn(usize) -> [f64; 2],
-    scene: impl Fn(usize) -> Scene<Network<2>, E, Many, 2>,
-) {
+#[test]
+fn neighbours_of_other_masses_are_not_disturbed() {
+    undisturbed(|i| double(some_short(i), some_gravity(i)).masses(some_alike(i)));
+}
+
+#[test]
+fn neighbours_of_other_weights_are_not_disturbed() {
+    undisturbed(|i| {
+        let (g, masses) = (some_gravity(i), some_alike(i));
+        double(some_short(i), g).masses(masses).with(weights(g, masses))
+    });
+}
+
+fn some_short(i: usize) -> [f64; 2] {
+    if i.is_multiple_of(40) { [0.02, 1.0] } else { LENGTHS(i) }
+}
+
+fn some_alike(i: usize) -> [f64; 3] {
+    if i % 3 == 1 { [1.0, spread(i, 0.3, 3.0), 1.0] } else { [1.0, 3.0, 1.7] }
+}
+
+fn some_gravity(i: usize) -> f64 {
+    spread(i, 0.2, 2.0)
+}
+
+fn undisturbed<E: Effects<2> + 'static>(scene: impl Fn(usize) -> Scene<Network<2>, E, Many, 2>) {
     let number = 70;
     let scenes: Vec<_> = (0..number).map(scene).collect();
     let starts: Vec<_> = (0..number)
         .map(|i| {
-            let at_rest = start(lengths(i), spread(i, 0.3, 1.4)).with_momenta([[0.0; 2]; 3]);
+            let at_rest = start(some_short(i), spread(i, 0.3, 1.4)).with_momenta([[0.0; 2]; 3]);
             let fast = if i.is_multiple_of(40) { 3.0 } else { 0.3 };
             scenes[i].project(&at_rest.with_momenta([[0.0; 2], [fast, 0.1], [-fast, 0.2]])).unwrap()
         })
