@@ -96,6 +96,7 @@ fn bits_of(ensemble: &Ensemble<3>) -> Vec<String> {
 }
 
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn parts_are_the_same_everywhere_and_touch_no_one_else() {
     let mut ensemble = all(InstructionSet::widest());
     ensemble.run(1000);
@@ -135,6 +136,7 @@ fn parts_are_the_same_everywhere_and_touch_no_one_else() {
 
 /// In a sweep lanes that stand in for others obey what those they are copies of do, and are given back.
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn parts_obey_the_scene_of_their_trajectory() {
     let scenes: Vec<_> = (0..70)
         .map(|i| {

@@ -418,6 +418,7 @@ fn the_same_bits_everywhere() {
 /// In steps far too long a lane ends where a simulation ends, or neither does; and so does what is halved. What a lane
 /// starts with is momenta after the first kick, so that a step may be trusted that a simulation refuses: one here.
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn long_steps_end_where_those_of_simulations_end() {
     let scene = Scene::points(4)
         .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2], [2, 3]])

@@ -246,6 +246,7 @@ fn pixel(page: &mut Browser, place: &str) -> [u8; 4] {
 }
 
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn the_page_draws_what_a_scene_has() {
     let Some(chromium) = browser::find() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -132,6 +132,7 @@ fn only_zeros_are_points() {
 /// The mean of z² over points on a sphere, 1/3: of even points nearer than of random ones, whose deviation is √(4/45n),
 /// by more than half.
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn even_points() {
     let mean = |points: Vec<rattle::nalgebra::Vector3<f64>>| {
         points.iter().map(|q| q.z * q.z).sum::<f64>() / points.len() as f64 - 1.0 / 3.0

@@ -265,7 +265,7 @@ fn follow_root<C: Constraint<3, 1>>(
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn huge_steps_never_land_on_another_sheet() {
     huge_steps(Rattle::new);
     huge_steps(|h| Rattle::new(h).solved_by(Symmetric));

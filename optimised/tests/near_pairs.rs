@@ -124,7 +124,7 @@ where
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn forces_are_those_of_a_plain_loop_to_the_bit() {
     let within = SCREENED.within(REACH).shifted();
     as_in_a_plain_loop::<_, _, 2>(500, SCREENED, Open, &within);
@@ -431,7 +431,7 @@ fn bits_of<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> Ve
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn a_gas_on_a_surface_that_repeats_itself() {
     // Second order, with the switch that is usual.
     let errors = [2e-4, 1e-4, 5e-5].map(|h| {

@@ -118,7 +118,7 @@ fn families(seed: u64, number: u32) -> [Outcome; 7] {
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn steps_stay_on_their_sheets() {
     families(1, 50).iter().for_each(|outcome| outcome.check(22));
 }

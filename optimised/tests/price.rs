@@ -82,7 +82,7 @@ fn all_hold(trials: &[Trial]) {
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn wishes_are_met() {
     let mut list = trials(&lemniscate(), &[1e-4, 1e-8], 2.0);
     list.extend(trials(&pendulum(), &[1e-6, 1e-11], 1.0));

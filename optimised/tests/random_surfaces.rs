@@ -184,7 +184,7 @@ fn all_methods(seed: u64, runs: u32) -> [Outcome; 5] {
 
 #[test]
 fn each_step_stays_on_its_sheet() {
-    let runs = if cfg!(feature = "long") { 500 } else { 25 };
+    let runs = if cfg!(long) { 500 } else { 25 };
     for outcome in all_methods(100, runs) {
         assert!(outcome.wrong == 0 && outcome.steps >= 6 * u64::from(runs), "{outcome:?}");
     }
@@ -192,7 +192,7 @@ fn each_step_stays_on_its_sheet() {
 
 /// Seeds and numbers of scenes whose steps once ended on another sheet in silence.
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn scenes_that_were_wrong_are_not() {
     for (seed, runs) in
         [(1571, 27), (4441, 95), (4821, 142), (5021, 13), (5901, 135), (7241, 119), (10161, 177)]
@@ -221,7 +221,7 @@ fn scenes_that_were_wrong_are_not() {
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn each_step_of_lanes_stays_on_its_sheet() {
     let outcome = moves_in_lanes(200, 200);
     assert!(outcome.wrong == 0 && outcome.steps >= 20_000, "{outcome:?}");

@@ -44,7 +44,7 @@ fn ensembles<S: Method>(seed: u64, number: usize, method: impl Fn(f64) -> S) -> 
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn ensembles_stay_on_their_sheets() {
     ensembles(1, 12, Rattle::new).check(170);
     ensembles(2, 4, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(40);
@@ -52,7 +52,7 @@ fn ensembles_stay_on_their_sheets() {
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn stages_in_lanes_stay_on_their_sheets() {
     ensembles(7, 10, Lobatto::<2>::new).check(140);
     ensembles(8, 10, Lobatto::<3>::new).check(100);
@@ -126,7 +126,7 @@ fn gases(seed: u64, number: usize, bodies: usize) -> Outcome {
 }
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "takes long if not optimised: cargo long")]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn particles_in_tiles_stay_on_their_sheets() {
     gases(5, 400, 9).check(100);
     gases(6, 40, 70).check(3);

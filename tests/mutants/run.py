@@ -60,7 +60,7 @@ def blamed(line, files):
 def build_tests():
     for program in PROGRAMS:
         inside = program == "core"  # the tests inside the library
-        long = ["--profile", "long", "--features", "optimised/long"]
+        long = ["--profile", "long", "--config", "build.rustflags = ['--cfg', 'long']"]
         which = ["-p", "rattle-core", "--lib"] if inside else [*long, "--test", program]
         built = cargo("test", *which, "--no-run", "--message-format=json", cwd=TREE)
         assert built.returncode == 0, built.stderr[-3000:]

@@ -101,7 +101,7 @@ const ENSEMBLES: usize = 9;
 const OTHERS: usize = 6;
 
 #[test]
-#[cfg_attr(not(feature = "long"), ignore = "reads optimised machine code: cargo long")]
+#[cfg_attr(not(long), ignore = "reads optimised machine code: cargo long")]
 fn entries_are_vectorised() {
     run(&Scene::on(Lemniscate { a: 1.0, r: 0.2 }).with(Gravity { g: 1.0 }), [0.0, 0.0, 0.2]);
     run(&Scene::on(TorusByDistance { major: 1.0, minor: 0.3 }), [1.3, 0.0, 0.0]);

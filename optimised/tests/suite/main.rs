@@ -42,7 +42,7 @@ fn areas() -> Vec<Area> {
 }
 
 fn measured() -> Vec<(&'static str, Vec<Row>)> {
-    let now = |case: &Case| cfg!(feature = "long") || !case.long;
+    let now = |case: &Case| cfg!(long) || !case.long;
     let rows = |area: Area| (area.name, area.cases.into_par_iter().filter(now).map(Row::of).collect());
     areas().into_iter().map(rows).collect()
 }
