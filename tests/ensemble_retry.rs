@@ -214,6 +214,7 @@ impl<const D: usize> Observer<D> for All {
 }
 
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn onlookers_see_whole_steps() {
     let of = || scene().ensemble((0..50).map(start), Rattle::new(0.01)).unwrap().retry(3);
     let seen = of().observe(1200, 3, || All(vec![])).0;

@@ -351,6 +351,7 @@ fn steps_compiled_for_their_sizes_give_the_same_bits() {
 /// Bits of a trajectory depend on no neighbour, no division of the run, no number of threads, no instruction set that
 /// fuses, and not on a checkpoint. Some steps are too long for some of the trajectories: these end, or go apart.
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn the_same_bits_everywhere() {
     let scene = Scene::points(3)
         .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])

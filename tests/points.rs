@@ -58,6 +58,7 @@ fn uniform_in_area() {
 /// By integrals over surfaces that have no formula: octants of the notebook's surface, shifted, where lines meet up to
 /// eight sheets.
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn uniform_where_there_is_no_formula() {
     let surface = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
     let (low, high) = ([-1.3, -0.7, -0.3], [1.3, 0.7, 0.3]);

@@ -382,6 +382,7 @@ fn numpy_reads_what_was_written_in_parts() {
 }
 
 #[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
 fn ase_reads_extended_xyz() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.xyz");
