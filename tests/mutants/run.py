@@ -60,9 +60,8 @@ def blamed(line, files):
 def build_tests():
     for program in PROGRAMS:
         inside = program == "core"  # the tests inside the library
-        long = ["--profile", "long", "--config", "build.rustflags = ['--cfg', 'long']"]
-        which = ["-p", "rattle-core", "--lib"] if inside else [*long, "--test", program]
-        built = cargo("test", *which, "--no-run", "--message-format=json", cwd=TREE)
+        which = ["test", "-p", "rattle-core", "--lib"] if inside else ["long", "--test", program]
+        built = cargo(*which, "--no-run", "--message-format=json", cwd=TREE)
         assert built.returncode == 0, built.stderr[-3000:]
         for line in map(json.loads, filter(lambda line: line.startswith("{"), built.stdout.splitlines())):
             if line.get("executable") and (inside or line["target"]["name"] == program):

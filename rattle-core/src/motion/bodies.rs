@@ -233,9 +233,14 @@ impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
         done
     }
 
+    /// Positions, what rounding took from them, momenta, and what rounding took from these.
+    pub(crate) fn lists(&self) -> [&[[T; D]]; 4] {
+        [self.q.as_ref(), self.q_low.as_ref(), self.p.as_ref(), self.p_low.as_ref()]
+    }
+
     /// All bodies in their order.
     pub(crate) fn all(&self) -> Vec<Body<T, D>> {
-        gathered([self.q.as_ref(), self.q_low.as_ref(), self.p.as_ref(), self.p_low.as_ref()])
+        gathered(self.lists())
     }
 
     /// Body number `i`.

@@ -133,10 +133,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     pub(in crate::run) fn record(&self, to: &mut Record) {
         let bodies = &self.bodies;
-        let places = bodies.all();
-        write_places(to, &places, bodies.time);
+        write_places(to, bodies.lists(), bodies.time);
         to.within("run", |to| {
-            for mark in self.hallmarks(&places, bodies.time) {
+            for mark in self.hallmarks(&bodies.all(), bodies.time) {
                 mark.write(to);
             }
         });
@@ -205,11 +204,11 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 }
 
 /// Writes bodies, and their time.
-fn write_places<const D: usize>(to: &mut Record, places: &[Body<f64, D>], time: f64) {
-    to.vectors("q", &places.iter().map(|body| body.q).collect::<Vec<_>>());
-    to.vectors("q rounding", &places.iter().map(|body| body.q_low).collect::<Vec<_>>());
-    to.vectors("p", &places.iter().map(|body| body.p).collect::<Vec<_>>());
-    to.vectors("p rounding", &places.iter().map(|body| body.p_low).collect::<Vec<_>>());
+fn write_places<const D: usize>(to: &mut Record, [q, q_low, p, p_low]: [&[[f64; D]]; 4], time: f64) {
+    to.vectors("q", q);
+    to.vectors("q rounding", q_low);
+    to.vectors("p", p);
+    to.vectors("p rounding", p_low);
     to.list("time of the bodies", &[time]);
 }
 

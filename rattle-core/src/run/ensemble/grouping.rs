@@ -48,22 +48,17 @@ pub(super) struct InLanes {
 }
 
 impl InLanes {
-    /// With this instruction set, by a splitting of this kind into these stages, or a collocation; none where the
-    /// instructions do not fuse, steps are too short, or the method is neither.
-    pub(super) fn of(
-        (splitting, collocates): (Splitting, bool),
-        stages: Vec<Stage>,
-        h: f64,
-        set: InstructionSet,
-    ) -> Option<Self> {
-        let set = Fusing::of(set)?;
-        let goes = match splitting {
-            Splitting::Not => collocates,
+    /// By this method with this instruction set; none where the instructions do not fuse, steps are too short, or the
+    /// method is neither a splitting nor a collocation.
+    pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Option<Self> {
+        let (stages, h, set) = (method.stages(), method.step_size(), Fusing::of(set)?);
+        let goes = match S::SPLITTING {
+            Splitting::Not => S::COLLOCATES > 0,
             Splitting::OneStage => stages.len() == 1,
             Splitting::Stages => !stages.is_empty(),
         };
         let long = h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT);
-        (goes && long).then_some(Self { stages, h, stirs_after: 0, set, first: 0 })
+        (goes && long).then_some(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
     }
 }
 

@@ -507,8 +507,8 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let mut items = Vec::new();
         let names = self.engine.forces();
         if !names.is_empty() {
-            let one = each * time(&mut || self.engine.kick_alone(BILLED));
-            items.push(Item::of_force(&names.join("`, `"), one));
+            let nanoseconds = each * time(&mut || self.engine.kick_alone(BILLED));
+            items.push(Item::of_force(&names.join("`, `"), nanoseconds));
         }
         let rest = "places and constraints, side by side".to_string();
         Ok(Bill { side_by_side: trajectories, ..Bill::new(step, items, rest, 1) })

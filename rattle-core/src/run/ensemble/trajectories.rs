@@ -184,10 +184,7 @@ impl<const D: usize> Ensemble<D> {
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let mut lanes = InLanes::of((S::SPLITTING, S::COLLOCATES > 0), method.stages(), h, set);
-        if let Some(lanes) = &mut lanes {
-            lanes.stirs_after = method.stirs_after();
-        }
+        let mut lanes = InLanes::of(&method, set);
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         loop {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
