@@ -103,8 +103,8 @@ pair_potential! {
     /// Ricker's wavelet as a function of the distance: repels within `radius`, attracts beyond, fades to zero, and is
     /// finite everywhere.
     ///
-    /// `depth` is an energy: U = −depth at r = `radius`. At contact U = depth e^(3/2) / 2. U is even in r, so bodies
-    /// may pass through each other.
+    /// U = depth (w − 1) e^w, with w = 3/2 (1 − r²/radius²). `depth` is an energy: U = −depth at r = `radius`. At
+    /// contact U = depth e^(3/2) / 2. U is even in r, so bodies may pass through each other.
     ///
     /// ```
     /// use rattle::potentials::Ricker;
@@ -116,8 +116,8 @@ pair_potential! {
     /// ```
     pub struct Ricker { depth, radius }
     |r| {
-        let rho = r / radius;
-        depth / 2 * (1 - 3 * rho^2) * exp(3/2 * (1 - rho^2))
+        let w = 3/2 - 3/2 * (r / radius)^2;
+        depth * (w * exp(w) - exp(w)) // its derivative has one term
     }
 }
 

@@ -250,7 +250,12 @@ fn ring_energies<K: PairKernel<Number>, const D: usize>(
     let mut values = Pairs::<LANES>::ZERO;
     for first in (1..=number / 2).step_by(SHIFTS) {
         let shifts = first..(number / 2 + 1).min(first + SHIFTS);
-        values.evaluate(&places, shifts.clone(), |squares| values_of(kernel, squares));
+        values.evaluate(
+            &places,
+            shifts.clone(),
+            #[inline(always)] // else compiled without the instruction set where it is long
+            |squares| values_of(kernel, squares),
+        );
         for (shift, values) in shifts.zip(&values.0) {
             let pairs = if 2 * shift == number { shift } else { number };
             for l in 0..LANES {
@@ -285,7 +290,12 @@ fn ring<K: PairKernel<Number>, const D: usize, const L: usize, const TWICE: usiz
     let mut slopes = Pairs::<L>::ZERO;
     for first in (1..=number / 2).step_by(SHIFTS) {
         let shifts = first..(number / 2 + 1).min(first + SHIFTS);
-        slopes.evaluate(&places, shifts.clone(), |squares| kernel.slope_block(squares));
+        slopes.evaluate(
+            &places,
+            shifts.clone(),
+            #[inline(always)] // else compiled without the instruction set where it is long
+            |squares| kernel.slope_block(squares),
+        );
         for (shift, slopes) in shifts.zip(&slopes.0) {
             let pairs = if 2 * shift == number { shift } else { number };
             push_of_shift(&places, shift, pairs, slopes, &mut own, &mut others);

@@ -311,7 +311,14 @@ pub trait PairKernel<T: Real>: Clone + Send + Sync + 'static {
     /// Replaces each s of a block by dU/ds, for forces between many bodies.
     #[inline(always)]
     fn slope_block<const L: usize>(&self, s: &mut [T; L]) {
-        for s in s {
+        // A loop over few is unrolled, also where the slope is long: several pairs are in flight then.
+        let (chunks, rest) = s.as_chunks_mut::<32>();
+        for chunk in chunks {
+            for s in chunk {
+                *s = self.slope(*s);
+            }
+        }
+        for s in rest {
             *s = self.slope(*s);
         }
     }
