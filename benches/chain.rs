@@ -7,10 +7,14 @@
 //! A chain of total length and mass 1 falls from the horizontal; its step is a fifth of the time that a wave needs for
 //! a link, so that chains of all lengths are equally accurate. Times are medians of several runs; the slope is that of
 //! log(time per step) over log(links), fitted. Allocations are counted over the timed steps.
+//!
+//! Then molecules: so few that each is moved by itself, and so many that they go side by side.
 
-use rattle::links::planar::Rod;
+use rattle::links::{self, planar::Rod};
+use rattle::method::Method;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
+use rattle::system::System;
 use std::time::Instant;
 
 const LINKS: [u32; 4] = [100, 1_000, 10_000, 100_000];
@@ -56,7 +60,54 @@ fn main() -> Result<(), rattle::Error> {
         points.push((f64::from(links).ln(), time.ln()));
     }
     println!("\nratio slope {:.3}", slope(&points));
+    molecules()
+}
+
+const MOLECULES: [usize; 3] = [20, 1_000, 10_000];
+
+/// Dumbbells, and triangles of rods, that fly freely.
+fn molecules() -> Result<(), rattle::Error> {
+    println!("\n                  molecules   ns per molecule and step   allocations");
+    for (name, bodies) in [("dumbbells", 2), ("triangles", 3)] {
+        let mut alone = 0.0;
+        for n in MOLECULES {
+            let corners = [[0.0, 0.0, 0.0], [0.8, 0.6, 0.0], [-0.8, 0.6, 0.0]];
+            let places = (0..n).flat_map(|_| corners.into_iter().take(bodies));
+            let momentum = |i: usize| [0.3, 1.7, 2.9].map(|speed| (speed * i as f64).sin());
+            let legs = (0..n).flat_map(|i| (1..bodies).map(move |leg| [bodies * i, bodies * i + leg]));
+            let rest = (0..if bodies == 3 { n } else { 0 }).map(|i| [bodies * i + 1, bodies * i + 2]);
+            let scene = Scene::points(bodies * n)
+                .link(links::Rod { length: 1.0 }, legs)
+                .link(links::Rod { length: 1.6 }, rest);
+            let start = scene.project(&State::of(places).with_momenta((0..bodies * n).map(momentum)))?;
+            let (time, allocations) = timed(scene.simulate(start, Rattle::new(0.01))?, 200_000 / n as u64)?;
+            let each = 1e9 * time / n as f64;
+            println!("{name:18} {n:8} {each:26.1} {allocations:13}");
+            if n == MOLECULES[0] {
+                alone = each;
+            } else {
+                println!("ratio {name}_alone_over_{n} {:.2}", alone / each);
+            }
+        }
+    }
     Ok(())
+}
+
+/// The time of a step, the median of several runs of so many, and how often they allocate.
+fn timed<Y: System<f64, 3>, S: Method>(
+    mut simulation: Simulation<Y, S, 3>,
+    steps: u64,
+) -> Result<(f64, u64), rattle::Error> {
+    simulation.run(5)?;
+    let (mut times, mut allocations) = (Vec::new(), 0);
+    for _ in 0..RUNS {
+        let (clock, mut outcome) = (Instant::now(), Ok(()));
+        allocations += allocation_counter::measure(|| outcome = simulation.run(steps)).count_total;
+        times.push(clock.elapsed().as_secs_f64() / steps as f64);
+        outcome?;
+    }
+    times.sort_by(f64::total_cmp);
+    Ok((times[RUNS / 2], allocations))
 }
 
 /// The slope of the straight line through the points, by least squares.

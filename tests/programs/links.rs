@@ -14,6 +14,8 @@ mod linked_errors;
 mod linked_ways;
 #[path = "../memory.rs"]
 mod memory;
+#[path = "../molecules.rs"]
+mod molecules;
 #[path = "../rigid.rs"]
 mod rigid;
 #[path = "../scaling.rs"]

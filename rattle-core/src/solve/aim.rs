@@ -30,6 +30,9 @@ const CHANGE_BY_TURN: f64 = 0.05;
 /// Where it turns by more than this angle nothing is taken for usual.
 const MOST_TURN: f64 = 0.3;
 
+/// Where normals turn by more than this angle in a step, the steps before say little of what is usual.
+pub(crate) const SMOOTH: f64 = 0.1;
+
 /// What is off by less than so many roundings of the position is off by rounding: no sheets lie so close.
 pub(crate) const ROUNDINGS: f64 = 64.0;
 

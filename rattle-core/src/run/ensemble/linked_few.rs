@@ -13,25 +13,11 @@ use crate::number::vector::{dot, two_sum};
 use crate::run::ensemble::linked_pulls::Pulling;
 use crate::run::ensemble::linked_row::{CLEAR, Course, TURN, Which, any};
 use crate::run::ensemble::plan::Places;
+use crate::systems::network::few_in_lanes::{
+    Normals, by_coordinate, factor, lifted, of_few, of_lane, of_size, sized, solve, sum_of,
+};
 use crate::systems::network::in_lanes::{Number, Numbers, zeros};
 use std::array::from_fn;
-
-/// Calls a function with the sizes (equations, coordinates that are not pinned) that are compiled, if these are such.
-macro_rules! sized {
-    ($sizes:expr, $run:ident) => {
-        match $sizes {
-            (1, 2) => $run!(1, 2),
-            (1, 3) => $run!(1, 3),
-            (1, 4) => $run!(1, 4),
-            (1, 6) => $run!(1, 6),
-            (2, 4) => $run!(2, 4),
-            (2, 6) => $run!(2, 6),
-            (3, 6) => $run!(3, 6),
-            (3, 9) => $run!(3, 9),
-            _ => 0,
-        }
-    };
-}
 
 /// Numbers of M equations and K coordinates.
 #[repr(C, align(64))]
@@ -51,9 +37,6 @@ impl<const M: usize, const K: usize, const W: usize> Scratch<M, K, W> {
         Self { lambda, found, matrix: [[zeros(); M]; M], astray: [0; W], none: [[zeros(); K]; 2] }
     }
 }
-
-/// G by coordinate, zeros where an equation does not depend on it.
-type Normals<'a, const M: usize, const K: usize, const W: usize> = [[&'a Numbers<W>; K]; M];
 
 /// What a step begins with, by coordinate.
 #[derive(Clone, Copy)]
@@ -111,7 +94,7 @@ impl<const W: usize> Course<'_, W> {
                 self.set.run(Stretch::<$m, $k, W, S> { course: self, first, count, numbers, pulling })
             };
         }
-        self.plan.few.map_or(0, |sizes| sized!(sizes, run))
+        self.plan.few.map_or(0, |sizes| sized!(sizes, run, 0))
     }
 }
 
@@ -233,63 +216,6 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
     done
 }
 
-/// As many rows as there are.
-#[inline(always)]
-fn of_size<const N: usize, const W: usize>(rows: &mut [Numbers<W>]) -> &mut [Numbers<W>; N] {
-    rows.first_chunk_mut().expect("as many as there are")
-}
-
-/// See [`of_size`].
-#[inline(always)]
-fn of_few<const N: usize, const W: usize>(rows: &[Numbers<W>]) -> &[Numbers<W>; N] {
-    rows.first_chunk().expect("as many as there are")
-}
-
-/// See [`Normals`]. (No `map`, which is a call.)
-#[inline(always)]
-fn by_coordinate<'a, const M: usize, const K: usize, const W: usize>(
-    entry: &[[Option<usize>; K]; M],
-    gradient: &'a [Numbers<W>],
-    zero: &'a Numbers<W>,
-) -> Normals<'a, M, K, W> {
-    let mut normals = [[zero; K]; M];
-    for i in 0..M {
-        for k in 0..K {
-            if let Some(number) = entry[i][k] {
-                normals[i][k] = &gradient[number];
-            }
-        }
-    }
-    normals
-}
-
-/// M⁻¹Gᵀ of a lane.
-#[inline(always)]
-fn lifted<const M: usize, const K: usize, const W: usize>(
-    normals: &Normals<M, K, W>,
-    over: &[Number; K],
-    l: usize,
-) -> [[Number; K]; M] {
-    from_fn(|i| from_fn(|k| over[k] * normals[i][k].0[l]))
-}
-
-/// A coordinate, and what multipliers add to it.
-#[inline(always)]
-fn sum_of<const M: usize, const K: usize>(
-    first: Number,
-    lifted: &[[Number; K]; M],
-    lambda: &[Number; M],
-    k: usize,
-) -> Number {
-    (0..M).fold(first, |sum, i| lifted[i][k].multiply_add(lambda[i], sum))
-}
-
-/// Numbers of a lane.
-#[inline(always)]
-fn of_lane<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usize) -> [Number; N] {
-    from_fn(|n| rows[n].0[l])
-}
-
 /// Where the first guess leads. (Arguments of a function are known not to overlap, so that its loop becomes one over
 /// vectors.)
 #[inline(always)]
@@ -304,43 +230,6 @@ fn leave<const M: usize, const K: usize, const W: usize, const S: bool>(
             trial[k].0[l] = place[k];
         }
     }
-}
-
-/// A matrix G′M⁻¹Gᵀ with L below the diagonal, U above it, and on it the inverse pivots; and its diagonal.
-#[inline(always)]
-fn factor<const M: usize, const K: usize>(
-    normals: &[[Number; K]; M],
-    lifted: &[[Number; K]; M],
-) -> ([[Number; M]; M], [Number; M]) {
-    let (mut matrix, mut slopes) = ([[Fused(0.0); M]; M], [Fused(0.0); M]);
-    let less = |matrix: &[[Number; M]; M], i: usize, j: usize, past: usize| {
-        let entry = dot(&normals[i], &lifted[j]);
-        (0..past).fold(entry, |sum, k| (-matrix[i][k]).multiply_add(matrix[k][j], sum))
-    };
-    for i in 0..M {
-        for k in 0..i {
-            matrix[i][k] = less(&matrix, i, k, k) * matrix[k][k];
-        }
-        slopes[i] = dot(&normals[i], &lifted[i]);
-        matrix[i][i].0 = 1.0 / less(&matrix, i, i, i).0;
-        for j in i + 1..M {
-            matrix[i][j] = less(&matrix, i, j, i);
-        }
-    }
-    (matrix, slopes)
-}
-
-/// Solves a factored system.
-#[inline(always)]
-fn solve<const M: usize>(matrix: &[[Number; M]; M], g: [Number; M]) -> [Number; M] {
-    let mut x = g;
-    for i in 0..M {
-        x[i] = (0..i).fold(x[i], |sum, k| (-matrix[i][k]).multiply_add(x[k], sum));
-    }
-    for i in (0..M).rev() {
-        x[i] = (i + 1..M).fold(x[i], |sum, j| (-matrix[i][j]).multiply_add(x[j], sum)) * matrix[i][i];
-    }
-    x
 }
 
 /// Corrects the guess, and says in which lanes constraints may have been left, or depend on each other.

@@ -7,16 +7,13 @@
 //! failed there.
 
 use crate::number::vector::{dot, largest};
-use crate::solve::aim::{INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, grows_to};
+use crate::solve::aim::{INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, SMOOTH, grows_to};
 use crate::solve::root::{Part, SHORT_PATH, straight};
 use crate::systems::linked::flight::{Flight, Landing};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::network::solver::Solver;
 use std::array::from_fn;
 use std::mem::swap;
-
-/// Where normals turn by more in a step, the steps before say little of what is usual.
-pub(super) const SMOOTH: f64 = 0.1;
 
 /// What is off by less than this part of what the guess for the whole step was off by is off by nothing.
 const LITTLE_OFF: f64 = 1.0 / 64.0;

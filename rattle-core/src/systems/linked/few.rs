@@ -7,10 +7,9 @@
 use crate::effect::force::Force;
 use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, size as largest, sum, two_sum};
-use crate::solve::aim::{Aim, ROUNDINGS};
+use crate::solve::aim::{Aim, ROUNDINGS, SMOOTH};
 use crate::solve::root::FAR_GUESS;
 use crate::solve::stop::{SPARE, Shrinking};
-use crate::systems::linked::aim::SMOOTH;
 use crate::systems::linked::flight::{CONTRACTION, Flight, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::network::dense::{Column, Dense, MOST, combined, invert, products, sized, times};

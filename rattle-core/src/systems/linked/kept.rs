@@ -7,11 +7,12 @@ use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{dot, largest, sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::solve::root::Course;
+use crate::systems::linked::in_rows::InRows;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::linked::room::Stages;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
-use crate::systems::network::shape::Shape;
+use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::{Report, Solver};
 use std::array::from_fn;
 use std::fmt;
@@ -43,6 +44,7 @@ pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) aims: Vec<Aim<f64>>,
     pub(super) pace: Pace,
     pub(super) crowd: Crowd,
+    pub(super) in_rows: InRows,
     pub(super) room: Room<D>,
     /// Room for a method with inner stages.
     pub(super) stages: Option<Box<Stages<F, D>>>,
@@ -71,6 +73,16 @@ pub struct Counts {
     pub gradients: u64,
     /// Solves in which the root was followed in parts of the step.
     pub followed: u64,
+}
+
+impl Counts {
+    /// Counts what was done in rows: in each correction, and at the end, values come with gradients.
+    pub(super) fn take_rows(&mut self, solves: u64, corrections: u64) {
+        self.solves += solves;
+        self.corrections += corrections;
+        self.values += corrections + solves;
+        self.gradients += corrections + solves;
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -199,6 +211,24 @@ impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
 }
 
 impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
+    /// Has all solvers hold the normals.
+    pub(super) fn lend_normals(&mut self, shape: &Shape<D>) {
+        self.in_rows.lend(shape, &mut self.solvers, &mut self.blocks);
+    }
+
+    /// The same, and has them move all components from now on.
+    pub(super) fn leave_rows(&mut self, shape: &Shape<D>) {
+        self.in_rows.give_back(shape, &mut self.solvers, &mut self.blocks);
+    }
+
+    /// The normals of a component, in blocks.
+    pub(super) fn blocks_of(&self, shape: &Shape<D>, c: usize) -> Vec<[f64; D]> {
+        let Component { rows, first, .. } = &shape.components[c];
+        let mut blocks = self.blocks[first.1..first.1 + rows.blocks()].to_vec();
+        self.in_rows.write_blocks(c, &mut blocks);
+        blocks
+    }
+
     /// Evaluates gradients at q and takes the normals over. Returns the sine of the least independent one, and its row.
     pub(crate) fn normals(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> (f64, usize) {
         let component = &shape.components[c];

@@ -199,6 +199,9 @@ fn check_normals<const D: usize>(
     Ok(())
 }
 
+/// Momenta that are no more than this part of what they were before they were made to fit are rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// The state moved onto the constraints by Newton's method along their gradients, momenta made to fit.
 pub(crate) fn project<const D: usize>(
     shape: &mut Shape<D>,
@@ -220,6 +223,11 @@ pub(crate) fn project<const D: usize>(
         let component = &mut components[c];
         let (rows, m) = (&component.rows, component.rows.equations());
         let (mut needed, mut x) = (vec![0.0; m], vec![0.0; m]);
+        let speed = |p: &[[f64; D]]| {
+            let speeds = rows.bodies.iter().map(|&body| largest(&roots[body].velocity(&p[body])));
+            speeds.fold(0.0, f64::max)
+        };
+        let before = speed(&p);
         for _ in 0..2 {
             // The second time takes what rounding left.
             for (row, needed) in needed.iter_mut().enumerate() {
@@ -231,6 +239,10 @@ pub(crate) fn project<const D: usize>(
             }
             component.solver.solve(&needed, &mut x);
             component.solver.push(rows, roots, 1.0, &x, &mut p);
+        }
+        if speed(&p) <= ROUNDING * before && start.rates[..m].iter().all(|&rate| rate == 0.0) {
+            // They led off the constraints alone, and are at rest.
+            rows.bodies.iter().for_each(|&body| p[body] = [0.0; D]);
         }
         // Rates that no momenta can give: links that move apart.
         for row in 0..m {

@@ -22,6 +22,7 @@ use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::few::{Few, Momenta};
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::LEARNED;
+use crate::systems::linked::in_rows::{InRows, Sides};
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Crowd;
@@ -100,6 +101,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             aims: vec![Aim::unknown(); shape.equations],
             pace: Pace::unknown(),
             crowd: Crowd::default(),
+            in_rows: InRows::new(shape),
             room,
             stages: None,
             series: None,
@@ -115,6 +117,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             let (q, time) = (bodies.q.as_ref(), bodies.time);
             bodies.kept.normals(&self.shape, c, time, q);
         }
+        bodies.kept.in_rows.forget();
         self.evaluate_forces(bodies);
     }
 
@@ -224,7 +227,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let shape = &*self.shape;
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
-        let Kept { force, blocks, rates, solvers, counts, room, aims, pace, .. } = &mut bodies.kept;
+        let Kept { force, blocks, rates, solvers, counts, room, aims, pace, in_rows, .. } = &mut bodies.kept;
         let weights = pace.weights(h);
         pace.note(h);
         shape.pins.iter().for_each(|&(body, _)| room.trial[body] = q[body]);
@@ -235,7 +238,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
         }
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
-        for (c, component) in shape.components.iter().enumerate() {
+        if by_default {
+            let mut sides = Sides { q, q_low, p, p_low, force, blocks };
+            let [solves, corrections] =
+                in_rows.drift(shape, [h, kick], weights, &mut sides, solvers, aims, witness);
+            counts.take_rows(solves, corrections);
+        } else {
+            in_rows.give_back(shape, solvers, blocks);
+        }
+        for &c in &in_rows.left {
+            let component = &shape.components[c];
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let ((row, block), m, time) = (component.first, rows.equations(), bodies.time);
             let (all, own) = (block..block + rows.blocks(), row..row + m);
@@ -301,6 +313,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             let (sine, row) = bodies.kept.normals(shape, c, time, q);
             self.check_rank(c, bodies, sine, row)?;
         }
+        if by_default {
+            let Kept { in_rows, solvers, .. } = &mut bodies.kept;
+            in_rows.take_back(shape, solvers, bodies.q.as_ref());
+        }
         Ok(())
     }
 
@@ -328,7 +344,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.book(kick, bodies);
         let shape = &*self.shape;
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
-        let Kept { force, blocks, rates, solvers, room, .. } = &mut bodies.kept;
+        let Kept { force, blocks, rates, solvers, room, in_rows, .. } = &mut bodies.kept;
         let (q, roots) = (bodies.q.as_ref(), &shape.roots);
         // Also of places: free bodies have no constraint that would miss them.
         let size = |p: &[f64; D], q: &[f64; D]| dot(p, p) + dot(q, q);
@@ -337,7 +353,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
             total_size += size(&p[body], &q[body]);
         }
-        for (c, component) in shape.components.iter().enumerate() {
+        total_size += in_rows.settle(shape, [h, kick], [p, p_low], force, (solvers, q), witness);
+        for &c in &in_rows.left {
+            let component = &shape.components[c];
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let ((row, block), m) = (component.first, rows.equations());
             let (needed, x, total) = (&mut room.g[..m], &mut room.dx[..m], &mut room.x[row..row + m]);
@@ -444,8 +462,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         forces.fill([0.0; D]);
         for (c, component) in self.shape.components.iter().enumerate() {
             let rows = &component.rows;
-            let mut blocks =
-                bodies.kept.blocks[component.first.1..component.first.1 + rows.blocks()].to_vec();
+            let mut blocks = bodies.kept.blocks_of(&self.shape, c);
             self.shape.mask(c, &mut blocks);
             for row in 0..rows.equations() {
                 for (block, body) in rows.touched_by(row) {
@@ -471,10 +488,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
         let velocity = self.velocities(bodies);
         self.for_rows(rates, |c, out| {
-            let (rows, (row, block)) = (self.component(c), self.shape.components[c].first);
-            let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
+            let (rows, (row, _)) = (self.component(c), self.shape.components[c].first);
+            let blocks = bodies.kept.blocks_of(&self.shape, c);
             for (i, rate) in out.iter_mut().enumerate() {
-                *rate = along(rows, i, blocks, &velocity) + bodies.kept.rates[row + i];
+                *rate = along(rows, i, &blocks, &velocity) + bodies.kept.rates[row + i];
             }
         });
     }

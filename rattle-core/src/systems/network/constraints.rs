@@ -13,7 +13,8 @@ pub(crate) use crate::systems::network::mass::Mass;
 use crate::systems::network::shape::Component;
 use crate::systems::network::shape::Shape;
 
-pub(crate) use crate::systems::network::group::Group;
+pub(crate) use crate::systems::network::alike::{Alike, alone};
+use crate::systems::network::group::Group;
 pub(crate) use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::rows::Rows;
@@ -145,7 +146,11 @@ impl<const D: usize> Network<D> {
         components.iter().flat_map(|component| &component.rows.bodies).for_each(|&body| held[body] = true);
         self.pins.iter().for_each(|&(body, _)| held[body] = true);
         let loose = (0..bodies).filter(|&body| !held[body]).collect();
+        let each: Vec<_> = components.iter().map(|component| (&component.rows, component.first)).collect();
+        let alike = Alike::of(&each, &self.groups, &roots);
         Ok(Shape {
+            alone: alone(components.len(), &alike),
+            alike,
             groups: self.groups.clone(),
             kinked: self.groups.iter().filter(|group| group.has_kinks()).cloned().collect(),
             moving: components.iter().any(|component| component.rows.moving),

@@ -43,6 +43,11 @@ macro_rules! of_sizes {
 }
 pub(crate) use {of_sizes, sized};
 
+/// Whether they are.
+pub(crate) fn sizes_are_compiled(equations: usize, bodies: usize) -> bool {
+    sized!((equations, bodies), M, N, M + N > 0, false)
+}
+
 /// Members of a group, and their first row.
 #[derive(Debug, Clone)]
 struct Run<const D: usize> {
@@ -91,7 +96,7 @@ impl<const D: usize> Dense<D> {
                 of.push(body);
             }
         }
-        let fits = sized!((equations, bodies), M, N, M + N > 0, false) && of.len() <= PLACES;
+        let fits = sizes_are_compiled(equations, bodies) && of.len() <= PLACES;
         if !fits || rows.acting || rows.moving {
             return None;
         }

@@ -5,7 +5,7 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::{Fused, side_by_side};
-use crate::systems::network::in_lanes::{FEW, InLanes, LinksInLanes, Number, ROW, SweptLinks};
+use crate::systems::network::in_lanes::{Bending, FEW, InLanes, LinksInLanes, Number, ROW, SweptLinks};
 use crate::systems::network::places::{Places, Row};
 use std::any::Any;
 use std::array::from_fn;
@@ -67,6 +67,9 @@ pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
     /// The same for a few trajectories.
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
 
+    /// All members, for components that are alike, side by side; none also where parameters differ.
+    fn alike(&self) -> Option<Box<dyn Bending>>;
+
     /// The same for the trajectories of a sweep, each with the parameters of its own group, the first of which is this
     /// one; none also where groups are of other kinds, or tie other bodies.
     fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>>;
@@ -98,7 +101,7 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) kernels: Vec<G>,
     pub(crate) members: Vec<[usize; A]>,
     pub(crate) acting: Option<[[bool; D]; A]>,
-    in_lanes: fn(&Self) -> Box<dyn InLanes<ROW>>,
+    in_lanes: fn(&Self) -> Box<dyn Bending>,
     in_few_lanes: fn(&Self) -> Box<dyn InLanes<FEW>>,
     swept: fn(&[&Self]) -> Box<dyn InLanes<ROW>>,
 }
@@ -302,10 +305,14 @@ where
     }
 
     fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>> {
-        self.goes_in_lanes().then(|| (self.in_lanes)(self))
+        self.goes_in_lanes().then(|| (self.in_lanes)(self) as Box<dyn InLanes<ROW>>)
     }
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>> {
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
+    }
+
+    fn alike(&self) -> Option<Box<dyn Bending>> {
+        (self.goes_in_lanes() && self.kernels.len() == 1).then(|| (self.in_lanes)(self))
     }
 
     fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>> {

@@ -6,6 +6,7 @@
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lanes};
+use crate::number::vector::dot;
 use std::array::from_fn;
 use std::borrow::Borrow;
 use std::ops::Range;
@@ -42,6 +43,19 @@ pub(crate) trait InLanes<const W: usize>: Send + Sync {
         q: &[Numbers<W>],
         g: &mut [Numbers<W>],
         gradients: &mut [Numbers<W>],
+    );
+}
+
+/// Links of which second derivatives are known in lanes, too.
+pub(crate) trait Bending: InLanes<ROW> {
+    /// d²g/dt² along constant velocities, and |∇²g v|², of some members.
+    fn bends(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        q: [&[Numbers<ROW>]; 2],
+        bends: &mut [Numbers<ROW>],
+        turns: &mut [Numbers<ROW>],
     );
 }
 
@@ -118,6 +132,67 @@ where
                 g,
                 rows,
             );
+        }
+    }
+}
+
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize> Bending
+    for LinksInLanes<H, K, M, A, D>
+where
+    H: ConstraintKernel<Number, K, M>,
+{
+    fn bends(
+        &self,
+        set: Fusing,
+        members: Range<usize>,
+        [q, v]: [&[Numbers<ROW>]; 2],
+        bends: &mut [Numbers<ROW>],
+        turns: &mut [Numbers<ROW>],
+    ) {
+        set.run(Bends { links: self, members, q, v, bends, turns });
+    }
+}
+
+struct Bends<'a, H, const K: usize, const M: usize, const A: usize, const D: usize> {
+    links: &'a LinksInLanes<H, K, M, A, D>,
+    members: Range<usize>,
+    q: &'a [Numbers<ROW>],
+    v: &'a [Numbers<ROW>],
+    bends: &'a mut [Numbers<ROW>],
+    turns: &'a mut [Numbers<ROW>],
+}
+
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize> Work for Bends<'_, H, K, M, A, D>
+where
+    H: ConstraintKernel<Number, K, M>,
+{
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { links, members, q, v, bends, turns } = self;
+        let rows = bends.as_chunks_mut::<M>().0.iter_mut().zip(turns.as_chunks_mut::<M>().0);
+        for (member, (bends, turns)) in members.zip(rows) {
+            let (kernel, bodies) = (links.kernel(member), &links.members[member]);
+            let of = [q, v].map(|of| places::<K, A, D, ROW>(bodies, of));
+            bends_of::<H, K, M>(&kernel, of, bends, turns);
+        }
+    }
+}
+
+/// See [`gradients_of`].
+#[inline(always)]
+fn bends_of<H: ConstraintKernel<Number, K, M>, const K: usize, const M: usize>(
+    kernel: &H,
+    [q, v]: [[&Numbers<ROW>; K]; 2],
+    bends: &mut [Numbers<ROW>; M],
+    turns: &mut [Numbers<ROW>; M],
+) {
+    for l in 0..ROW {
+        let direction = from_fn(|k| v[k].0[l]);
+        let rows = kernel.hessian_vector(&from_fn(|k| q[k].0[l]), &direction);
+        for i in 0..M {
+            (bends[i].0[l], turns[i].0[l]) = (dot(&rows[i], &direction), dot(&rows[i], &rows[i]));
         }
     }
 }

@@ -1,11 +1,13 @@
 //! Constraints between bodies and their linear algebra.
 
 pub(crate) mod algebra;
+pub(crate) mod alike;
 mod chain;
 pub(crate) mod constraints;
 pub(crate) mod dense;
 pub(crate) mod elimination;
 mod factor;
+pub(crate) mod few_in_lanes;
 pub(crate) mod group;
 mod hubs;
 pub(crate) mod in_lanes;

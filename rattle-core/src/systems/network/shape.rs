@@ -1,6 +1,7 @@
 //! A network prepared for a number of bodies: its components, and the evaluation of their equations.
 
 use crate::effect::interval::Inertia;
+use crate::systems::network::alike::Alike;
 use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
@@ -20,6 +21,9 @@ pub(crate) struct Shape<const D: usize> {
     pub(crate) over_masses: Option<Vec<[f64; D]>>,
     pub(crate) pins: Vec<(usize, [f64; D])>,
     pub(crate) components: Vec<Component<D>>,
+    /// Those that go side by side, and the others.
+    pub(crate) alike: Vec<Alike>,
+    pub(crate) alone: Vec<usize>,
     /// Members between pinned bodies alone, as group and member.
     pub(crate) fixed: Vec<(usize, usize)>,
     /// Bodies that are in none, and not pinned.

@@ -1,0 +1,367 @@
+//! Components that are alike, put into rows and written back.
+//!
+//! While rows hold the normals of their components, solvers and blocks do not: who needs them asks [for
+//! them](InRows::lend) first, and a step by any other way [takes them](InRows::give_back).
+
+use crate::effect::force::Force;
+use crate::motion::witness::Witness;
+use crate::number::instructions::Fusing;
+use crate::number::lanes::Fused;
+use crate::solve::aim::{Aim, ROUNDINGS};
+use crate::systems::linked::abreast::{Coordinates, KeptRow, Lanes, Row, are_rows};
+use crate::systems::network::alike::Alike;
+use crate::systems::network::in_lanes::ROW;
+use crate::systems::network::shape::Shape;
+use crate::systems::network::solver::Solver;
+
+/// Rows of components.
+#[derive(Clone)]
+pub(super) struct InRows {
+    set: Option<Fusing>,
+    rows: Vec<KeptRow>,
+    lanes: Option<Box<Lanes>>,
+    /// Whether rows move their components, and whether they hold the normals.
+    used: bool,
+    hold: bool,
+    /// Components that go by themselves: others than those alike, and those whose normals are not clearly independent.
+    by_itself: Vec<bool>,
+    /// The row and the lane of a component.
+    places: Vec<Option<[usize; 2]>>,
+    /// Components that are still to be moved.
+    pub(super) left: Vec<usize>,
+}
+
+/// What a step changes of bodies and of what is kept of them.
+pub(super) struct Sides<'a, Fo, const D: usize> {
+    pub(super) q: &'a mut [[f64; D]],
+    pub(super) q_low: &'a mut [[f64; D]],
+    pub(super) p: &'a mut [[f64; D]],
+    pub(super) p_low: &'a mut [[f64; D]],
+    pub(super) force: &'a [Fo],
+    pub(super) blocks: &'a mut [[f64; D]],
+}
+
+impl InRows {
+    /// Those of a network, none of them filled in.
+    pub(super) fn new<const D: usize>(shape: &Shape<D>) -> Self {
+        let set = Fusing::widest().filter(|_| are_rows(D) && !shape.alike.is_empty());
+        let components = shape.components.len();
+        let mut all = Self {
+            set,
+            rows: Vec::new(),
+            lanes: set.map(|_| Lanes::new()),
+            used: set.is_some(),
+            hold: false,
+            by_itself: vec![true; components],
+            places: vec![None; components],
+            left: (0..components).collect(),
+        };
+        for alike in shape.alike.iter().filter(|_| set.is_some()) {
+            let masses = alike.over_masses.chunks(ROW * alike.sizes.1);
+            for (components, masses) in alike.components.chunks(ROW).zip(masses) {
+                let mut row = KeptRow::new(alike.sizes, alike.links.entries.len());
+                for (lane, &c) in components.iter().enumerate() {
+                    all.places[c] = Some([all.rows.len(), lane]);
+                    let own = &masses[lane * alike.sizes.1..];
+                    // Lanes that no component is in have the masses of the last one.
+                    row.over.iter_mut().zip(own).for_each(|(over, &of)| over.0[lane..].fill(of));
+                }
+                all.rows.push(row);
+            }
+        }
+        all
+    }
+
+    /// Has rows hold the normals, if solvers and blocks do. Evaluates them: they are to be functions of the positions, to
+    /// the bit.
+    fn take<const D: usize>(
+        &mut self,
+        set: Fusing,
+        shape: &Shape<D>,
+        solvers: &mut [Solver<D>],
+        q: &[[f64; D]],
+    ) {
+        let Self { rows, lanes, by_itself, hold, .. } = self;
+        let Some(lanes) = lanes.as_mut().filter(|_| !std::mem::replace(hold, true)) else { return };
+        for (alike, number, kept) in each_row(shape, rows) {
+            for &c in alike.components[number..].iter().take(ROW) {
+                by_itself[c] = solvers[c].dense().is_none();
+            }
+            evaluate(set, alike, number, q, kept, lanes);
+        }
+    }
+
+    /// Has solvers and blocks hold the normals, too.
+    pub(super) fn lend<const D: usize>(
+        &self,
+        shape: &Shape<D>,
+        solvers: &mut [Solver<D>],
+        blocks: &mut [[f64; D]],
+    ) {
+        if !self.hold {
+            return;
+        }
+        for c in 0..self.places.len() {
+            self.write_blocks(c, &mut blocks[shape.components[c].first.1..]);
+            if self.places[c].is_some() && !self.by_itself[c] {
+                normals(shape, c, solvers, blocks);
+            }
+        }
+    }
+
+    /// Writes the blocks of a component, which begin here, if a row holds them.
+    pub(super) fn write_blocks<const D: usize>(&self, c: usize, blocks: &mut [[f64; D]]) {
+        if let (true, Some([row, lane]), false) = (self.hold, self.places[c], self.by_itself[c]) {
+            write_normals(&self.rows[row], lane, blocks);
+        }
+    }
+
+    /// Has solvers alone hold the normals, and move all components from now on.
+    pub(super) fn give_back<const D: usize>(
+        &mut self,
+        shape: &Shape<D>,
+        solvers: &mut [Solver<D>],
+        blocks: &mut [[f64; D]],
+    ) {
+        self.lend(shape, solvers, blocks);
+        if std::mem::take(&mut self.used) {
+            self.left.clear();
+            self.left.extend(0..shape.components.len());
+        }
+        self.hold = false;
+    }
+
+    /// Solvers have taken other normals over.
+    pub(super) fn forget(&mut self) {
+        self.hold = false;
+    }
+
+    /// Moves all that can go in rows, and tells how many, and in how many corrections; what is left is to be moved one
+    /// by one.
+    #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
+    pub(super) fn drift<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
+        &mut self,
+        shape: &Shape<D>,
+        [h, kick]: [f64; 2],
+        weights: [f64; 2],
+        sides: &mut Sides<'_, Fo, D>,
+        solvers: &mut [Solver<D>],
+        aims: &mut [Aim<f64>],
+        witness: &mut W,
+    ) -> [u64; 2] {
+        let mut counts = [0; 2];
+        let Some(set) = self.set else { return counts };
+        self.used = true;
+        self.take(set, shape, solvers, sides.q);
+        let Self { rows, lanes, by_itself, left, .. } = self;
+        let Some(lanes) = lanes else { return counts };
+        left.clear();
+        left.extend(&shape.alone);
+        for (alike, number, kept) in each_row(shape, rows) {
+            let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            let (m, n) = (alike.sizes.0, alike.sizes.1 / D);
+            let bodies = &alike.bodies[number * n..][..components.len() * n];
+            put(bodies, n, sides.q, &mut lanes.q);
+            put(bodies, n, sides.q_low, &mut lanes.q_low);
+            put(bodies, n, sides.p, &mut lanes.p);
+            put(bodies, n, sides.p_low, &mut lanes.p_low);
+            put_forces(bodies, n, sides.force, &mut lanes.force);
+            let mut row = Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes };
+            row.find(h, kick);
+            for (lane, &c) in components.iter().enumerate() {
+                let (own, mut plain) =
+                    (alike.first[number + lane].0, row.lanes.plain[lane] != 0 && !by_itself[c]);
+                for (i, aim) in aims[own..own + m].iter().enumerate() {
+                    let (off, roundings) = (row.lanes.off[i].0[lane].0, row.lanes.roundings[i].0[lane].0);
+                    plain &= aim.is_usual(off, weights) | (roundings <= ROUNDINGS);
+                }
+                row.lanes.plain[lane] = u64::from(plain);
+                if plain {
+                    for (i, aim) in aims[own..own + m].iter_mut().enumerate() {
+                        aim.note(row.lanes.off[i].0[lane].0);
+                    }
+                    counts = [counts[0] + 1, counts[1] + row.lanes.corrections[lane]];
+                } else {
+                    left.push(c);
+                }
+            }
+            row.move_on(h, kick);
+            take_out(bodies, n, &row.lanes.q, sides.q);
+            take_out(bodies, n, &row.lanes.q_low, sides.q_low);
+            take_out(bodies, n, &row.lanes.p, sides.p);
+            take_out(bodies, n, &row.lanes.p_low, sides.p_low);
+            for (lane, &c) in components.iter().enumerate() {
+                let (plain, clear) = (row.lanes.plain[lane] != 0, row.lanes.clear[lane] != 0);
+                if !(plain & clear) && !by_itself[c] {
+                    write_normals(row.kept, lane, &mut sides.blocks[alike.first[number + lane].1..]);
+                    normals(shape, c, solvers, sides.blocks);
+                    by_itself[c] = plain;
+                }
+                for i in (0..m).filter(|_| W::LISTENS && plain) {
+                    let multiplier = row.lanes.x[i].0[lane].0 / (h * (0.5 * h));
+                    witness.position_multiplier(shape.components[c].rows.equation(i), multiplier);
+                }
+            }
+        }
+        counts
+    }
+
+    /// Takes over the normals of components that were moved one by one.
+    pub(super) fn take_back<const D: usize>(
+        &mut self,
+        shape: &Shape<D>,
+        solvers: &mut [Solver<D>],
+        q: &[[f64; D]],
+    ) {
+        let Self { set: Some(set), rows, lanes: Some(lanes), by_itself, places, left, .. } = self else {
+            return;
+        };
+        let mut left = left.iter().skip(shape.alone.len()).peekable();
+        for (row, (alike, number, kept)) in each_row(shape, rows).enumerate() {
+            let mut any = false;
+            // In the order of rows.
+            while let Some(&c) = left.next_if(|&&c| places[c].is_some_and(|[own, _]| own == row)) {
+                by_itself[c] = solvers[c].dense().is_none();
+                any = true;
+            }
+            if any {
+                evaluate(*set, alike, number, q, kept, lanes);
+            }
+        }
+    }
+
+    /// Kicks momenta, and makes them tangent, of all that go in rows; what is left is to be done one by one. Returns
+    /// the sum of their squares.
+    pub(super) fn settle<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
+        &mut self,
+        shape: &Shape<D>,
+        [h, kick]: [f64; 2],
+        [p, p_low]: [&mut [[f64; D]]; 2],
+        force: &[Fo],
+        (solvers, q): (&mut [Solver<D>], &[[f64; D]]),
+        witness: &mut W,
+    ) -> f64 {
+        let Some(set) = self.set.filter(|_| self.used) else { return 0.0 };
+        self.take(set, shape, solvers, q);
+        let Self { rows, lanes: Some(lanes), by_itself, left, .. } = self else { return 0.0 };
+        left.clear();
+        left.extend(&shape.alone);
+        let mut size = 0.0;
+        for (alike, number, kept) in each_row(shape, rows) {
+            let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            let n = alike.sizes.1 / D;
+            let bodies = &alike.bodies[number * n..][..components.len() * n];
+            for (lane, &c) in components.iter().enumerate() {
+                lanes.plain[lane] = u64::from(!by_itself[c]);
+            }
+            put(bodies, n, p, &mut lanes.p);
+            put(bodies, n, p_low, &mut lanes.p_low);
+            put_forces(bodies, n, force, &mut lanes.force);
+            Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.settle(kick);
+            take_out(bodies, n, &lanes.p, p);
+            take_out(bodies, n, &lanes.p_low, p_low);
+            for (lane, &c) in components.iter().enumerate() {
+                if by_itself[c] {
+                    left.push(c);
+                } else if W::LISTENS {
+                    for i in 0..alike.sizes.0 {
+                        let multiplier = lanes.x[i].0[lane].0 / (0.5 * h);
+                        witness.momentum_multiplier(shape.components[c].rows.equation(i), multiplier);
+                    }
+                }
+            }
+            size += lanes.path.0[..components.len()].iter().map(|square| square.0).sum::<f64>();
+        }
+        size
+    }
+}
+
+/// All rows, each with the number of its first component among those that are alike.
+fn each_row<'a, const D: usize>(
+    shape: &'a Shape<D>,
+    rows: &'a mut [KeptRow],
+) -> impl Iterator<Item = (&'a Alike, usize, &'a mut KeptRow)> {
+    let kinds = shape.alike.iter().flat_map(|alike| (0..alike.rows()).map(move |row| (alike, row * ROW)));
+    kinds.zip(rows).map(|((alike, number), row)| (alike, number, row))
+}
+
+/// Has a solver hold normals.
+#[cold]
+#[inline(never)]
+fn normals<const D: usize>(shape: &Shape<D>, c: usize, solvers: &mut [Solver<D>], blocks: &[[f64; D]]) {
+    let component = &shape.components[c];
+    let (rows, first) = (&component.rows, component.first.1);
+    solvers[c].normals(rows, &blocks[first..first + rows.blocks()], &shape.roots);
+}
+
+/// Writes the normals of a component in blocks, which begin here.
+fn write_normals<const D: usize>(row: &KeptRow, lane: usize, blocks: &mut [[f64; D]]) {
+    for (entry, normal) in blocks.as_flattened_mut().iter_mut().zip(&row.normals) {
+        *entry = normal.0[lane].0;
+    }
+}
+
+/// Evaluates the normals of a row.
+fn evaluate<const D: usize>(
+    set: Fusing,
+    alike: &Alike,
+    number: usize,
+    q: &[[f64; D]],
+    kept: &mut KeptRow,
+    lanes: &mut Lanes,
+) {
+    let n = alike.sizes.1 / D;
+    let end = alike.components.len().min(number + ROW);
+    put(&alike.bodies[number * n..end * n], n, q, &mut lanes.q);
+    Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.evaluate();
+}
+
+/// Puts vectors of bodies into lanes, n of them for each; lanes beyond have those of the last.
+fn put<const D: usize>(bodies: &[usize], n: usize, of: &[[f64; D]], to: &mut Coordinates) {
+    put_each(bodies, n, |body| of[body], to);
+}
+
+/// The same of forces, where there are any.
+fn put_forces<Fo: Force<f64, D>, const D: usize>(
+    bodies: &[usize],
+    n: usize,
+    of: &[Fo],
+    to: &mut Coordinates,
+) {
+    if Fo::ACTS {
+        put_each(bodies, n, |body| of[body].components(), to);
+    }
+}
+
+#[inline(always)]
+fn put_each<const D: usize>(
+    bodies: &[usize],
+    n: usize,
+    of: impl Fn(usize) -> [f64; D],
+    to: &mut Coordinates,
+) {
+    for (lane, bodies) in bodies.chunks_exact(n).enumerate() {
+        for (rows, &body) in to.as_chunks_mut::<D>().0.iter_mut().zip(bodies) {
+            let vector = of(body);
+            for d in 0..D {
+                rows[d].0[lane % ROW] = Fused(vector[d]);
+            }
+        }
+    }
+    let lanes = bodies.len() / n;
+    for row in to.iter_mut().take(n * D).filter(|_| lanes < ROW) {
+        let last = row.0[lanes - 1];
+        row.0[lanes..].fill(last);
+    }
+}
+
+/// Writes vectors of bodies.
+fn take_out<const D: usize>(bodies: &[usize], n: usize, from: &Coordinates, to: &mut [[f64; D]]) {
+    for (lane, bodies) in bodies.chunks_exact(n).enumerate() {
+        for (rows, &body) in from.as_chunks::<D>().0.iter().zip(bodies) {
+            for d in 0..D {
+                to[body][d] = rows[d].0[lane % ROW].0;
+            }
+        }
+    }
+}
