@@ -72,8 +72,8 @@ impl InRows {
         all
     }
 
-    /// Has rows hold the normals, if solvers and blocks do. Evaluates them: they are to be functions of the positions, to
-    /// the bit.
+    /// Has rows hold the normals, if solvers and blocks do. Evaluates them: they are to be functions of the positions,
+    /// to the bit.
     fn take<const D: usize>(
         &mut self,
         set: Fusing,
