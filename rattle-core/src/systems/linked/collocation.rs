@@ -44,7 +44,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        bodies.kept.leave_rows(shape);
+        bodies.kept.leave_rows(shape, bodies.time, bodies.q.as_ref());
         let (n, m) = (self.count.number(), shape.equations);
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,

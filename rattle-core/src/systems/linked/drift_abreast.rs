@@ -230,6 +230,8 @@ fn measure<const M: usize, const K: usize>(
             let (length, g) = (square.sqrt(), g[i].0[l]);
             let most = (size * length).max(g.abs()).max(Fused(LEAST));
             let rounds = Fused(1.0) / (Fused(f64::EPSILON) * most);
+            // None where coordinates are infinite.
+            let rounds = Real::select(Fused(0.0).lt(rounds), rounds, Fused(f64::NAN));
             (scale[i].0[l], off[i].0[l], roundings[i].0[l]) = (rounds, g / length, g.abs() * rounds);
         }
     }
@@ -267,11 +269,13 @@ fn correct<const FIRST: bool, const M: usize, const K: usize>(
         corrections[l] += going[l];
         going[l] = if goes & !rests { 1 } else { 0 };
         if FIRST {
-            let mut first = Fused(0.0);
+            let (mut first, mut sum) = (Fused(0.0), Fused(0.0));
             for k in 0..K {
-                first = first.max(sum_of(Fused(0.0), &lifted, &by, k).abs());
+                let way = sum_of(Fused(0.0), &lifted, &by, k).abs();
+                (first, sum) = (first.max(way), sum + way); // no number if one is not
             }
-            plain[l] &= if first.le(Fused(FAR_GUESS) * path.0[l]) { 1 } else { 0 };
+            let near = first.le(Fused(FAR_GUESS) * path.0[l]) & sum.le(Fused(f64::MAX));
+            plain[l] &= if near { 1 } else { 0 };
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Components that are alike, put into rows and written back.
 //!
-//! While rows hold the normals of their components, solvers and blocks do not: who needs them asks [for
-//! them](InRows::lend) first, and a step by any other way [takes them](InRows::give_back).
+//! After a step in rows these hold the normals of their components, and solvers and blocks do not: who needs them has
+//! them evaluated first ([`Kept::lend_normals`](crate::systems::linked::kept::Kept::lend_normals)). Both hold functions
+//! of the positions, to the bit; rows evaluate with fused products. Momenta are always made tangent in rows.
 
 use crate::effect::force::Force;
 use crate::motion::witness::Witness;
@@ -20,15 +21,26 @@ pub(super) struct InRows {
     set: Option<Fusing>,
     rows: Vec<KeptRow>,
     lanes: Option<Box<Lanes>>,
-    /// Whether rows move their components, and whether they hold the normals.
-    used: bool,
+    /// Whether rows hold the normals, and whether solvers and blocks do.
     hold: bool,
+    solvers_hold: bool,
     /// Components that go by themselves: others than those alike, and those whose normals are not clearly independent.
     by_itself: Vec<bool>,
     /// The row and the lane of a component.
     places: Vec<Option<[usize; 2]>>,
     /// Components that are still to be moved.
-    pub(super) left: Vec<usize>,
+    left: List,
+}
+
+/// Components, with room for all, also in a clone: none is made in a step.
+struct List(Vec<usize>);
+
+impl Clone for List {
+    fn clone(&self) -> Self {
+        let mut list = Vec::with_capacity(self.0.capacity());
+        list.extend_from_slice(&self.0);
+        Self(list)
+    }
 }
 
 /// What a step changes of bodies and of what is kept of them.
@@ -50,11 +62,11 @@ impl InRows {
             set,
             rows: Vec::new(),
             lanes: set.map(|_| Lanes::new()),
-            used: set.is_some(),
             hold: false,
+            solvers_hold: true,
             by_itself: vec![true; components],
             places: vec![None; components],
-            left: (0..components).collect(),
+            left: List((0..components).collect()),
         };
         for alike in shape.alike.iter().filter(|_| set.is_some()) {
             let masses = alike.over_masses.chunks(ROW * alike.sizes.1);
@@ -91,49 +103,31 @@ impl InRows {
         }
     }
 
-    /// Has solvers and blocks hold the normals, too.
-    pub(super) fn lend<const D: usize>(
-        &self,
-        shape: &Shape<D>,
-        solvers: &mut [Solver<D>],
-        blocks: &mut [[f64; D]],
-    ) {
-        if !self.hold {
-            return;
-        }
-        for c in 0..self.places.len() {
-            self.write_blocks(c, &mut blocks[shape.components[c].first.1..]);
-            if self.places[c].is_some() && !self.by_itself[c] {
-                normals(shape, c, solvers, blocks);
-            }
-        }
+    /// Whether a row holds the normals of a component, and its solver does not.
+    pub(super) fn alone_holds(&self, c: usize) -> bool {
+        !self.solvers_hold && self.places[c].is_some() && !self.by_itself[c]
     }
 
-    /// Writes the blocks of a component, which begin here, if a row holds them.
-    pub(super) fn write_blocks<const D: usize>(&self, c: usize, blocks: &mut [[f64; D]]) {
-        if let (true, Some([row, lane]), false) = (self.hold, self.places[c], self.by_itself[c]) {
-            write_normals(&self.rows[row], lane, blocks);
-        }
+    /// Solvers have taken the normals over, too.
+    pub(super) fn have_lent(&mut self) {
+        self.solvers_hold = true;
     }
 
-    /// Has solvers alone hold the normals, and move all components from now on.
-    pub(super) fn give_back<const D: usize>(
-        &mut self,
-        shape: &Shape<D>,
-        solvers: &mut [Solver<D>],
-        blocks: &mut [[f64; D]],
-    ) {
-        self.lend(shape, solvers, blocks);
-        if std::mem::take(&mut self.used) {
-            self.left.clear();
-            self.left.extend(0..shape.components.len());
-        }
-        self.hold = false;
-    }
-
-    /// Solvers have taken other normals over.
+    /// Solvers alone have the normals, or are to have them.
     pub(super) fn forget(&mut self) {
-        self.hold = false;
+        (self.hold, self.solvers_hold) = (false, true);
+    }
+
+    /// The same, and all components are to be moved one by one.
+    pub(super) fn leave_all(&mut self) {
+        self.left.0.clear();
+        self.left.0.extend(0..self.places.len());
+        self.forget();
+    }
+
+    /// Components that are still to be moved.
+    pub(super) fn left(&self) -> &[usize] {
+        &self.left.0
     }
 
     /// Moves all that can go in rows, and tells how many, and in how many corrections; what is left is to be moved one
@@ -151,14 +145,18 @@ impl InRows {
     ) -> [u64; 2] {
         let mut counts = [0; 2];
         let Some(set) = self.set else { return counts };
-        self.used = true;
         self.take(set, shape, solvers, sides.q);
-        let Self { rows, lanes, by_itself, left, .. } = self;
+        self.solvers_hold = false;
+        let Self { rows, lanes, by_itself, left: List(left), .. } = self;
         let Some(lanes) = lanes else { return counts };
         left.clear();
         left.extend(&shape.alone);
         for (alike, number, kept) in each_row(shape, rows) {
             let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            if components.iter().all(|&c| by_itself[c]) {
+                left.extend(components);
+                continue;
+            }
             let (m, n) = (alike.sizes.0, alike.sizes.1 / D);
             let bodies = &alike.bodies[number * n..][..components.len() * n];
             put(bodies, n, sides.q, &mut lanes.q);
@@ -195,7 +193,7 @@ impl InRows {
                 if !(plain & clear) && !by_itself[c] {
                     write_normals(row.kept, lane, &mut sides.blocks[alike.first[number + lane].1..]);
                     normals(shape, c, solvers, sides.blocks);
-                    by_itself[c] = plain;
+                    by_itself[c] = plain && solvers[c].dense().is_none();
                 }
                 for i in (0..m).filter(|_| W::LISTENS && plain) {
                     let multiplier = row.lanes.x[i].0[lane].0 / (h * (0.5 * h));
@@ -213,7 +211,8 @@ impl InRows {
         solvers: &mut [Solver<D>],
         q: &[[f64; D]],
     ) {
-        let Self { set: Some(set), rows, lanes: Some(lanes), by_itself, places, left, .. } = self else {
+        let Self { set: Some(set), rows, lanes: Some(lanes), by_itself, places, left: List(left), .. } = self
+        else {
             return;
         };
         let mut left = left.iter().skip(shape.alone.len()).peekable();
@@ -222,7 +221,7 @@ impl InRows {
             // In the order of rows.
             while let Some(&c) = left.next_if(|&&c| places[c].is_some_and(|[own, _]| own == row)) {
                 by_itself[c] = solvers[c].dense().is_none();
-                any = true;
+                any |= !by_itself[c];
             }
             if any {
                 evaluate(*set, alike, number, q, kept, lanes);
@@ -241,14 +240,19 @@ impl InRows {
         (solvers, q): (&mut [Solver<D>], &[[f64; D]]),
         witness: &mut W,
     ) -> f64 {
-        let Some(set) = self.set.filter(|_| self.used) else { return 0.0 };
+        let Some(set) = self.set else { return 0.0 };
         self.take(set, shape, solvers, q);
-        let Self { rows, lanes: Some(lanes), by_itself, left, .. } = self else { return 0.0 };
+        let Self { rows, lanes: Some(lanes), by_itself, left: List(left), .. } = self else { return 0.0 };
         left.clear();
         left.extend(&shape.alone);
-        let mut size = 0.0;
+        // Also of places: bodies may be free where no constraint would miss them.
+        let mut size = if shape.alike.is_empty() { 0.0 } else { square(q.as_flattened()) };
         for (alike, number, kept) in each_row(shape, rows) {
             let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            if components.iter().all(|&c| by_itself[c]) {
+                left.extend(components);
+                continue;
+            }
             let n = alike.sizes.1 / D;
             let bodies = &alike.bodies[number * n..][..components.len() * n];
             for (lane, &c) in components.iter().enumerate() {
@@ -292,6 +296,18 @@ fn normals<const D: usize>(shape: &Shape<D>, c: usize, solvers: &mut [Solver<D>]
     let component = &shape.components[c];
     let (rows, first) = (&component.rows, component.first.1);
     solvers[c].normals(rows, &blocks[first..first + rows.blocks()], &shape.roots);
+}
+
+/// The sum of the squares.
+fn square(numbers: &[f64]) -> f64 {
+    let (chunks, rest) = numbers.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for chunk in chunks {
+        for i in 0..8 {
+            sums[i] += chunk[i] * chunk[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|x| x * x).sum::<f64>()
 }
 
 /// Writes the normals of a component in blocks, which begin here.

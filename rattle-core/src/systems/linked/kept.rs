@@ -211,21 +211,30 @@ impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
 }
 
 impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
-    /// Has all solvers hold the normals.
-    pub(super) fn lend_normals(&mut self, shape: &Shape<D>) {
-        self.in_rows.lend(shape, &mut self.solvers, &mut self.blocks);
+    /// Has all solvers and blocks hold the normals of these positions, also of what goes in rows.
+    pub(super) fn lend_normals(&mut self, shape: &Shape<D>, time: f64, q: &[[f64; D]]) {
+        for c in 0..shape.components.len() {
+            if self.in_rows.alone_holds(c) {
+                self.normals(shape, c, time, q);
+            }
+        }
+        self.in_rows.have_lent();
     }
 
-    /// The same, and has them move all components from now on.
-    pub(super) fn leave_rows(&mut self, shape: &Shape<D>) {
-        self.in_rows.give_back(shape, &mut self.solvers, &mut self.blocks);
+    /// The same, before positions change in another way than in rows.
+    pub(super) fn leave_rows(&mut self, shape: &Shape<D>, time: f64, q: &[[f64; D]]) {
+        self.lend_normals(shape, time, q);
+        self.in_rows.leave_all();
     }
 
-    /// The normals of a component, in blocks.
-    pub(super) fn blocks_of(&self, shape: &Shape<D>, c: usize) -> Vec<[f64; D]> {
+    /// The normals of a component at these positions, in blocks.
+    pub(super) fn blocks_of(&self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> Vec<[f64; D]> {
         let Component { rows, first, .. } = &shape.components[c];
         let mut blocks = self.blocks[first.1..first.1 + rows.blocks()].to_vec();
-        self.in_rows.write_blocks(c, &mut blocks);
+        if self.in_rows.alone_holds(c) {
+            let (mut g, mut rates) = (vec![0.0; rows.equations()], vec![0.0; rows.equations()]);
+            shape.gradients(c, time, q, &mut g, &mut blocks, &mut rates);
+        }
         blocks
     }
 

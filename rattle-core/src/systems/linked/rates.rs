@@ -21,7 +21,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
         witness: &mut W,
     ) -> f64 {
         let shape = &*self.shape;
-        bodies.kept.lend_normals(shape);
+        bodies.kept.lend_normals(shape, bodies.time, bodies.q.as_ref());
         let Kept { force, power: driven, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
         for (body, root) in shape.roots.iter().enumerate() {
             rates[body] = force[body].components();
@@ -53,7 +53,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
 
     fn project(&self, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
         let shape = &*self.shape;
-        bodies.kept.leave_rows(shape);
+        bodies.kept.leave_rows(shape, bodies.time, bodies.q.as_ref());
         for (body, root) in shape.roots.iter().enumerate() {
             bodies.kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
         }

@@ -60,7 +60,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) {
         let (shape, n) = (&*self.shape, self.count.number());
-        bodies.kept.lend_normals(shape);
+        bodies.kept.lend_normals(shape, bodies.time, bodies.q.as_ref());
         let Kept { series: expansion, solvers, blocks, rates, room, .. } = &mut bodies.kept;
         let expansion = expansion.get_or_insert_with(|| self.room_for_series(series.len() / n));
         let SeriesRoom { products, normals, acting, rates: moves, force, pull, push, velocity, lambda, work } =

@@ -54,7 +54,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now: &mut BodiesOf<F, N, D>,
     ) -> Result<(), Failure> {
         let roots = &self.shape.roots;
-        now.kept.lend_normals(&self.shape);
+        now.kept.lend_normals(&self.shape, now.time, now.q.as_ref());
         now.kept.room.lift.fill([0.0; D]);
         self.take_ends(h, before, now);
         self.ask(steps, before, now);

@@ -223,11 +223,8 @@ pub(crate) fn project<const D: usize>(
         let component = &mut components[c];
         let (rows, m) = (&component.rows, component.rows.equations());
         let (mut needed, mut x) = (vec![0.0; m], vec![0.0; m]);
-        let speed = |p: &[[f64; D]]| {
-            let speeds = rows.bodies.iter().map(|&body| largest(&roots[body].velocity(&p[body])));
-            speeds.fold(0.0, f64::max)
-        };
-        let before = speed(&p);
+        let speed = |p: &[[f64; D]], body: usize| largest(&roots[body].velocity(&p[body]));
+        let before: Vec<f64> = rows.bodies.iter().map(|&body| speed(&p, body)).collect();
         for _ in 0..2 {
             // The second time takes what rounding left.
             for (row, needed) in needed.iter_mut().enumerate() {
@@ -240,9 +237,11 @@ pub(crate) fn project<const D: usize>(
             component.solver.solve(&needed, &mut x);
             component.solver.push(rows, roots, 1.0, &x, &mut p);
         }
-        if speed(&p) <= ROUNDING * before && start.rates[..m].iter().all(|&rate| rate == 0.0) {
-            // They led off the constraints alone, and are at rest.
-            rows.bodies.iter().for_each(|&body| p[body] = [0.0; D]);
+        for (&body, before) in rows.bodies.iter().zip(before) {
+            // A push that led off the constraints alone: the body is at rest.
+            if speed(&p, body) <= ROUNDING * before && start.rates[..m].iter().all(|&rate| rate == 0.0) {
+                p[body] = [0.0; D];
+            }
         }
         // Rates that no momenta can give: links that move apart.
         for row in 0..m {

@@ -225,6 +225,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
         let shape = &*self.shape;
+        let by_default = X::KIND == Kind::Newton && guess.is_empty();
+        if !by_default {
+            bodies.kept.leave_rows(shape, bodies.time, bodies.q.as_ref());
+        }
         let (q, q_low) = (bodies.q.as_mut(), bodies.q_low.as_mut());
         let (p, p_low) = (bodies.p.as_mut(), bodies.p_low.as_mut());
         let Kept { force, blocks, rates, solvers, counts, room, aims, pace, in_rows, .. } = &mut bodies.kept;
@@ -237,16 +241,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
         }
-        let by_default = X::KIND == Kind::Newton && guess.is_empty();
         if by_default {
             let mut sides = Sides { q, q_low, p, p_low, force, blocks };
             let [solves, corrections] =
                 in_rows.drift(shape, [h, kick], weights, &mut sides, solvers, aims, witness);
             counts.take_rows(solves, corrections);
-        } else {
-            in_rows.give_back(shape, solvers, blocks);
         }
-        for &c in &in_rows.left {
+        for &c in in_rows.left() {
             let component = &shape.components[c];
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let ((row, block), m, time) = (component.first, rows.equations(), bodies.time);
@@ -354,7 +355,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
             total_size += size(&p[body], &q[body]);
         }
         total_size += in_rows.settle(shape, [h, kick], [p, p_low], force, (solvers, q), witness);
-        for &c in &in_rows.left {
+        for &c in in_rows.left() {
             let component = &shape.components[c];
             let (rows, solver) = (&component.rows, &mut solvers[c]);
             let ((row, block), m) = (component.first, rows.equations());
@@ -462,7 +463,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         forces.fill([0.0; D]);
         for (c, component) in self.shape.components.iter().enumerate() {
             let rows = &component.rows;
-            let mut blocks = bodies.kept.blocks_of(&self.shape, c);
+            let mut blocks = bodies.kept.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
             self.shape.mask(c, &mut blocks);
             for row in 0..rows.equations() {
                 for (block, body) in rows.touched_by(row) {
@@ -489,7 +490,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let velocity = self.velocities(bodies);
         self.for_rows(rates, |c, out| {
             let (rows, (row, _)) = (self.component(c), self.shape.components[c].first);
-            let blocks = bodies.kept.blocks_of(&self.shape, c);
+            let blocks = bodies.kept.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
             for (i, rate) in out.iter_mut().enumerate() {
                 *rate = along(rows, i, &blocks, &velocity) + bodies.kept.rates[row + i];
             }

@@ -116,7 +116,7 @@ impl Alike {
         let place = |body: usize| rows.bodies.iter().position(|&other| other == body).unwrap_or(0);
         let kind = |run: &Run| {
             let group = &groups[run.group];
-            let links = group.among(run.members.clone(), &place).alike()?;
+            let links = group.alike(run.members.clone(), &place)?;
             let equations = run.members.len() * group.equations();
             let (members, own) = (0..run.members.len(), run.row..run.row + equations);
             let entries = own.clone().map(|row| D * rows.blocks_of(row).count()).sum();

@@ -147,7 +147,11 @@ impl<const D: usize> Network<D> {
         self.pins.iter().for_each(|&(body, _)| held[body] = true);
         let loose = (0..bodies).filter(|&body| !held[body]).collect();
         let each: Vec<_> = components.iter().map(|component| (&component.rows, component.first)).collect();
-        let alike = Alike::of(&each, &self.groups, &roots);
+        // Of few equations that are eliminated in full.
+        let alike = match self.algebra {
+            LinearAlgebra::Automatic => Alike::of(&each, &self.groups, &roots),
+            _ => Vec::new(),
+        };
         Ok(Shape {
             alone: alone(components.len(), &alike),
             alike,

@@ -67,8 +67,9 @@ pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
     /// The same for a few trajectories.
     fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
 
-    /// All members, for components that are alike, side by side; none also where parameters differ.
-    fn alike(&self) -> Option<Box<dyn Bending>>;
+    /// Some members with other numbers of their bodies, for components that are alike, side by side; none also where
+    /// the group's parameters differ.
+    fn alike(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Option<Box<dyn Bending>>;
 
     /// The same for the trajectories of a sweep, each with the parameters of its own group, the first of which is this
     /// one; none also where groups are of other kinds, or tie other bodies.
@@ -154,6 +155,19 @@ impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Links<G,
         LinksInLanes { kernels: kernels.collect(), members: self.members.clone() }
     }
 
+    /// Some members, with other numbers of their bodies.
+    fn some(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Self
+    where
+        G: Clone,
+    {
+        let kernels = if self.kernels.len() == 1 { 0..1 } else { members.clone() };
+        Self {
+            kernels: self.kernels[kernels].to_vec(),
+            members: self.members[members].iter().map(|bodies| bodies.map(number)).collect(),
+            ..*self
+        }
+    }
+
     #[inline(always)]
     fn kernel(&self, member: usize) -> &G {
         &self.kernels[if self.kernels.len() == 1 { 0 } else { member }]
@@ -217,17 +231,7 @@ where
     }
 
     fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>> {
-        let kernels = if self.kernels.len() == 1 { 0..1 } else { members.clone() };
-        let Self { name, acting, in_lanes, in_few_lanes, swept, .. } = *self;
-        Arc::new(Self {
-            name,
-            kernels: self.kernels[kernels].to_vec(),
-            members: self.members[members].iter().map(|bodies| bodies.map(number)).collect(),
-            acting,
-            in_lanes,
-            in_few_lanes,
-            swept,
-        })
+        Arc::new(self.some(members, number))
     }
 
     fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]) {
@@ -311,8 +315,9 @@ where
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
     }
 
-    fn alike(&self) -> Option<Box<dyn Bending>> {
-        (self.goes_in_lanes() && self.kernels.len() == 1).then(|| (self.in_lanes)(self))
+    fn alike(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Option<Box<dyn Bending>> {
+        let may = self.goes_in_lanes() && self.kernels.len() == 1;
+        may.then(|| (self.in_lanes)(&self.some(members, number)))
     }
 
     fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>> {
