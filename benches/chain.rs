@@ -10,17 +10,17 @@
 //!
 //! Then molecules: so few that each is moved by itself, and so many that they go side by side.
 
+mod common;
+
+use common::{RUNS, slope, timed};
 use rattle::links::{self, planar::Rod};
-use rattle::method::Method;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
-use rattle::system::System;
 use std::time::Instant;
 
 const LINKS: [u32; 4] = [100, 1_000, 10_000, 100_000];
 /// Steps that one timing covers, as many as fit before the chain has fallen far.
 const STEPS: [u32; 4] = [150, 150, 150, 20];
-const RUNS: usize = 5;
 
 fn main() -> Result<(), rattle::Error> {
     println!("  links   µs per step   ns per link   corrections per step   allocations   largest |g|/|∇g|ℓ");
@@ -91,30 +91,4 @@ fn molecules() -> Result<(), rattle::Error> {
         }
     }
     Ok(())
-}
-
-/// The time of a step, the median of several runs of so many, and how often they allocate.
-fn timed<Y: System<f64, 3>, S: Method>(
-    mut simulation: Simulation<Y, S, 3>,
-    steps: u64,
-) -> Result<(f64, u64), rattle::Error> {
-    simulation.run(5)?;
-    let (mut times, mut allocations) = (Vec::new(), 0);
-    for _ in 0..RUNS {
-        let (clock, mut outcome) = (Instant::now(), Ok(()));
-        allocations += allocation_counter::measure(|| outcome = simulation.run(steps)).count_total;
-        times.push(clock.elapsed().as_secs_f64() / steps as f64);
-        outcome?;
-    }
-    times.sort_by(f64::total_cmp);
-    Ok((times[RUNS / 2], allocations))
-}
-
-/// The slope of the straight line through the points, by least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let (xy, xx) = (mean(|p| p.0 * p.1) - x * y, mean(|p| p.0 * p.0) - x * x);
-    xy / xx
 }

@@ -9,18 +9,18 @@
 //! processor, medians of several runs; the slope is that of log(time per step) over log(bodies), fitted. The gas of 10
 //! 000 is timed without cut-off too, by all pairs.
 
+mod common;
+
+use common::{slope, timed};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
-use rattle::method::Method;
 use rattle::potentials::LennardJones;
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
-use rattle::system::System;
 
 const ATOMS: LennardJones = LennardJones { epsilon: 1.0, sigma: 1.0 };
 const REACH: f64 = 2.5;
 const BODIES: [usize; 3] = [1_000, 10_000, 100_000];
-const RUNS: usize = 5;
 
 fn main() -> Result<(), rattle::Error> {
     let mut all_pairs = 0.0;
@@ -84,42 +84,4 @@ fn gas(n: usize) -> Result<(f64, u64), rattle::Error> {
 /// Three numbers of mean 0 and variance 1, nearly normal.
 fn normal(random: &mut SmallRng) -> [f64; 3] {
     [(); 3].map(|()| (0..12).map(|_| random.random::<f64>() - 0.5).sum())
-}
-
-/// Seconds for a step, and allocations in as many steps as are timed.
-fn timed<Y: System<f64, 3>, S: Method>(
-    mut simulation: Simulation<Y, S, 3>,
-    steps: u64,
-) -> Result<(f64, u64), rattle::Error> {
-    simulation.run(2 * steps)?;
-    let (mut times, mut allocations, mut outcome) = (Vec::new(), 0, Ok(()));
-    for _ in 0..RUNS {
-        let before = cpu_seconds();
-        allocations += allocation_counter::measure(|| outcome = simulation.run(steps)).count_total;
-        times.push((cpu_seconds() - before) / steps as f64);
-        outcome.clone()?;
-    }
-    times.sort_by(f64::total_cmp);
-    Ok((times[RUNS / 2], allocations))
-}
-
-/// The slope of the straight line through the points, by least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let n = points.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / n;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let (xy, xx) = (mean(|p| p.0 * p.1) - x * y, mean(|p| p.0 * p.0) - x * x);
-    xy / xx
-}
-
-/// CPU time of this process in seconds, so that other programs on the machine do not count.
-#[cfg(unix)]
-fn cpu_seconds() -> f64 {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
-}
-
-#[cfg(not(unix))]
-fn cpu_seconds() -> f64 {
-    std::time::UNIX_EPOCH.elapsed().expect("a clock after 1970").as_secs_f64()
 }

@@ -18,7 +18,7 @@ use std::array::from_fn;
 /// Coordinates of the bodies of a component at most.
 const COORDINATES: usize = 3 * MOST;
 
-/// Whether there are rows of so many coordinates for each body.
+/// Whether there are rows of so many coordinates for each body: all sizes of `dense` are then compiled in lanes.
 pub(super) const fn are_rows(dimension: usize) -> bool {
     dimension == 2 || dimension == 3
 }

@@ -67,11 +67,10 @@ impl<const M: usize, const K: usize> Start<'_, M, K> {
         lifted(self.normals, &of_lane(self.over, l), l)
     }
 
-    /// The way that multipliers lead, and where to.
+    /// Where multipliers lead.
     #[inline(always)]
-    fn way(&self, l: usize, lifted: &[[Number; K]; M], x: &[Number; M]) -> [[Number; K]; 2] {
-        let lift: [Number; K] = from_fn(|k| sum_of(self.free[k].0[l], lifted, x, k));
-        [lift, from_fn(|k| self.q[k].0[l] + (self.q_low[k].0[l] + lift[k]))]
+    fn place(&self, l: usize, lifted: &[[Number; K]; M], x: &[Number; M]) -> [Number; K] {
+        from_fn(|k| self.q[k].0[l] + (self.q_low[k].0[l] + sum_of(self.free[k].0[l], lifted, x, k)))
     }
 }
 
@@ -194,7 +193,7 @@ fn leave<const M: usize, const K: usize>(
             needed[i] = -half_square * bends[i].0[l] - dot(&normals[i], &push);
         }
         let guess = solve(&from_fn(|i| of_lane(&at_start[i], l)), needed);
-        let [_, place] = start.way(l, &start.lifted(l), &guess);
+        let place = start.place(l, &start.lifted(l), &guess);
         for k in 0..K {
             trial[k].0[l] = place[k];
         }
@@ -259,7 +258,7 @@ fn correct<const FIRST: bool, const M: usize, const K: usize>(
             corrected[i] = Real::select(goes, corrected[i] - by[i], corrected[i]);
         }
         let lifted = start.lifted(l);
-        let [_, place] = start.way(l, &lifted, &corrected);
+        let place = start.place(l, &lifted, &corrected);
         for k in 0..K {
             trial[k].0[l] = place[k];
         }

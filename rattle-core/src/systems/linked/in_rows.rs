@@ -93,14 +93,21 @@ impl InRows {
         solvers: &mut [Solver<D>],
         q: &[[f64; D]],
     ) {
-        let Self { rows, lanes, by_itself, hold, .. } = self;
-        let Some(lanes) = lanes.as_mut().filter(|_| !std::mem::replace(hold, true)) else { return };
+        if std::mem::replace(&mut self.hold, true) {
+            return;
+        }
+        let Self { rows, lanes: Some(lanes), by_itself, .. } = self else { return };
         for (alike, number, kept) in each_row(shape, rows) {
-            for &c in alike.components[number..].iter().take(ROW) {
+            for &c in alike.row(number)[0] {
                 by_itself[c] = solvers[c].dense().is_none();
             }
             evaluate(set, alike, number, q, kept, lanes);
         }
+    }
+
+    /// Whether solvers hold all normals.
+    pub(super) fn solvers_hold(&self) -> bool {
+        self.solvers_hold
     }
 
     /// Whether a row holds the normals of a component, and its solver does not.
@@ -120,8 +127,10 @@ impl InRows {
 
     /// The same, and all components are to be moved one by one.
     pub(super) fn leave_all(&mut self) {
-        self.left.0.clear();
-        self.left.0.extend(0..self.places.len());
+        if self.set.is_some() {
+            self.left.0.clear();
+            self.left.0.extend(0..self.places.len());
+        }
         self.forget();
     }
 
@@ -152,13 +161,12 @@ impl InRows {
         left.clear();
         left.extend(&shape.alone);
         for (alike, number, kept) in each_row(shape, rows) {
-            let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            let [components, bodies] = alike.row(number);
             if components.iter().all(|&c| by_itself[c]) {
                 left.extend(components);
                 continue;
             }
             let (m, n) = (alike.sizes.0, alike.sizes.1 / D);
-            let bodies = &alike.bodies[number * n..][..components.len() * n];
             put(bodies, n, sides.q, &mut lanes.q);
             put(bodies, n, sides.q_low, &mut lanes.q_low);
             put(bodies, n, sides.p, &mut lanes.p);
@@ -246,15 +254,14 @@ impl InRows {
         left.clear();
         left.extend(&shape.alone);
         // Also of places: bodies may be free where no constraint would miss them.
-        let mut size = if shape.alike.is_empty() { 0.0 } else { square(q.as_flattened()) };
+        let mut size = square(q.as_flattened());
         for (alike, number, kept) in each_row(shape, rows) {
-            let components = &alike.components[number..alike.components.len().min(number + ROW)];
+            let [components, bodies] = alike.row(number);
             if components.iter().all(|&c| by_itself[c]) {
                 left.extend(components);
                 continue;
             }
             let n = alike.sizes.1 / D;
-            let bodies = &alike.bodies[number * n..][..components.len() * n];
             for (lane, &c) in components.iter().enumerate() {
                 lanes.plain[lane] = u64::from(!by_itself[c]);
             }
@@ -326,9 +333,7 @@ fn evaluate<const D: usize>(
     kept: &mut KeptRow,
     lanes: &mut Lanes,
 ) {
-    let n = alike.sizes.1 / D;
-    let end = alike.components.len().min(number + ROW);
-    put(&alike.bodies[number * n..end * n], n, q, &mut lanes.q);
+    put(alike.row(number)[1], alike.sizes.1 / D, q, &mut lanes.q);
     Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.evaluate();
 }
 
@@ -349,6 +354,7 @@ fn put_forces<Fo: Force<f64, D>, const D: usize>(
     }
 }
 
+/// See [`put`]. (There are no more lanes than in a row, which `lane % ROW` tells the compiler.)
 #[inline(always)]
 fn put_each<const D: usize>(
     bodies: &[usize],

@@ -213,6 +213,9 @@ impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
 impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
     /// Has all solvers and blocks hold the normals of these positions, also of what goes in rows.
     pub(super) fn lend_normals(&mut self, shape: &Shape<D>, time: f64, q: &[[f64; D]]) {
+        if self.in_rows.solvers_hold() {
+            return;
+        }
         for c in 0..shape.components.len() {
             if self.in_rows.alone_holds(c) {
                 self.normals(shape, c, time, q);

@@ -38,7 +38,7 @@ pub(crate) struct AlikeLinks {
 }
 
 /// Links of one kind, their members, and their equations.
-pub(crate) struct OfKind {
+struct OfKind {
     links: Box<dyn Bending>,
     members: Range<usize>,
     rows: Range<usize>,
@@ -142,6 +142,13 @@ impl Alike {
             first: alike.iter().map(|&c| components[c].1).collect(),
             components: alike,
         })
+    }
+
+    /// The components of the row that begins with this one, and their bodies in turn.
+    pub(crate) fn row(&self, number: usize) -> [&[usize]; 2] {
+        let end = self.components.len().min(number + ROW);
+        let each = self.bodies.len() / self.components.len();
+        [&self.components[number..end], &self.bodies[number * each..end * each]]
     }
 
     /// How many rows they are.

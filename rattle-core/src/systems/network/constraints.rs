@@ -13,8 +13,8 @@ pub(crate) use crate::systems::network::mass::Mass;
 use crate::systems::network::shape::Component;
 use crate::systems::network::shape::Shape;
 
-pub(crate) use crate::systems::network::alike::{Alike, alone};
-use crate::systems::network::group::Group;
+use crate::systems::network::alike::{Alike, alone};
+pub(crate) use crate::systems::network::group::Group;
 pub(crate) use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::rows::Rows;
