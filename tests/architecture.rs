@@ -17,6 +17,7 @@ const CORE: &[&[&str]] = &[
     &["systems", "methods"],
     &["scene"],
     &["run"],
+    &["instances"],
 ];
 
 /// Systems that stand on another.

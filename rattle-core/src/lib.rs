@@ -12,11 +12,13 @@
 //! systems │ methods       the systems, and the methods that move them; neither knows the other
 //! scene                   constraints, bodies and effects
 //! run                     simulations, ensembles, observers
+//! instances               what is compiled here for all users
 //! ```
 
 pub mod effect;
 pub mod error;
 pub mod geometry;
+mod instances;
 pub mod kernel;
 pub mod methods;
 pub mod motion;

@@ -51,7 +51,11 @@ impl<P, const A: usize> Over<P, A> {
 
 /// The name of a type without paths; of a potential over bodies, within a reach or by kinds, that of the potential.
 pub(crate) fn short_name<P>() -> &'static str {
-    let mut name = type_name::<P>();
+    innermost(type_name::<P>())
+}
+
+/// The name of what stands in such wrappers. Not generic, so that it is compiled once.
+fn innermost(mut name: &'static str) -> &'static str {
     for wrapper in ["over::Over<", "kinds::Kinds<", "within::Along<", "within::Within<"] {
         name = name.split_once(wrapper).map_or(name, |(_, potential)| potential);
     }

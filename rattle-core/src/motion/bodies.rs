@@ -86,23 +86,30 @@ impl<T, const D: usize> Body<T, D> {
 
 impl<T: Copy, const D: usize> Body<T, D> {
     /// Positions alone.
+    #[inline(never)]
     pub(crate) fn positions(bodies: &[Self]) -> Vec<[T; D]> {
         bodies.iter().map(|body| body.q).collect()
     }
 
     /// Momenta alone.
+    #[inline(never)]
     pub(crate) fn momenta(bodies: &[Self]) -> Vec<[T; D]> {
         bodies.iter().map(|body| body.p).collect()
     }
 }
 
 /// Bodies of which positions, momenta and what rounding took from them are in four lists.
+#[inline(never)]
 pub(crate) fn gathered<T: Copy, const D: usize>([q, q_low, p, p_low]: [&[[T; D]]; 4]) -> Vec<Body<T, D>> {
     (0..q.len()).map(|i| Body { q: q[i], q_low: q_low[i], p: p[i], p_low: p_low[i] }).collect()
 }
 
 /// And back.
-fn scatter<T: Copy, const D: usize>(places: &[Body<T, D>], [q, q_low, p, p_low]: [&mut [[T; D]]; 4]) {
+#[inline(never)]
+pub(super) fn scatter<T: Copy, const D: usize>(
+    places: &[Body<T, D>],
+    [q, q_low, p, p_low]: [&mut [[T; D]]; 4],
+) {
     for (i, place) in places.iter().enumerate() {
         (q[i], q_low[i], p[i], p_low[i]) = (place.q, place.q_low, place.p, place.p_low);
     }

@@ -63,6 +63,7 @@ impl Failure {
 }
 
 /// Those of a lane.
-fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
+#[inline(never)]
+pub(super) fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
     x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect()
 }

@@ -18,3 +18,16 @@ pub mod system;
 pub mod table;
 mod tables;
 pub mod witness;
+
+use crate::number::real::Real;
+
+/// Functions that are compiled in this crate, see [`crate::instances`].
+pub(crate) fn instances<T: Real, const D: usize>() -> [*const (); 5] {
+    [
+        bodies::gathered::<T, D> as *const (),
+        bodies::scatter::<T, D> as *const (),
+        bodies::Body::<T, D>::positions as *const (),
+        bodies::Body::<T, D>::momenta as *const (),
+        failure::numbers::<T> as *const (),
+    ]
+}

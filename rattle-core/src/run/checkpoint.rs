@@ -204,7 +204,12 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 }
 
 /// Writes bodies, and their time.
-fn write_places<const D: usize>(to: &mut Record, [q, q_low, p, p_low]: [&[[f64; D]]; 4], time: f64) {
+#[inline(never)]
+pub(in crate::run) fn write_places<const D: usize>(
+    to: &mut Record,
+    [q, q_low, p, p_low]: [&[[f64; D]]; 4],
+    time: f64,
+) {
     to.vectors("q", q);
     to.vectors("q rounding", q_low);
     to.vectors("p", p);
@@ -213,7 +218,11 @@ fn write_places<const D: usize>(to: &mut Record, [q, q_low, p, p_low]: [&[[f64; 
 }
 
 /// Reads so many bodies, and their time.
-fn read_places<const D: usize>(from: &mut Reading<'_>, n: usize) -> Result<(Vec<Body<f64, D>>, f64), Error> {
+#[inline(never)]
+pub(in crate::run) fn read_places<const D: usize>(
+    from: &mut Reading<'_>,
+    n: usize,
+) -> Result<(Vec<Body<f64, D>>, f64), Error> {
     let (q, q_low) = (from.vectors("q", n)?, from.vectors("q rounding", n)?);
     let (p, p_low) = (from.vectors("p", n)?, from.vectors("p rounding", n)?);
     let [time] = from.array("time of the bodies")?;

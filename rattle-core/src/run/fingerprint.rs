@@ -15,6 +15,7 @@ use std::any::type_name;
 const BESIDE: f64 = 1e-3;
 
 /// Places and momenta beside these.
+#[inline(never)]
 pub(in crate::run) fn beside<const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<f64, D>> {
     let all = bodies.iter().flat_map(|body| body.q.iter().chain(&body.p));
     let step = BESIDE * all.fold(1.0_f64, |most, x| most.max(x.abs()));

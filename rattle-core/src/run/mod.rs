@@ -15,3 +15,14 @@ mod seldom;
 pub mod simulation;
 mod trouble;
 pub mod watch;
+
+/// Functions that are compiled in this crate, see [`crate::instances`].
+pub(crate) fn instances<const D: usize>() -> [*const (); 5] {
+    [
+        checkpoint::read_places::<D> as *const (),
+        checkpoint::write_places::<D> as *const (),
+        events::Search::<D>::clone as *const (),
+        fingerprint::beside::<D> as *const (),
+        readings::places::<D> as *const (),
+    ]
+}

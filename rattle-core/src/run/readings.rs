@@ -309,7 +309,8 @@ pub(in crate::run) fn as_shown<Y: System<f64, D>, const D: usize>(
 }
 
 /// Where a sight shows bodies.
-fn places<const D: usize>(sight: &Sight<'_, D>) -> Vec<Body<f64, D>> {
+#[inline(never)]
+pub(in crate::run) fn places<const D: usize>(sight: &Sight<'_, D>) -> Vec<Body<f64, D>> {
     let low = [0.0; D];
     let all = sight.positions.iter().zip(sight.momenta);
     all.map(|(&q, &p)| Body { q: q.into(), q_low: low, p: p.into(), p_low: low }).collect()

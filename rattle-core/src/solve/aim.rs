@@ -14,6 +14,8 @@
 //! point with other rounding errors; so a checkpoint, from which a run continues to the last bit, holds the remembered
 //! errors.
 
+use crate::error::Error;
+use crate::motion::record::{Reading, Record};
 use crate::number::real::{Mask, Real};
 
 /// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of
@@ -68,14 +70,36 @@ impl Pace {
         Self { steps: [f64::NAN; 2] }
     }
 
-    /// The lengths of the last two steps.
-    pub(crate) fn numbers(&self) -> [f64; 2] {
-        self.steps
+    /// Writes the lengths of the last two steps, and what so many guesses were off by.
+    #[inline(never)]
+    pub(crate) fn record<T: Real>(
+        &self,
+        number: usize,
+        aims: &mut dyn Iterator<Item = &Aim<T>>,
+        to: &mut Record,
+    ) {
+        to.list("lengths of the last steps", &self.steps);
+        let (mut offs, nan) = (Vec::with_capacity(2 * number), f64::NAN);
+        for aim in aims {
+            offs.extend([aim.last, aim.before].map(|off| off.lanes().next().unwrap_or(nan)));
+        }
+        to.numbers("guesses were off by", &[number, 2], offs);
     }
 
-    /// After steps of these lengths.
-    pub(crate) fn after(steps: [f64; 2]) -> Self {
-        Self { steps }
+    /// Reads both.
+    #[inline(never)]
+    pub(crate) fn recall<T: Real>(
+        number: usize,
+        aims: &mut dyn Iterator<Item = &mut Aim<T>>,
+        from: &mut Reading<'_>,
+    ) -> Result<Self, Error> {
+        let steps = from.array("lengths of the last steps")?;
+        let offs: &[[f64; 2]] = from.vectors("guesses were off by", number)?;
+        for (aim, off) in aims.zip(offs) {
+            let [last, before] = off.map(T::from_f64);
+            *aim = Aim { last, before };
+        }
+        Ok(Self { steps })
     }
 
     /// Of a step of length h: by how much the last off, and the one before, count.
@@ -104,16 +128,6 @@ impl<T: Real> Aim<T> {
     pub(crate) fn unknown() -> Self {
         let nan = T::from_f64(f64::NAN);
         Self { last: nan, before: nan }
-    }
-
-    /// What the last guess was off by, and the one before.
-    pub(crate) fn offs(&self) -> [T; 2] {
-        [self.last, self.before]
-    }
-
-    /// After guesses that were off by so much.
-    pub(crate) fn after([last, before]: [T; 2]) -> Self {
-        Self { last, before }
     }
 
     /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).

@@ -6,3 +6,10 @@ pub(crate) mod crowd;
 pub(crate) mod nearing;
 pub(crate) mod root;
 pub(crate) mod stop;
+
+use crate::number::real::Real;
+
+/// Functions that are compiled in this crate, see [`crate::instances`].
+pub(crate) fn instances<T: Real>() -> [*const (); 2] {
+    [aim::Pace::record::<T> as *const (), aim::Pace::recall::<T> as *const ()]
+}

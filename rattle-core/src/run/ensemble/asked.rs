@@ -9,6 +9,7 @@ use crate::motion::bodies::Body;
 use crate::motion::record::Hallmark;
 use crate::number::instructions::Work;
 use crate::number::lanes::Lane;
+use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
 use crate::run::fingerprint::{beside, of_effect};
@@ -24,7 +25,8 @@ fn own<S: Lane, const D: usize>(x: SVector<f64, D>) -> [S; D] {
 }
 
 /// Numbers of lanes as others have them.
-fn numbers<S: Lane>(x: &[S]) -> Vec<f64> {
+#[inline(never)]
+pub(super) fn numbers<S: Lane>(x: &[S]) -> Vec<f64> {
     x.iter().map(|x| x.to_f64()).collect()
 }
 
@@ -110,6 +112,13 @@ pub(super) fn constraints<S: Lane, const D: usize>(
     (vec![lambda.to_f64()], vec![gradient.map(|n| (lambda * n).to_f64()).into()])
 }
 
+/// |p|².
+#[inline(never)]
+pub(super) fn square<const D: usize>(sight: &Sight<'_, D>) -> f64 {
+    let p: [f64; D] = sight.momentum().into();
+    dot(&p, &p)
+}
+
 /// Has an engine answer what a sight asks by its laws, those of one body on a surface; beside the number of lanes, of
 /// coordinates and of sums, this constant is the last one of its type.
 macro_rules! answered_by_laws {
@@ -121,7 +130,7 @@ macro_rules! answered_by_laws {
             X: $crate::run::ensemble::laws::Laws<S, D>,
         {
             fn energies(&self, lane: usize, sight: &$crate::run::watch::Sight<'_, D>) -> [f64; 2] {
-                let kinetic = 0.5 * sight.momentum().norm_squared();
+                let kinetic = 0.5 * $crate::run::ensemble::asked::square(sight);
                 [kinetic, $crate::run::ensemble::asked::potential(&self.laws, lane, sight)]
             }
 
@@ -142,7 +151,7 @@ macro_rules! answered_by_laws {
             }
 
             fn temperature(&self, _: usize, sight: &$crate::run::watch::Sight<'_, D>) -> f64 {
-                sight.momentum().norm_squared() / (D - 1) as f64
+                $crate::run::ensemble::asked::square(sight) / (D - 1) as f64
             }
 
             fn mass_product(&self, _: usize, _: usize, a: &[f64; D], b: &[f64; D]) -> f64 {

@@ -27,6 +27,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
 use crate::systems::surface::diagnosis::FailureAt;
@@ -40,7 +41,7 @@ pub(crate) const SHORT: f64 = 1e-15;
 /// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0; `EQUAL` says that a
 /// step
 /// is one stage.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     pub(super) q: Vectors<S, L, D>,
@@ -65,7 +66,7 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, co
 }
 
 /// Numbers of one step, which need no keeping.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     /// q + h p.
@@ -122,6 +123,7 @@ impl Part {
     /// taken to be that
     /// of a third of the stage, unless that lies far away; where a kick stands between two drifts that is a coarser
     /// guess.
+    #[inline(never)]
     pub(crate) fn of<const EQUAL: bool>(stages: &[Stage]) -> Vec<Part> {
         let n = stages.len();
         let at = |i: usize| stages[i % n].h;
@@ -233,17 +235,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
 
     /// Copies a lane.
     pub(crate) fn copy(&mut self, from: usize, to: usize) {
-        let Self { q, way, normal, square, bias, rest, guess, past: [last, earlier], q_low, way_low, .. } =
-            self;
-        for vectors in [q, way, normal] {
-            put(vectors, to, at(vectors, from));
-        }
-        for vectors in [q_low, way_low].into_iter().flatten() {
-            put(vectors, to, at(vectors, from));
-        }
-        for numbers in [square, bias, rest, guess, last, earlier] {
-            numbers[to] = numbers[from];
-        }
+        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
     }
 
     /// Position of a lane, and what rounding took from it.
@@ -282,40 +274,34 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
 
     /// Writes all lanes.
     pub(crate) fn record(&self, to: &mut Record) {
-        let mut block = self.clone();
-        block.numbers(|name, numbers| to.numbers(name, &[L], numbers.iter().map(|x| x.to_f64())));
+        lane_record::write(self.clone().rows(), to);
         to.counts("part", [self.part as u64]);
     }
 
     /// The block that was written, of a method of so many parts.
     pub(crate) fn recalled(from: &mut Reading<'_>, parts: usize) -> Result<Self, Error> {
-        let (mut block, mut went) = (Self::new(), Ok(()));
-        block.numbers(|name, numbers| {
-            let found = from.numbers(name, &[L]);
-            went = went.clone().and(found.map(|found| {
-                numbers.iter_mut().zip(found).for_each(|(x, &number)| *x = S::from_f64(number));
-            }));
-        });
-        went?;
+        let mut block = Self::new();
+        lane_record::read(block.rows(), from)?;
         let [part] = from.counted("part")?;
         block.part = part as usize % parts;
         Ok(block)
     }
 
-    /// Shows each row of numbers, one of each lane.
-    fn numbers(&mut self, mut show: impl FnMut(&str, &mut [S; L])) {
+    /// Each row of numbers, one of each lane.
+    #[inline(never)]
+    pub(super) fn rows(&mut self) -> Rows<'_, S> {
         let Self { q, way, normal, square, bias, rest, guess, past: [last, earlier], q_low, way_low, .. } =
             self;
-        for (name, vectors) in [("q", q), ("way", way), ("normal", normal)] {
-            vectors.iter_mut().for_each(|numbers| show(name, numbers));
+        let mut rows: Rows<'_, S> = Vec::new();
+        for (name, vectors) in [("q", &mut q[..]), ("way", way), ("normal", normal)] {
+            vectors.iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
         for (name, vectors) in [("q rounding", q_low), ("way rounding", way_low)] {
-            vectors.as_flattened_mut().iter_mut().for_each(|numbers| show(name, numbers));
+            vectors.as_flattened_mut().iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
-        let rows = [("square", square), ("bias", bias), ("rest", rest), ("guess", guess)];
-        for (name, numbers) in rows.into_iter().chain([("last", last), ("earlier", earlier)]) {
-            show(name, numbers);
-        }
+        let numbers = [("square", &mut square[..]), ("bias", bias), ("rest", rest), ("guess", guess)];
+        rows.extend(numbers.into_iter().chain([("last", &mut last[..]), ("earlier", earlier)]));
+        rows
     }
 
     /// Whether no other sheet is near a body, after so many steps; see [`crate::solve::crowd`]. A lane's

@@ -13,7 +13,6 @@ use crate::number::lanes::Lane;
 use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
-use crate::run::ensemble::engine::Engine;
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::linked_going::Width;
@@ -22,7 +21,7 @@ use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::Turns;
 use crate::run::ensemble::rigid_torque::{self, Torques};
-use crate::run::ensemble::side_by_side::SideBySide;
+use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{FEW, Number, ROW};
@@ -180,10 +179,12 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
-        return in_rows(FEW, starts, &|from, starts| Some(side_by_side(row.clone(), first + from, starts)));
+        return in_rows(FEW, starts, &|from, starts| {
+            Some(side_by_side(Box::new(row.clone()), first + from, starts))
+        });
     }
     let row = LinkedLanes::<_, D, ROW>::new(network, effects, bodies, method)?;
-    in_rows(ROW, starts, &|from, starts| Some(side_by_side(row.clone(), first + from, starts)))
+    in_rows(ROW, starts, &|from, starts| Some(side_by_side(Box::new(row.clone()), first + from, starts)))
 }
 
 /// The same, each in a network and under effects of its own.
@@ -203,7 +204,7 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     in_rows(ROW, starts, &|from, starts| {
         let own = from..from + starts.len();
         let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
-        Some(side_by_side(row, first + from, starts))
+        Some(side_by_side(Box::new(row), first + from, starts))
     })
 }
 
@@ -274,7 +275,7 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
             let method = (&stages[..], equal, *h);
             let (torques, number) = (effects.torques(from), starts[0].len());
             let engine = RigidLanes::<Y, D, W>::new(systems, bodies, torques, number, method, sums, *set);
-            Some(side_by_side(engine, first + from, starts))
+            Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }
 }
@@ -294,17 +295,9 @@ impl InNumbers for Sums {
 type RowOf<'a, const D: usize> = dyn Fn(usize, &[State<D>]) -> Option<Box<dyn Group<D>>> + 'a;
 
 /// Trajectories in rows of so many, each made from the number of its first, counted from these, and its starts.
-fn in_rows<const D: usize>(width: usize, starts: &[State<D>], row: &RowOf<'_, D>) -> Groups<D> {
+#[inline(never)]
+pub(super) fn in_rows<const D: usize>(width: usize, starts: &[State<D>], row: &RowOf<'_, D>) -> Groups<D> {
     (0..).step_by(width).zip(starts.chunks(width)).map(|(from, starts)| row(from, starts)).collect()
-}
-
-/// Trajectories in the lanes of an engine, the first of which has this number.
-fn side_by_side<const D: usize>(
-    engine: impl Engine<D>,
-    first: usize,
-    starts: &[State<D>],
-) -> Box<dyn Group<D>> {
-    Box::new(SideBySide::new(Box::new(engine), first, starts))
 }
 
 /// Trajectories by splittings; `EQUAL` says that a step is one stage.
@@ -318,11 +311,11 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
         if const { O::ALIKE } && starts.len() == 1 {
             let laws = obeyed.laws::<S, 1>(0);
             let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
-            return vec![side_by_side(engine, *first, starts)];
+            return vec![side_by_side(Box::new(engine), *first, starts)];
         }
         let laws = obeyed.laws::<S, LANES>(0);
         let engine = SplittingLanes::<S, _, LANES, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
-        vec![side_by_side(engine, *first, starts)]
+        vec![side_by_side(Box::new(engine), *first, starts)]
     }
 }
 
@@ -345,11 +338,11 @@ where
             if const { O::ALIKE } && starts.len() == 1 {
                 let laws = obeyed.laws::<S, 1>(from);
                 let engine = CollocationLanes::<S, _, 1, D, SUMS, N>::new(laws, table, *h, *set);
-                return Some(side_by_side(engine, first + from, starts));
+                return Some(side_by_side(Box::new(engine), first + from, starts));
             }
             let laws = obeyed.laws::<S, OF_STAGES>(from);
             let engine = CollocationLanes::<S, _, OF_STAGES, D, SUMS, N>::new(laws, table, *h, *set);
-            Some(side_by_side(engine, first + from, starts))
+            Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::motion::system::System;
-use crate::motion::witness::Witness;
+use crate::motion::witness::{Whoever, Witness};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::ensemble::block::Part;
@@ -34,7 +34,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 /// What all rows of an ensemble have in common.
-struct Common {
+pub(super) struct Common {
     plan: Plan,
     stages: Vec<Stage>,
     parts: Vec<Part>,
@@ -230,7 +230,8 @@ impl<F, const D: usize, const W: usize> LinkedLanes<F, D, W> {
 }
 
 /// Bodies of a lane; low digits of momenta only where sums are compensated.
-fn bodies_of<const D: usize, const W: usize>(
+#[inline(never)]
+pub(super) fn bodies_of<const D: usize, const W: usize>(
     Common { plan, sums, .. }: &Common,
     masses: &[[f64; 2]],
     numbers: &[Numbers<W>],
@@ -312,8 +313,8 @@ fn go_apart<F: Forces<f64, D>, const D: usize, const W: usize>(
     };
     let mut heard = Heard::of(&**system);
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
-    system.settle(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
-    system.drift(0.0, part.h, bodies, &mut heard).map_err(stuck)?;
+    system.settle(0.0, part.h, bodies, &mut Whoever(&mut heard)).map_err(stuck)?;
+    system.drift(0.0, part.h, bodies, &mut Whoever(&mut heard)).map_err(stuck)?;
     // What the way leads off the constraints Λ puts back.
     let [drift, settle] = &heard.multipliers;
     let multiplier = |&i: &usize| 0.5 * part.h * part.h * (drift[i] + settle[i]);
@@ -385,7 +386,7 @@ where
         let settled = system.settle(part.lead, part.h, &mut ahead, &mut ());
         let places = ahead.all();
         let entries = gradients(system, &ahead.q);
-        let drifted = settled.and_then(|()| system.drift(0.0, part.h, &mut ahead, &mut heard));
+        let drifted = settled.and_then(|()| system.drift(0.0, part.h, &mut ahead, &mut Whoever(&mut heard)));
         let multipliers = plan.equation.iter().map(|&i| 0.5 * part.h * part.h * heard.multipliers[0][i]);
         let multipliers: Vec<_> = multipliers.collect();
 

@@ -429,23 +429,7 @@ fn alone<S: Lane, const D: usize>(
     let p = sum(&p, &back_on);
     let constraint = laws.constraint(lane);
     let constraint = constraint.borrow();
-    let [bend] = constraint.jet(&q, &p).2;
-    let zero = S::from_f64(0.0);
-    let path = scaled(step, &p);
-    let departure = Departure {
-        h,
-        body: 0,
-        q: &q,
-        q_low: &back,
-        p: &p,
-        normal: &normal,
-        bend,
-        path,
-        push: [zero; D],
-        push_square: zero,
-        free: path,
-        guess: S::from_f64(-0.5) * step * step * bend * normal.inverse_square,
-    };
+    let departure = Departure::coasting(constraint, h, 0, [&q, &back, &p], &normal);
     let landing = departure.land(constraint)?;
     Ok((landing.multiplier + step * eta, landing.gradient))
 }

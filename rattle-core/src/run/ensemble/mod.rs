@@ -54,6 +54,7 @@ mod engine;
 pub mod group;
 mod grouping;
 mod inside;
+mod lane_record;
 mod laws;
 mod linked_few;
 mod linked_going;
@@ -76,8 +77,44 @@ mod stirring;
 pub mod stream;
 pub mod trajectories;
 
+use crate::number::lanes::Fused;
+use crate::number::vectors::LANES;
+use crate::systems::network::in_lanes::{FEW, ROW};
+
 pub use crate::number::instructions::InstructionSet;
 pub use precision::{Compensated, Double, Precision, Single};
 pub(in crate::run) use side_by_side::STRETCH;
 pub use stream::Snapshot;
 pub use trajectories::Ensemble;
+
+/// Functions that are compiled in this crate, see [`crate::instances`].
+pub(crate) fn instances<const D: usize>() -> [*const (); 26] {
+    [
+        side_by_side::side_by_side::<D> as *const (),
+        splitting_lanes::in_lanes::<Fused<f64>, D> as *const (),
+        splitting_lanes::out_of_lanes::<Fused<f64>, D> as *const (),
+        splitting_lanes::in_lanes::<f64, D> as *const (),
+        splitting_lanes::out_of_lanes::<f64, D> as *const (),
+        asked::numbers::<Fused<f64>> as *const (),
+        asked::square::<D> as *const (),
+        lane_record::read::<Fused<f64>> as *const (),
+        lane_record::write::<Fused<f64>> as *const (),
+        block::Block::<Fused<f64>, 1, D, 0, false>::rows as *const (),
+        block::Block::<Fused<f64>, 1, D, 0, true>::rows as *const (),
+        block::Block::<Fused<f64>, LANES, D, 0, false>::rows as *const (),
+        block::Block::<Fused<f64>, LANES, D, 0, true>::rows as *const (),
+        block::Part::of::<false> as *const (),
+        block::Part::of::<true> as *const (),
+        plan::Plan::of::<D> as *const (),
+        plan::masses::<D> as *const (),
+        grouping::in_rows::<D> as *const (),
+        linked_lanes::bodies_of::<D, FEW> as *const (),
+        linked_lanes::bodies_of::<D, ROW> as *const (),
+        trajectories::beyond::<D> as *const (),
+        Ensemble::<D>::push as *const (),
+        Ensemble::<D>::run as *const (),
+        Ensemble::<D>::run_watched as *const (),
+        Ensemble::<D>::state as *const (),
+        Ensemble::<D>::bill as *const (),
+    ]
+}

@@ -231,6 +231,7 @@ pub(super) struct Plan {
 impl Plan {
     /// For so many bodies of D coordinates; none where they cannot go side by side. `sums` says whether sums are
     /// compensated, `apart` whether masses differ between lanes.
+    #[inline(never)]
     pub(super) fn of<const D: usize>(shape: &Shape<D>, sums: bool, apart: bool) -> Option<Self> {
         let mut masses = masses(shape)?;
         if apart {
@@ -466,6 +467,7 @@ impl Plan {
 }
 
 /// For each coordinate its mass and 1 over it, both 0 where pinned; none where a mass is a matrix.
+#[inline(never)]
 pub(super) fn masses<const D: usize>(shape: &Shape<D>) -> Option<Vec<[f64; 2]>> {
     let over = shape.roots.iter().map(Root::over_masses).collect::<Option<Vec<_>>>()?;
     let mass = |over: f64| if over == 0.0 { 0.0 } else { 1.0 / over };

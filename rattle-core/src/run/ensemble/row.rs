@@ -10,6 +10,7 @@ use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
+use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -64,7 +65,7 @@ impl<S: Lane, const N: usize> Tableau<S, N> {
 }
 
 /// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
     pub(super) q: Vectors<S, L, D>,
@@ -83,7 +84,7 @@ pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, cons
 }
 
 /// Numbers of one step, which need no keeping.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// Stages, how far they are from where they should be, and ∇g there. The first stage is the start.
@@ -108,7 +109,7 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
 
 /// Where a step ends: place and momentum with what rounding took from them, ∇g, w and λ there (until then λ at the
 /// start), and how far the step may have led astray.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 pub(super) struct End<S, const L: usize, const D: usize> {
     pub(super) q: Vectors<S, L, D>,
     pub(super) q_low: Vectors<S, L, D>,
@@ -255,40 +256,35 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
 
     /// Copies a lane.
     pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.numbers(|_, numbers| numbers[to] = numbers[from]);
+        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
     }
 
     /// Writes all lanes.
     pub(super) fn record(&self, to: &mut Record) {
-        let mut row = self.clone();
-        row.numbers(|name, numbers| to.numbers(name, &[L], numbers.iter().map(|x| x.to_f64())));
+        lane_record::write(self.clone().rows(), to);
     }
 
     /// The row that was written.
     pub(super) fn recalled(from: &mut Reading<'_>) -> Result<Self, Error> {
-        let (mut row, mut went) = (Self::new(), Ok(()));
-        row.numbers(|name, numbers| {
-            let found = from.numbers(name, &[L]);
-            went = went.clone().and(found.map(|found| {
-                numbers.iter_mut().zip(found).for_each(|(x, &number)| *x = S::from_f64(number));
-            }));
-        });
-        went.map(|()| row)
+        let mut row = Self::new();
+        lane_record::read(row.rows(), from)?;
+        Ok(row)
     }
 
-    /// Shows each row of numbers, one of each lane.
-    fn numbers(&mut self, mut show: impl FnMut(&str, &mut [S; L])) {
+    /// Each row of numbers, one of each lane.
+    fn rows(&mut self) -> Rows<'_, S> {
         let Self { q, p, q_low, p_low, normal, total, lambda, asked, astray } = self;
-        for (name, vectors) in [("q", q), ("p", p), ("normal", normal)] {
-            vectors.iter_mut().for_each(|numbers| show(name, numbers));
+        let mut rows: Rows<'_, S> = Vec::new();
+        for (name, vectors) in [("q", &mut q[..]), ("p", p), ("normal", normal)] {
+            vectors.iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
         for (name, vectors) in [("q rounding", q_low), ("p rounding", p_low)] {
-            vectors.as_flattened_mut().iter_mut().for_each(|numbers| show(name, numbers));
+            vectors.as_flattened_mut().iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
-        total.as_flattened_mut().iter_mut().for_each(|numbers| show("pull", numbers));
-        lambda.iter_mut().for_each(|numbers| show("multiplier", numbers));
-        show("asked", asked);
-        show("astray", astray);
+        total.as_flattened_mut().iter_mut().for_each(|numbers| rows.push(("pull", numbers)));
+        lambda.iter_mut().for_each(|numbers| rows.push(("multiplier", numbers)));
+        rows.extend([("asked", &mut asked[..]), ("astray", astray)]);
+        rows
     }
 }
 

@@ -32,7 +32,7 @@ const CROWDED: u64 = 16 * STRETCH;
 const BILLED: u32 = 256;
 
 /// Trajectories in the lanes of an engine.
-pub(crate) struct SideBySide<const D: usize> {
+struct SideBySide<const D: usize> {
     engine: Box<dyn Engine<D>>,
     /// An engine whose lanes obey what they did at first: once trajectories have ended, their lanes obey what others
     /// do.
@@ -54,6 +54,17 @@ pub(crate) struct SideBySide<const D: usize> {
     crowded_until: u64,
     /// How often a step that cannot be taken is halved.
     halvings: u32,
+}
+
+/// The trajectories that start so in the lanes of an engine, the first of which has this number; as many of them as
+/// there are lanes.
+#[inline(never)]
+pub(super) fn side_by_side<const D: usize>(
+    engine: Box<dyn Engine<D>>,
+    first: usize,
+    starts: &[State<D>],
+) -> Box<dyn Group<D>> {
+    Box::new(SideBySide::new(engine, first, starts))
 }
 
 /// Where in the random numbers a trajectory starts.
@@ -89,9 +100,8 @@ impl<const D: usize> Clone for SideBySide<D> {
 }
 
 impl<const D: usize> SideBySide<D> {
-    /// The trajectories that start so, one per lane, at most as many as there are lanes; the first one is the
-    /// ensemble's trajectory of this number.
-    pub(crate) fn new(engine: Box<dyn Engine<D>>, first: usize, starts: &[State<D>]) -> Self {
+    /// See [`side_by_side`].
+    fn new(engine: Box<dyn Engine<D>>, first: usize, starts: &[State<D>]) -> Self {
         let number = starts.len().min(engine.width());
         let start_time = starts.iter().map(|start| (start.time, start.time_low)).collect();
         let draws = from_fn(|lane| {

@@ -210,12 +210,14 @@ pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
 }
 
 /// Bodies in a lane's numbers.
-fn in_lanes<S: Lane, const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<S, D>> {
+#[inline(never)]
+pub(super) fn in_lanes<S: Lane, const D: usize>(bodies: &[Body<f64, D>]) -> Vec<Body<S, D>> {
     bodies.iter().map(|body| body.map(S::from_f64)).collect()
 }
 
 /// And back.
-fn out_of_lanes<S: Lane, const D: usize>(bodies: &[Body<S, D>]) -> Vec<Body<f64, D>> {
+#[inline(never)]
+pub(super) fn out_of_lanes<S: Lane, const D: usize>(bodies: &[Body<S, D>]) -> Vec<Body<f64, D>> {
     bodies.iter().map(|body| body.map(Lane::to_f64)).collect()
 }
 
@@ -239,7 +241,7 @@ where
         let laws = laws.clone(); // out of reach of what the loops write
         let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
         let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
+        let mut desk = Desk { block: *block, scratch: Scratch::new() };
         while let Some(Leg { from, steps, written }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {

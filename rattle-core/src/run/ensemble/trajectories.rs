@@ -221,7 +221,8 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// Puts a group after the others.
-    fn push(&mut self, group: Box<dyn Group<D>>) {
+    #[inline(never)]
+    pub(super) fn push(&mut self, group: Box<dyn Group<D>>) {
         self.first.push(self.len);
         self.len += group.len();
         self.groups.push(group);
@@ -252,6 +253,7 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// Takes `steps` steps of every trajectory that has not failed.
+    #[inline(never)]
     pub fn run(&mut self, steps: u64) {
         let set = self.set;
         match &mut self.groups[..] {
@@ -306,7 +308,13 @@ impl<const D: usize> Ensemble<D> {
     }
 
     /// The same with an observer for each group.
-    fn run_watched(&mut self, steps: u64, every: u64, observers: Vec<&mut (dyn AnyObserver<D> + Send)>) {
+    #[inline(never)]
+    pub(super) fn run_watched(
+        &mut self,
+        steps: u64,
+        every: u64,
+        observers: Vec<&mut (dyn AnyObserver<D> + Send)>,
+    ) {
         let (set, taken, next) = (self.set, self.steps, self.steps.saturating_add(every));
         let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
             let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
@@ -346,6 +354,7 @@ impl<const D: usize> Ensemble<D> {
     ///
     /// # Errors
     /// Those of the steps that are tried; where all trajectories have failed, the error of the first.
+    #[inline(never)]
     pub fn bill(&self) -> Result<Bill, Error> {
         let moves = |group: &dyn Group<D>| group.moving().iter().take(group.len()).any(|&moves| moves);
         match (self.groups.iter().find(|group| moves(group.as_ref())), self.failures().next()) {
@@ -451,6 +460,7 @@ impl<const D: usize> Ensemble<D> {
     /// If there is no trajectory of this number.
     #[must_use]
     #[track_caller]
+    #[inline(never)]
     pub fn state(&self, trajectory: usize) -> State<D> {
         assert!(trajectory < self.len, "trajectory {trajectory} of {}", self.len);
         let (group, own) = self.group(trajectory);
@@ -486,7 +496,7 @@ impl<const D: usize> Ensemble<D> {
 const UNWATCHED: u64 = 8 * STRETCH;
 
 /// An observer of any type, as an object: what runs a group and shows it is compiled once for all observers.
-trait AnyObserver<const D: usize> {
+pub(super) trait AnyObserver<const D: usize> {
     /// Sees those of a group that move, the first of which has this number.
     fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>);
     /// As [`Observer::failure`].
@@ -548,7 +558,8 @@ fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(effect
 const AN_ENSEMBLE: &str = "an ensemble";
 
 /// What is wrong with a start of which a number is larger than there are numbers.
-fn beyond<const D: usize>(most: f64, start: &State<D>) -> Option<Error> {
+#[inline(never)]
+pub(super) fn beyond<const D: usize>(most: f64, start: &State<D>) -> Option<Error> {
     start.bodies.iter().enumerate().find_map(|(body, place)| {
         [("position", place.q), ("momentum", place.p)].into_iter().find_map(|(quantity, numbers)| {
             let component = numbers.iter().position(|x| x.abs() > most)?;

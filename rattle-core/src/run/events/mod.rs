@@ -48,11 +48,18 @@ pub(in crate::run) struct Events<Y: System<f64, D>, S: Method, const D: usize> {
 }
 
 /// What is looked for.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(in crate::run) struct Search<const D: usize> {
     pub(in crate::run) meetings: Meetings<D>,
     pub(in crate::run) over_kinks: bool,
     normals: [Vec<[f64; D]>; 2],
+}
+
+impl<const D: usize> Clone for Search<D> {
+    #[inline(never)]
+    fn clone(&self) -> Self {
+        Self { meetings: self.meetings.clone(), normals: self.normals.clone(), ..*self }
+    }
 }
 
 /// What happens at an instant.

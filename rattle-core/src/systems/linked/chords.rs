@@ -16,6 +16,7 @@ impl<const D: usize> Flight<'_, D> {
     /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0. Where that
     /// is not good enough to tell that the root is the right one, by Newton's method from g̈ = 0; what was tried is
     /// kept if that finds the same.
+    #[inline(never)]
     pub(super) fn try_to_solve<X: Iteration>(
         &self,
         guess: &[f64],

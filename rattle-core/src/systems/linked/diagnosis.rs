@@ -158,6 +158,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 
 impl<const D: usize> Shape<D> {
     /// Names an equation.
+    #[inline(never)]
     pub(crate) fn equation_at(&self, component: usize, row: usize) -> Box<EquationAt> {
         let rows = &self.components[component].rows;
         let (group, member, equation) = rows.find(&self.groups, row);
@@ -201,7 +202,13 @@ pub(crate) fn gradient<const D: usize>(
 }
 
 /// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.
-fn acting_share<const D: usize>(shape: &Shape<D>, c: usize, row: usize, blocks: &[[f64; D]]) -> f64 {
+#[inline(never)]
+pub(super) fn acting_share<const D: usize>(
+    shape: &Shape<D>,
+    c: usize,
+    row: usize,
+    blocks: &[[f64; D]],
+) -> f64 {
     let rows = &shape.components[c].rows;
     let mut acting = blocks.to_vec();
     shape.mask(c, &mut acting);

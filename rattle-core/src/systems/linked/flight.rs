@@ -150,6 +150,7 @@ impl<const D: usize> Flight<'_, D> {
     }
 
     /// Solves for x into `room.y` by Newton's method from g̈ = 0.
+    #[inline(never)]
     pub(crate) fn find(
         &self,
         solver: &mut Solver<D>,

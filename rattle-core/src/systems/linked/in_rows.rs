@@ -55,6 +55,7 @@ pub(super) struct Sides<'a, Fo, const D: usize> {
 
 impl InRows {
     /// Those of a network, none of them filled in.
+    #[inline(never)]
     pub(super) fn new<const D: usize>(shape: &Shape<D>) -> Self {
         let set = Fusing::widest().filter(|_| are_rows(D) && !shape.alike.is_empty());
         let components = shape.components.len();
@@ -142,6 +143,7 @@ impl InRows {
     /// Moves all that can go in rows, and tells how many, and in how many corrections; what is left is to be moved one
     /// by one.
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
+    #[inline(never)]
     pub(super) fn drift<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
         &mut self,
         shape: &Shape<D>,
@@ -213,6 +215,7 @@ impl InRows {
     }
 
     /// Takes over the normals of components that were moved one by one.
+    #[inline(never)]
     pub(super) fn take_back<const D: usize>(
         &mut self,
         shape: &Shape<D>,
@@ -239,6 +242,7 @@ impl InRows {
 
     /// Kicks momenta, and makes them tangent, of all that go in rows; what is left is to be done one by one. Returns
     /// the sum of their squares.
+    #[inline(never)]
     pub(super) fn settle<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
         &mut self,
         shape: &Shape<D>,

@@ -61,6 +61,7 @@ impl<const D: usize> Start<D> {
 
 /// Whether the motion may start: finite, on the constraints, momenta along them unless staggered, nothing singular.
 /// Components whose equations depend on each other get the linear algebra that bears it, if they may.
+#[inline(never)]
 pub(crate) fn check<const D: usize>(
     shape: &mut Shape<D>,
     algebra: LinearAlgebra,
@@ -203,6 +204,7 @@ fn check_normals<const D: usize>(
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The state moved onto the constraints by Newton's method along their gradients, momenta made to fit.
+#[inline(never)]
 pub(crate) fn project<const D: usize>(
     shape: &mut Shape<D>,
     algebra: LinearAlgebra,

@@ -125,8 +125,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         let Kept { aims, pace, counts, crowd, .. } = &bodies.kept;
         let Counts { solves, corrections, values, gradients, followed } = *counts;
         to.counts("counts", [solves, corrections, values, gradients, followed]);
-        to.numbers("lengths of the last steps", &[2], pace.numbers());
-        to.numbers("guesses were off by", &[aims.len(), 2], aims.iter().flat_map(Aim::offs));
+        pace.record(aims.len(), &mut aims.iter(), to);
         to.numbers("crowd looked at", &[1], [crowd.asked]);
         to.counts("crowd", [u64::from(crowd.near)]);
     }
@@ -134,10 +133,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
         let [solves, corrections, values, gradients, followed] = from.counted("counts")?;
         bodies.kept.counts = Counts { solves, corrections, values, gradients, followed };
-        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
         let aims = &mut bodies.kept.aims;
-        let offs = from.vectors("guesses were off by", aims.len())?;
-        aims.iter_mut().zip(offs).for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(*off));
+        bodies.kept.pace = Pace::recall(aims.len(), &mut aims.iter_mut(), from)?;
         let ([asked], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
         bodies.kept.crowd = Crowd { asked, near: near != 0 };
         Ok(())

@@ -63,6 +63,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// For so many bodies.
+    #[inline(never)]
     pub(crate) fn shape(&self, bodies: usize) -> Result<Shape<D>, Error> {
         let mistake = |what| Err(Error::Network(what));
         let mut roots = Vec::with_capacity(bodies);

@@ -6,10 +6,10 @@ use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::solver::Solver;
+use std::fmt;
 use std::sync::Arc;
 
 /// The components of a network for so many bodies.
-#[derive(Debug)]
 pub(crate) struct Shape<const D: usize> {
     pub(crate) groups: Vec<Arc<dyn Group<D>>>,
     /// Those of the groups that have kinks.
@@ -34,7 +34,14 @@ pub(crate) struct Shape<const D: usize> {
     pub(crate) widest: (usize, usize),
 }
 
-#[derive(Debug)]
+impl<const D: usize> fmt::Debug for Shape<D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut debug = f.debug_struct("Shape");
+        debug.field("equations", &self.equations).field("components", &self.components.len());
+        debug.finish_non_exhaustive()
+    }
+}
+
 pub(crate) struct Component<const D: usize> {
     pub(crate) rows: Rows,
     pub(crate) solver: Solver<D>,

@@ -59,16 +59,13 @@ where
 
     fn record(&self, bodies: &BodiesOf<N, D, M>, to: &mut Record) {
         let Kept { bodies, pace } = &bodies.kept;
-        to.numbers("lengths of the last steps", &[2], pace.numbers());
-        let offs = bodies.as_ref().iter().flat_map(|kept| &kept.aims).flat_map(Aim::offs);
-        to.numbers("guesses were off by", &[self.count.number() * M, 2], offs);
+        let aims = &mut bodies.as_ref().iter().flat_map(|kept| &kept.aims);
+        pace.record(self.count.number() * M, aims, to);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<N, D, M>, from: &mut Reading<'_>) -> Result<(), Error> {
-        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
-        let offs = from.vectors("guesses were off by", self.count.number() * M)?;
-        let aims = bodies.kept.bodies.as_mut().iter_mut().flat_map(|kept| &mut kept.aims);
-        aims.zip(offs).for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(*off));
+        let aims = &mut bodies.kept.bodies.as_mut().iter_mut().flat_map(|kept| &mut kept.aims);
+        bodies.kept.pace = Pace::recall(self.count.number() * M, aims, from)?;
         Ok(())
     }
 

@@ -27,7 +27,8 @@ impl FailureAt {
         x.lanes().nth(self.lane).unwrap_or(f64::NAN)
     }
 
-    fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
+    #[inline(never)]
+    pub(super) fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
         x.iter().map(|&x| self.number(x)).collect()
     }
 
@@ -72,7 +73,12 @@ impl FailureAt {
         (gradient, speed, curvature)
     }
 
-    fn no_normal<T: Real, const D: usize>(&self, q: &[T; D], gradient: &[T; D]) -> Option<Failure> {
+    #[inline(never)]
+    pub(super) fn no_normal<T: Real, const D: usize>(
+        &self,
+        q: &[T; D],
+        gradient: &[T; D],
+    ) -> Option<Failure> {
         let (position, gradient) = (self.numbers(q), self.numbers(gradient));
         let square: f64 = gradient.iter().map(|n| n * n).sum();
         let none = !(square > 0.0 && square.is_finite());

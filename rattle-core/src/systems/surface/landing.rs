@@ -86,6 +86,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another
     /// root; and where the
     /// root had to be followed.
+    #[inline(never)]
     pub(crate) fn look_again(
         &self,
         equation: &dyn Equation<T, D>,
@@ -129,6 +130,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// Where the body lands after an attempt from another guess or by another iteration, with the slope at the guess
     /// or not, that may
     /// have found another root; and where it had.
+    #[inline(never)]
     pub(crate) fn land_instead(
         &self,
         equation: &dyn Equation<T, D>,

@@ -25,5 +25,19 @@ mod system;
 mod tile;
 pub(crate) mod tiles;
 
+use crate::number::real::Real;
+
 pub use kept::{Kept, OnSurface, OneByOne};
 pub use normal::Normal;
+
+/// Functions that are compiled in this crate, see [`crate::instances`].
+pub(crate) fn instances<T: Real, const D: usize>() -> [*const (); 6] {
+    [
+        position::Departure::<T, D>::land as *const (),
+        position::Departure::<T, D>::look_again as *const (),
+        position::Departure::<T, D>::land_instead as *const (),
+        diagnosis::FailureAt::numbers::<T, D> as *const (),
+        diagnosis::FailureAt::no_normal::<T, D> as *const (),
+        sheets::check_walk::<T, D> as *const (),
+    ]
+}

@@ -32,7 +32,7 @@
 
 use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::{Mask, Real};
-use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::root::straight;
 use crate::solve::stop::SPARE;
 use crate::systems::surface::equation::Equation;
@@ -84,6 +84,35 @@ pub(crate) struct Landing<T: Real, const D: usize> {
     pub(crate) floor: T,
     /// Whether the equation was solved to the floor.
     pub(crate) converged: T::Mask,
+}
+
+impl<'a, T: Real, const D: usize> Departure<'a, T, D> {
+    /// Without a force, and with the guess from g̈ = 0.
+    pub(crate) fn coasting(
+        equation: &(impl Equation<T, D> + ?Sized),
+        h: f64,
+        body: usize,
+        [q, q_low, p]: [&'a [T; D]; 3],
+        normal: &'a Normal<T, D>,
+    ) -> Self {
+        let (zero, step) = (T::from_f64(0.0), T::from_f64(h));
+        let (bend, path) = (equation.bend(q, p), scaled(step, p));
+        let guess = T::from_f64(-0.5) * step * step * bend * normal.inverse_square;
+        Self {
+            h,
+            body,
+            q,
+            q_low,
+            p,
+            normal,
+            bend,
+            path,
+            push: [zero; D],
+            push_square: zero,
+            free: path,
+            guess,
+        }
+    }
 }
 
 impl<T: Real, const D: usize> Departure<'_, T, D> {

@@ -181,7 +181,7 @@ fn is_bold<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>) 
 /// reached.
 #[cold]
 #[inline(never)]
-fn check_walk<T: Real, const D: usize>(
+pub(super) fn check_walk<T: Real, const D: usize>(
     equation: &dyn Equation<T, D>,
     body: usize,
     h: f64,
@@ -224,21 +224,8 @@ fn walk<T: Real, const D: usize>(
             break;
         }
         let path = scaled(T::from_f64(share), &along);
-        let bend = equation.bend(q, &path);
-        let departure = Departure {
-            h: 1.0,
-            body,
-            q,
-            q_low: &[zero; D],
-            p: &path,
-            normal: &normal,
-            bend,
-            path,
-            push: [zero; D],
-            push_square: zero,
-            free: path,
-            guess: T::from_f64(-0.5) * bend * normal.inverse_square,
-        };
+        let exact = [zero; D];
+        let departure = Departure::coasting(equation, 1.0, body, [q, &exact, &path], &normal);
         match departure.land(equation) {
             Ok(landing) => {
                 *q = sum(q, &landing.increment);

@@ -103,18 +103,13 @@ where
 
     fn record(&self, bodies: &BodiesOf<N, T, F, D>, to: &mut Record) {
         let Kept { aim, pace, crowd, .. } = &bodies.kept;
-        to.numbers("lengths of the last steps", &[2], pace.numbers());
-        let offs = aim.as_ref().iter().flat_map(Aim::offs);
-        to.numbers("guesses were off by", &[aim.as_ref().len(), 2], offs.flat_map(|off| off.lanes().next()));
+        pace.record(aim.as_ref().len(), &mut aim.as_ref().iter(), to);
         crowd.record(to);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<N, T, F, D>, from: &mut Reading<'_>) -> Result<(), Error> {
         let n = self.count.number();
-        bodies.kept.pace = Pace::after(from.array("lengths of the last steps")?);
-        let offs = from.vectors("guesses were off by", n)?;
-        let aims = bodies.kept.aim.as_mut().iter_mut().zip(offs);
-        aims.for_each(|(aim, off): (_, &[f64; 2])| *aim = Aim::after(off.map(T::from_f64)));
+        bodies.kept.pace = Pace::recall(n, &mut bodies.kept.aim.as_mut().iter_mut(), from)?;
         bodies.kept.crowd = Crowd::recalled(from, tiles_of(n))?;
         Ok(())
     }
