@@ -11,8 +11,9 @@ use crate::solve;
 use crate::systems::{linked, network, surface};
 use std::hint::black_box;
 
-/// In the plane and in space.
-#[used]
+/// In the plane and in space. Unit tests have no users.
+#[cfg_attr(not(test), used)]
+#[cfg_attr(test, allow(dead_code, reason = "what is not used is not compiled"))]
 static INSTANCES: [fn(); 2] = [instances::<2>, instances::<3>];
 
 fn instances<const D: usize>() {

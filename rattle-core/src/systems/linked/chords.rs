@@ -5,8 +5,8 @@
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::solve::stop::{SPARE, Shrinking};
-use crate::systems::linked::flight::{FIRST, Flight, LEARNED, Landing, MAX_CORRECTIONS};
-use crate::systems::linked::kept::{Counts, Room};
+use crate::systems::linked::flight::{FIRST, Flight, Landing, MAX_CORRECTIONS};
+use crate::systems::linked::kept::{Counts, LEARNED, Room};
 use crate::systems::network::solver::Solver;
 
 /// Residuals of a matrix that is kept must shrink at least like this.
@@ -16,7 +16,6 @@ impl<const D: usize> Flight<'_, D> {
     /// Solves for x into `room.y` by any iteration and from any guess of λ, or if that is empty from g̈ = 0. Where that
     /// is not good enough to tell that the root is the right one, by Newton's method from g̈ = 0; what was tried is
     /// kept if that finds the same.
-    #[inline(never)]
     pub(super) fn try_to_solve<X: Iteration>(
         &self,
         guess: &[f64],

@@ -44,7 +44,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let shape = &*self.shape;
-        bodies.kept.leave_rows(shape, bodies.time, bodies.q.as_ref());
+        bodies.kept.tied.leave_rows(shape, bodies.time, bodies.q.as_ref());
         let (n, m) = (self.count.number(), shape.equations);
         let mut stages = match bodies.kept.stages.take() {
             Some(stages) if stages.q.len() == S * n => stages,
@@ -74,9 +74,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         solved?;
         for c in 0..shape.components.len() {
             let (q, time) = (bodies.q.as_ref(), bodies.time);
-            let (sine, row) = bodies.kept.normals(shape, c, time, q);
+            let found = bodies.kept.tied.normals(shape, c, time, q);
             self.check_residuals(c, h, S, bodies)?;
-            self.check_rank(c, bodies, sine, row)?;
+            bodies.kept.tied.check_rank(shape, c, bodies.q.as_ref(), found)?;
         }
         self.evaluate_forces(bodies);
         let last = h * table.weights[S - 1];
@@ -99,7 +99,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
         let equation = self.shape.equation_at(c, row);
         let body = equation.bodies[0];
-        let cause = if bodies.kept.solvers[c].rank(rows) < rows.equations() {
+        let cause = if bodies.kept.tied.solvers[c].rank(rows) < rows.equations() {
             StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
         } else {
             StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
@@ -111,7 +111,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     fn guess<const S: usize>(&self, bodies: &mut BodiesOf<F, N, D>, stages: &mut Stages<F, D>) {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         self.evaluate_rates(bodies, &mut stages.total[..n], &mut ());
-        let kept = &mut bodies.kept;
+        let kept = &mut bodies.kept.tied;
         for (c, component) in shape.components.iter().enumerate() {
             let row = component.first.0;
             let rows = row..row + component.rows.equations();
@@ -201,9 +201,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                         *right += along(rows, i, blocks, &stages.shift);
                     }
                     let x = &mut stages.x[..rows.equations()];
-                    let start = &bodies.kept.blocks[block..block + rows.blocks()];
-                    bodies.kept.solvers[c].respond(rows, start, &shape.roots, right, x);
-                    bodies.kept.solvers[c].multipliers(x, right);
+                    let start = &bodies.kept.tied.blocks[block..block + rows.blocks()];
+                    bodies.kept.tied.solvers[c].respond(rows, start, &shape.roots, right, x);
+                    bodies.kept.tied.solvers[c].multipliers(x, right);
                 }
             }
             for j in 0..S - 1 {

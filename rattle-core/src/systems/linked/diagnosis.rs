@@ -19,6 +19,7 @@ use crate::systems::linked::kept::BodiesOf;
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
+use crate::systems::linked::kept::Tied;
 use crate::systems::network::group::Group;
 use crate::systems::network::mass::Root;
 use crate::systems::network::shape::Shape;
@@ -98,40 +99,41 @@ impl<const D: usize> Flight<'_, D> {
     }
 }
 
-impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
+impl<Fo, const D: usize> Tied<Fo, D> {
     /// Whether the normals at the new positions are as independent as they were at the start.
     pub(crate) fn check_rank(
         &self,
+        shape: &Shape<D>,
         c: usize,
-        bodies: &BodiesOf<F, N, D>,
-        sine: f64,
-        row: usize,
+        q: &[[f64; D]],
+        (sine, row): (f64, usize),
     ) -> Result<(), Failure> {
-        let component = &self.shape.components[c];
-        let lost = match &bodies.kept.solvers[c] {
+        let component = &shape.components[c];
+        let lost = match &self.solvers[c] {
             Solver::Elimination(_) => sine < LOST || sine.is_nan(),
             solver => solver.rank(&component.rows) < component.solver.rank(&component.rows),
         };
         if !lost {
             return Ok(());
         }
-        let equation = self.shape.equation_at(c, row);
-        let q = bodies.q.as_ref();
+        let equation = shape.equation_at(c, row);
         let body = equation.bodies[0];
         let first = component.first;
-        let blocks = &bodies.kept.blocks[first.1..first.1 + component.rows.blocks()];
+        let blocks = &self.blocks[first.1..first.1 + component.rows.blocks()];
         let square: f64 =
             component.rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
         let cause = if !square.is_finite() {
             StepFailure::ConstraintNotFinite { position: q[body].to_vec() }
         } else if component.rows.acting {
-            StepFailure::CannotAct { equation, share: acting_share(&self.shape, c, row, blocks) }
+            StepFailure::CannotAct { equation, share: acting_share(shape, c, row, blocks) }
         } else {
             StepFailure::RankLost { equation, sine }
         };
         Err(Failure { body, cause })
     }
+}
 
+impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     #[cold]
     pub(crate) fn not_finite(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> Failure {
         let q = bodies.q.as_ref();
@@ -158,7 +160,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 
 impl<const D: usize> Shape<D> {
     /// Names an equation.
-    #[inline(never)]
     pub(crate) fn equation_at(&self, component: usize, row: usize) -> Box<EquationAt> {
         let rows = &self.components[component].rows;
         let (group, member, equation) = rows.find(&self.groups, row);
@@ -202,13 +203,7 @@ pub(crate) fn gradient<const D: usize>(
 }
 
 /// How much of ∇g the multiplier of an equation acts along: 1 if on all coordinates.
-#[inline(never)]
-pub(super) fn acting_share<const D: usize>(
-    shape: &Shape<D>,
-    c: usize,
-    row: usize,
-    blocks: &[[f64; D]],
-) -> f64 {
+fn acting_share<const D: usize>(shape: &Shape<D>, c: usize, row: usize, blocks: &[[f64; D]]) -> f64 {
     let rows = &shape.components[c].rows;
     let mut acting = blocks.to_vec();
     shape.mask(c, &mut acting);

@@ -60,7 +60,6 @@ fn gather<X: Copy, const N: usize>(bodies: &[usize; N], of_all: &[X]) -> [X; N] 
 
 impl<Fo: Force<f64, D>, const D: usize> Few<'_, Fo, D> {
     /// Kicks and moves the bodies, and takes the normals over.
-    #[inline(never)]
     pub(super) fn drift(
         &mut self,
         solver: &mut Solver<D>,
@@ -290,7 +289,6 @@ pub(super) struct Momenta<'a, Fo, const D: usize> {
 
 impl<Fo: Force<f64, D>, const D: usize> Momenta<'_, Fo, D> {
     /// Kicks them and makes them tangent; writes the multipliers. Returns the sum of the squares of places and momenta.
-    #[inline(never)]
     pub(super) fn settle(&mut self, dense: &Dense<D>, multipliers: &mut [f64]) -> f64 {
         sized!(dense.sizes(), M, N, self.settle_in::<M, N>(dense, multipliers), 0.0)
     }

@@ -33,8 +33,6 @@ use crate::systems::network::solver::Solver;
 
 /// Residuals that shrink by less ask for a new derivative.
 pub(super) const CONTRACTION: f64 = 0.25;
-/// Corrections that Broyden's method keeps; one that needs more of them is given up.
-pub(crate) const LEARNED: usize = 6;
 /// Corrections after which a solve is given up.
 pub(crate) const MAX_CORRECTIONS: usize = 40;
 /// Halvings of a failed step that are tried, to say which would pass.
@@ -150,7 +148,6 @@ impl<const D: usize> Flight<'_, D> {
     }
 
     /// Solves for x into `room.y` by Newton's method from g̈ = 0.
-    #[inline(never)]
     pub(crate) fn find(
         &self,
         solver: &mut Solver<D>,

@@ -1,7 +1,7 @@
 //! Components that are alike, put into rows and written back.
 //!
 //! After a step in rows these hold the normals of their components, and solvers and blocks do not: who needs them has
-//! them evaluated first ([`Kept::lend_normals`](crate::systems::linked::kept::Kept::lend_normals)). Both hold functions
+//! them evaluated first ([`Tied::lend_normals`](crate::systems::linked::kept::Tied::lend_normals)). Both hold functions
 //! of the positions, to the bit; rows evaluate with fused products. Momenta are always made tangent in rows.
 
 use crate::effect::force::Force;
@@ -55,7 +55,6 @@ pub(super) struct Sides<'a, Fo, const D: usize> {
 
 impl InRows {
     /// Those of a network, none of them filled in.
-    #[inline(never)]
     pub(super) fn new<const D: usize>(shape: &Shape<D>) -> Self {
         let set = Fusing::widest().filter(|_| are_rows(D) && !shape.alike.is_empty());
         let components = shape.components.len();
@@ -143,7 +142,6 @@ impl InRows {
     /// Moves all that can go in rows, and tells how many, and in how many corrections; what is left is to be moved one
     /// by one.
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
-    #[inline(never)]
     pub(super) fn drift<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
         &mut self,
         shape: &Shape<D>,
@@ -215,7 +213,6 @@ impl InRows {
     }
 
     /// Takes over the normals of components that were moved one by one.
-    #[inline(never)]
     pub(super) fn take_back<const D: usize>(
         &mut self,
         shape: &Shape<D>,
@@ -242,7 +239,6 @@ impl InRows {
 
     /// Kicks momenta, and makes them tangent, of all that go in rows; what is left is to be done one by one. Returns
     /// the sum of their squares.
-    #[inline(never)]
     pub(super) fn settle<Fo: Force<f64, D>, W: Witness<f64>, const D: usize>(
         &mut self,
         shape: &Shape<D>,

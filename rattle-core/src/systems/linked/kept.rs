@@ -18,6 +18,9 @@ use std::array::from_fn;
 use std::fmt;
 use std::sync::Arc;
 
+/// Corrections that Broyden's method keeps; one that needs more of them is given up.
+pub(super) const LEARNED: usize = 6;
+
 /// The system of a [network](crate::systems::network) of constraints on bodies, with forces.
 #[derive(Debug, Clone)]
 pub struct Linked<F, N, const D: usize> {
@@ -29,11 +32,22 @@ pub struct Linked<F, N, const D: usize> {
 /// Quantities kept at the positions, and working memory.
 #[derive(Clone)]
 pub struct Kept<F: Forces<f64, D>, const D: usize> {
-    pub(super) force: Vec<F::Force>,
-    /// ∂U/∂t with them, where forces change with time.
+    pub(super) tied: Tied<F::Force, D>,
+    /// ∂U/∂t with the forces, where they change with time.
     pub(super) power: f64,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
+    /// Room for a method with inner stages.
+    pub(super) stages: Option<Box<Stages<F, D>>>,
+    /// Room for power series.
+    pub(super) series: Option<Box<SeriesRoom<D>>>,
+}
+
+/// What steps need, whatever the effects are.
+#[derive(Clone)]
+pub(crate) struct Tied<Fo, const D: usize> {
+    /// At the positions.
+    pub(super) force: Vec<Fo>,
     /// ∂g/∂q in blocks, and ∂g/∂t, at the positions.
     pub(super) blocks: Vec<[f64; D]>,
     pub(super) rates: Vec<f64>,
@@ -46,10 +60,6 @@ pub struct Kept<F: Forces<f64, D>, const D: usize> {
     pub(super) crowd: Crowd,
     pub(super) in_rows: InRows,
     pub(super) room: Room<D>,
-    /// Room for a method with inner stages.
-    pub(super) stages: Option<Box<Stages<F, D>>>,
-    /// Room for power series.
-    pub(super) series: Option<Box<SeriesRoom<D>>>,
 }
 
 /// After steps that did not follow their root: how far it was last asked whether other roots are near, and whether one
@@ -179,8 +189,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     pub(crate) fn furthest(&self, c: usize, h: f64, bodies: &BodiesOf<F, N, D>) -> (f64, f64, usize) {
         let component = &self.shape.components[c];
         let (rows, (_, block)) = (&component.rows, component.first);
-        let blocks = &bodies.kept.blocks[block..block + rows.blocks()];
-        let room = &bodies.kept.room;
+        let blocks = &bodies.kept.tied.blocks[block..block + rows.blocks()];
+        let room = &bodies.kept.tied.room;
         let mut furthest = (0.0, 0.0, 0);
         for row in 0..rows.equations() {
             let (mut square, mut size) = (0.0, 0.0_f64);
@@ -199,18 +209,35 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 
     pub(crate) fn counts(&self, bodies: &BodiesOf<F, N, D>) -> Counts {
-        bodies.kept.counts
+        bodies.kept.tied.counts
     }
 }
 
 impl<F: Forces<f64, D>, const D: usize> fmt::Debug for Kept<F, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Kept");
-        debug.field("force", &self.force).field("blocks", &self.blocks).finish_non_exhaustive()
+        debug.field("force", &self.tied.force).field("blocks", &self.tied.blocks).finish_non_exhaustive()
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
+impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
+    /// For so many bodies; nothing is evaluated yet.
+    #[inline(never)]
+    pub(super) fn new(shape: &Shape<D>, n: usize) -> Self {
+        Self {
+            force: vec![Fo::zero(); n],
+            blocks: vec![[0.0; D]; shape.blocks],
+            rates: vec![0.0; shape.equations],
+            solvers: shape.components.iter().map(|component| component.solver.clone()).collect(),
+            counts: Counts::default(),
+            aims: vec![Aim::unknown(); shape.equations],
+            pace: Pace::unknown(),
+            crowd: Crowd::default(),
+            in_rows: InRows::new(shape),
+            room: Room::new(shape, n),
+        }
+    }
+
     /// Has all solvers and blocks hold the normals of these positions, also of what goes in rows.
     pub(super) fn lend_normals(&mut self, shape: &Shape<D>, time: f64, q: &[[f64; D]]) {
         if self.in_rows.solvers_hold() {
@@ -242,6 +269,7 @@ impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
     }
 
     /// Evaluates gradients at q and takes the normals over. Returns the sine of the least independent one, and its row.
+    #[inline(never)]
     pub(crate) fn normals(&mut self, shape: &Shape<D>, c: usize, time: f64, q: &[[f64; D]]) -> (f64, usize) {
         let component = &shape.components[c];
         let (rows, (row, block)) = (&component.rows, component.first);
@@ -259,6 +287,35 @@ impl<F: Forces<f64, D>, const D: usize> Kept<F, D> {
 }
 
 impl<const D: usize> Room<D> {
+    fn new(shape: &Shape<D>, n: usize) -> Self {
+        let (rows, blocks) = shape.widest;
+        Self {
+            velocity: vec![[0.0; D]; n],
+            drift: vec![[0.0; D]; n],
+            push: vec![[0.0; D]; n],
+            lift: vec![[0.0; D]; n],
+            trial: vec![[0.0; D]; n],
+            blocks: vec![[0.0; D]; blocks],
+            before: vec![[0.0; D]; blocks],
+            rates: vec![0.0; rows],
+            g: vec![0.0; rows],
+            x: vec![0.0; shape.equations],
+            guess: vec![0.0; rows],
+            y: vec![0.0; rows],
+            course: vec![Course::start(); rows],
+            dx: vec![0.0; rows],
+            lengths: vec![0.0; rows],
+            scale: vec![0.0; rows],
+            learned: vec![0.0; LEARNED * rows],
+            off: vec![0.0; rows],
+            tried: [0, 1].map(|_| [vec![0.0; rows], vec![0.0; rows]]),
+            inner: vec![0.0; rows],
+            noise: vec![0.0; rows],
+            wrong: vec![false; rows],
+            suspect: vec![false; rows],
+        }
+    }
+
     /// Notes how a body sets out: its velocity, and its way without the constraints.
     #[inline(always)]
     pub(super) fn set_out(

@@ -17,6 +17,7 @@ mod series;
 mod settle_abreast;
 mod sheets;
 mod start;
+mod step;
 mod strip;
 mod system;
 
@@ -26,25 +27,16 @@ use crate::motion::witness::Whoever;
 pub use kept::{Counts, Kept, Linked};
 
 /// Functions that are compiled in this crate, see [`crate::instances`]; forces are vectors there.
-pub(crate) fn instances<const D: usize>() -> [*const (); 18] {
+pub(crate) fn instances<const D: usize>() -> [*const (); 9] {
     [
         start::check::<D> as *const (),
         start::project::<D> as *const (),
-        flight::Flight::<D>::find as *const (),
-        flight::Flight::<D>::try_to_solve::<Newton> as *const (),
-        few::Few::<[f64; D], D>::drift as *const (),
-        few::Momenta::<[f64; D], D>::settle as *const (),
-        in_rows::InRows::new::<D> as *const (),
-        in_rows::InRows::drift::<[f64; D], (), D> as *const (),
-        in_rows::InRows::drift::<[f64; D], Whoever<f64>, D> as *const (),
-        in_rows::InRows::settle::<[f64; D], (), D> as *const (),
-        in_rows::InRows::settle::<[f64; D], Whoever<f64>, D> as *const (),
-        in_rows::InRows::take_back::<D> as *const (),
-        strip::set_out::<[f64; D], D> as *const (),
-        strip::advance::<[f64; D], D> as *const (),
-        strip::Strip::<[f64; D], D>::settle as *const (),
-        diagnosis::acting_share::<D> as *const (),
-        crate::systems::network::shape::Shape::<D>::equation_at as *const (),
-        kept::Room::<D>::clone as *const (),
+        kept::Tied::<[f64; D], D>::new as *const (),
+        kept::Tied::<[f64; D], D>::drift::<Newton, ()> as *const (),
+        kept::Tied::<[f64; D], D>::drift::<Newton, Whoever<f64>> as *const (),
+        kept::Tied::<[f64; D], D>::settle::<()> as *const (),
+        kept::Tied::<[f64; D], D>::settle::<Whoever<f64>> as *const (),
+        kept::Tied::<[f64; D], D>::normals as *const (),
+        kept::Tied::<[f64; D], D>::clone as *const (),
     ]
 }

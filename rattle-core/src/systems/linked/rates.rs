@@ -11,6 +11,7 @@ use crate::motion::witness::Witness;
 use crate::number::vector::{largest, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
+use crate::systems::linked::kept::Tied;
 use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> for Linked<F, N, D> {
@@ -21,8 +22,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
         witness: &mut W,
     ) -> f64 {
         let shape = &*self.shape;
-        bodies.kept.lend_normals(shape, bodies.time, bodies.q.as_ref());
-        let Kept { force, power: driven, blocks, rates: moving, solvers, room, .. } = &mut bodies.kept;
+        bodies.kept.tied.lend_normals(shape, bodies.time, bodies.q.as_ref());
+        let Kept { tied, power: driven, .. } = &mut bodies.kept;
+        let Tied { force, blocks, rates: moving, solvers, room, .. } = tied;
         for (body, root) in shape.roots.iter().enumerate() {
             rates[body] = force[body].components();
             room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
@@ -53,24 +55,24 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
 
     fn project(&self, h: f64, bodies: &mut BodiesOf<F, N, D>) -> Result<(), Failure> {
         let shape = &*self.shape;
-        bodies.kept.leave_rows(shape, bodies.time, bodies.q.as_ref());
+        bodies.kept.tied.leave_rows(shape, bodies.time, bodies.q.as_ref());
         for (body, root) in shape.roots.iter().enumerate() {
-            bodies.kept.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
+            bodies.kept.tied.room.velocity[body] = root.velocity(&bodies.p.as_ref()[body]);
         }
         for (c, component) in shape.components.iter().enumerate() {
             let rows = &component.rows;
-            let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.room.velocity[body]));
+            let moves = rows.bodies.iter().map(|&body| largest(&bodies.kept.tied.room.velocity[body]));
             let path = h.abs() * moves.fold(0.0, f64::max);
             let long = NOISE * (rows.equations() as f64).sqrt(); // roundings of a chain add up along it
             let mut nearing = Nearing::leaving(0.25); // from afar Newton's method goes half of the way each time
             loop {
                 let (q, time) = (bodies.q.as_ref(), bodies.time);
-                let (sine, row) = bodies.kept.normals(shape, c, time, q);
+                let found = bodies.kept.tied.normals(shape, c, time, q);
                 // In roundings of the places alone: a velocity that has run away must not make up for the distance.
                 let (distance, roundings, worst) = self.furthest(c, 0.0, bodies);
                 let (arrived, lost) = nearing.look(distance, roundings <= 1.0, roundings <= long);
                 if arrived {
-                    self.check_rank(c, bodies, sine, row)?;
+                    bodies.kept.tied.check_rank(shape, c, bodies.q.as_ref(), found)?;
                     break;
                 }
                 if lost {
@@ -83,7 +85,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
                     });
                 }
                 let (m, (_, block)) = (rows.equations(), component.first);
-                let Kept { blocks, solvers, room, .. } = &mut bodies.kept;
+                let Tied { blocks, solvers, room, .. } = &mut bodies.kept.tied;
                 let blocks = &blocks[block..block + rows.blocks()];
                 room.g[..m].iter_mut().for_each(|g| *g = -*g);
                 solvers[c].respond(rows, blocks, &shape.roots, &mut room.g[..m], &mut room.x[..m]);

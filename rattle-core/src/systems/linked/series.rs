@@ -15,6 +15,7 @@ use crate::kernel::series::{AnyOrder, Products, blocks};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
 use crate::number::vector::{scaled, sum};
+use crate::systems::linked::kept::Tied;
 use crate::systems::linked::kept::{BodiesOf, Kept, Linked, along};
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::network::shape::Shape;
@@ -60,8 +61,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         witness: &mut W,
     ) {
         let (shape, n) = (&*self.shape, self.count.number());
-        bodies.kept.lend_normals(shape, bodies.time, bodies.q.as_ref());
-        let Kept { series: expansion, solvers, blocks, rates, room, .. } = &mut bodies.kept;
+        bodies.kept.tied.lend_normals(shape, bodies.time, bodies.q.as_ref());
+        let Kept { series: expansion, tied, .. } = &mut bodies.kept;
+        let Tied { solvers, blocks, rates, room, .. } = tied;
         let expansion = expansion.get_or_insert_with(|| self.room_for_series(series.len() / n));
         let SeriesRoom { products, normals, acting, rates: moves, force, pull, push, velocity, lambda, work } =
             &mut **expansion;

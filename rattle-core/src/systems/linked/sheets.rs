@@ -19,7 +19,7 @@ use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY as SHARES_EVERY, RISES, shares};
-use crate::systems::linked::kept::{BodiesOf, Kept, Linked, Room};
+use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
 
 /// After so many steps it is asked again whether other roots are near.
@@ -54,11 +54,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now: &mut BodiesOf<F, N, D>,
     ) -> Result<(), Failure> {
         let roots = &self.shape.roots;
-        now.kept.lend_normals(&self.shape, now.time, now.q.as_ref());
-        now.kept.room.lift.fill([0.0; D]);
+        now.kept.tied.lend_normals(&self.shape, now.time, now.q.as_ref());
+        now.kept.tied.room.lift.fill([0.0; D]);
         self.take_ends(h, before, now);
         self.ask(steps, before, now);
-        if now.kept.crowd.near {
+        if now.kept.tied.crowd.near {
             return self.go_there(h, before, now);
         }
         if !self.is_off_inside(h, false, before, now) {
@@ -70,7 +70,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             for (body, root) in roots.iter().enumerate() {
                 let (a, [q, r]) =
                     (root.velocity(&forces[body]), [&before.q, &now.q].map(|q| q.as_ref()[body]));
-                let Room { drift: v, velocity: w, lift, .. } = &mut now.kept.room;
+                let Room { drift: v, velocity: w, lift, .. } = &mut now.kept.tied.room;
                 let of_cubic = |i: usize| 6.0 * (q[i] - r[i]) + h * (2.0 * v[body][i] + 4.0 * w[body][i]);
                 lift[body] = from_fn(|i| 0.5 * (h * h * a[i] - of_cubic(i)));
             }
@@ -81,7 +81,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Velocities at the two ends of a step in `drift` and `velocity`, and in `push` how far astray it may have led
     /// each body.
     fn take_ends(&self, h: f64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
-        let Kept { room, .. } = &mut now.kept;
+        let room = &mut now.kept.tied.room;
         for (body, root) in self.shape.roots.iter().enumerate() {
             let [v, w] = [&before.p, &now.p].map(|p| root.velocity(&p.as_ref()[body]));
             (room.drift[body], room.velocity[body]) = (v, w);
@@ -93,19 +93,19 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Now and then, and after a step that may have led farther astray than was asked for, asks whether other roots are
     /// near.
     fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
-        let astray = most(now.kept.room.push.iter().map(largest));
-        let asked = now.kept.crowd.asked;
+        let astray = most(now.kept.tied.room.push.iter().map(largest));
+        let asked = now.kept.tied.crowd.asked;
         if !steps.is_multiple_of(EVERY) && astray <= asked {
             return;
         }
         // At as many places as at first for a root that was passed over, and to be clear of one that was near.
-        let steps = if astray <= asked && !now.kept.crowd.near { steps } else { 0 };
+        let steps = if astray <= asked && !now.kept.tied.crowd.near { steps } else { 0 };
         let ways = now.q.as_ref().iter().zip(before.q.as_ref());
         let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));
         let radius = path * (path / (12.0 * astray)).sqrt(); // as on a circle; none where nothing is led astray
         let reach = (FARTHER * astray).max(0.5 * asked);
-        now.kept.crowd.asked = reach;
-        now.kept.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
+        now.kept.tied.crowd.asked = reach;
+        now.kept.tied.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
     }
 
     /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what
@@ -115,7 +115,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     fn others_are_near(&self, steps: u64, reach: f64, now: &mut BodiesOf<F, N, D>) -> bool {
         let shape = &*self.shape;
         let (q, time) = (now.q.as_ref(), now.time);
-        let Kept { room, blocks, .. } = &mut now.kept;
+        let Tied { room, blocks, .. } = &mut now.kept.tied;
         shares(steps * (SHARES_EVERY / EVERY)).any(|share| {
             shape.components.iter().enumerate().any(|(c, component)| {
                 let (rows, (_, first)) = (&component.rows, component.first);
@@ -152,7 +152,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     ) -> bool {
         let shape = &*self.shape;
         let (from, to, time) = (before.q.as_ref(), now.q.as_ref(), [before.time, now.time]);
-        let Kept { room, blocks, .. } = &mut now.kept;
+        let Tied { room, blocks, .. } = &mut now.kept.tied;
         INSIDE.iter().any(|&s| {
             for body in 0..to.len() {
                 room.trial[body] = between(h, s, [&from[body], &to[body]], room, body);
@@ -221,8 +221,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             last = s;
             for (body, root) in self.shape.roots.iter().enumerate() {
                 let ends = [&before.q, &now.q].map(|q| &q.as_ref()[body]);
-                let way =
-                    add_scaled(&between(h, s, ends, &now.kept.room, body), -1.0, &ahead.q.as_ref()[body]);
+                let way = add_scaled(
+                    &between(h, s, ends, &now.kept.tied.room, body),
+                    -1.0,
+                    &ahead.q.as_ref()[body],
+                );
                 let velocity = way.map(|x| x / part);
                 let axis = |i: usize| from_fn(|j| f64::from(u8::from(i == j)));
                 ahead.p.as_mut()[body] = from_fn(|i| root.product(&axis(i), &velocity));

@@ -9,7 +9,6 @@ use std::array::from_fn;
 use std::ops::Range;
 
 /// Notes how bodies set out: their velocities, and their ways without the constraints.
-#[inline(never)]
 pub(super) fn set_out<Fo: Force<f64, D>, const D: usize>(
     bodies: Range<usize>,
     [h, kick]: [f64; 2],
@@ -33,7 +32,6 @@ pub(super) fn set_out<Fo: Force<f64, D>, const D: usize>(
 }
 
 /// Moves and kicks the bodies of a line, with multipliers x; `impulses` is room for as many numbers.
-#[inline(never)]
 pub(super) fn advance<Fo: Force<f64, D>, const D: usize>(
     line: &Line,
     elimination: &Elimination<D>,
@@ -76,7 +74,6 @@ pub(super) struct Strip<'a, Fo, const D: usize> {
 impl<Fo: Force<f64, D>, const D: usize> Strip<'_, Fo, D> {
     /// Kicks the momenta and makes them tangent; writes the multipliers. Returns the sum of the squares of places and
     /// momenta. `needed` and `x` are room for a number of each row.
-    #[inline(never)]
     pub(super) fn settle(
         &mut self,
         elimination: &mut Elimination<D>,

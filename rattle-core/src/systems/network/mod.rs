@@ -34,11 +34,6 @@ pub use solver::Report;
 pub use tie::Tie;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<const D: usize>() -> [*const (); 4] {
-    [
-        Network::<D>::shape as *const (),
-        solver::Solver::<D>::normals as *const (),
-        solver::Solver::<D>::respond as *const (),
-        solver::Solver::<D>::push as *const (),
-    ]
+pub(crate) fn instances<const D: usize>() -> [*const (); 2] {
+    [Network::<D>::shape as *const (), solver::Solver::<D>::respond as *const ()]
 }

@@ -134,7 +134,6 @@ impl<const D: usize> Solver<D> {
     }
 
     /// Takes the normals over. Returns the sine of the angle of the least independent one to others, and its row.
-    #[inline(never)]
     pub(crate) fn normals(&mut self, rows: &Rows, blocks: &[[f64; D]], roots: &[Root<D>]) -> (f64, usize) {
         match self {
             Self::Orthogonal(basis) => basis.normals(rows, blocks, roots),
@@ -303,7 +302,6 @@ impl<const D: usize> Solver<D> {
         }
     }
 
-    #[inline(never)]
     pub(crate) fn push(&self, rows: &Rows, roots: &[Root<D>], scale: f64, x: &[f64], out: &mut [[f64; D]]) {
         match self.by() {
             By::Basis(basis) => basis.push(rows, roots, scale, x, out),
