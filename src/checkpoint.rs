@@ -54,15 +54,26 @@
 //! ```
 //!
 //! Numbers are little-endian. Files of version 1 stay readable.
+//!
+//! All that writes and reads files is in the feature `checkpoint`. Without it there are the [`Record`]s that
+//! [`Simulation::checkpoint`](crate::Simulation::checkpoint) makes, for programs that keep them in a form of their own.
 
+#[cfg(feature = "checkpoint")]
 mod error;
+#[cfg(feature = "checkpoint")]
 mod file;
+#[cfg(feature = "checkpoint")]
 mod save;
+#[cfg(feature = "checkpoint")]
 mod saving;
 
+#[cfg(feature = "checkpoint")]
 pub use error::CheckpointError;
+#[cfg(feature = "checkpoint")]
 pub use file::{decode, encode, read, write};
-pub use rattle_core::motion::record::{Data, Field, Record};
+pub use rattle_core::motion::record::{Data, Field, Reading, Record};
 pub use rattle_core::run::checkpoint::Checkpoint;
+#[cfg(feature = "checkpoint")]
 pub use save::Save;
+#[cfg(feature = "checkpoint")]
 pub use saving::{Ended, Saving};

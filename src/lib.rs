@@ -56,7 +56,6 @@ macro_rules! debug_as_display {
     )*};
 }
 
-#[cfg(feature = "checkpoint")]
 pub mod checkpoint;
 pub mod conventions;
 #[cfg(feature = "data")]

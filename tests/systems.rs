@@ -94,7 +94,7 @@ fn row<S: Method>(method: &S) -> [(&'static str, Option<Vec<&'static str>>); 7] 
 }
 
 #[test]
-fn the_table_of_the_front_page() {
+fn the_table_of_methods_and_systems() {
     let h = 0.01;
     let rows = [
         ("`Rattle`, and compositions of it", row(&Rattle::new(h))),

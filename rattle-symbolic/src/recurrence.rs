@@ -6,8 +6,8 @@
 //! ```
 //!
 //! What is linear is written as it is. Every other operation has products of its own, numbered in the order of the
-//! lines, with factors whose lower coefficients are kept at run time (`rattle_core::series`). Numbers that stay enter
-//! the coefficient 0 alone.
+//! lines, with factors whose lower coefficients are kept at run time (`rattle_core::kernel::series`). Numbers that stay
+//! enter the coefficient 0 alone.
 
 use crate::emit::{Emitter, Spelling, temporary};
 use crate::functions::{Binary, Function};
@@ -17,7 +17,7 @@ use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::quote;
 use std::collections::BTreeSet;
 
-/// Products in a block, as in `rattle_core::series`.
+/// Products in a block, as in `rattle_core::kernel::series`.
 const WIDTH: usize = 8;
 
 /// The series of a function, line by line.

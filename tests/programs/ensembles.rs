@@ -18,6 +18,8 @@ mod lanes_rigid;
 mod lanes_splittings;
 #[path = "../observers.rs"]
 mod observers;
+#[path = "../sweeps.rs"]
+mod sweeps;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
 #[path = "../watching.rs"]

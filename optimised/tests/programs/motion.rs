@@ -4,6 +4,8 @@
 mod common;
 #[path = "../events.rs"]
 mod events;
+#[path = "../every_method.rs"]
+mod every_method;
 #[path = "../fekete.rs"]
 mod fekete;
 #[path = "../long_runs.rs"]

@@ -11,7 +11,7 @@ use crate::motion::state::{Remembered, State};
 use crate::motion::stir::step;
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
-use crate::number::clock::later;
+use crate::number::clock::{later, steps_to};
 use crate::number::vector::add_scaled;
 use crate::run::course::check;
 use crate::run::events::{Events, Stretch};
@@ -249,12 +249,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             return Err(Error::EndTime(time));
         }
         let h = self.method.step_size();
-        let near = 1e-6_f64.max(4.0 * f64::EPSILON * (time / h).abs());
-        let left = |now: &Self| (time - now.time()) / h - near;
         if self.method.time_taken(self.memory.as_ref()).is_none() {
-            return self.run(left(self).ceil() as u64);
+            return self.run(steps_to(time, self.time(), h) as u64);
         }
-        while left(self) > 0.0 {
+        while steps_to(time, self.time(), h) > 0.0 {
             self.step()?;
         }
         Ok(())

@@ -50,6 +50,18 @@ pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 177
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
 pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
 
+/// What a guess for a whole step is off by there, as a part of what it is off by at the end, is between these powers of
+/// the share.
+pub(crate) const GROWTH: [u32; 2] = [3, 4];
+
+/// The same for a part of a step. What is not smooth at one place grows late; that it grows at all is asked at one
+/// share, or halving would never end.
+pub(crate) const INSIDE_PARTS: [(f64, [u32; 2]); 2] = [(INSIDE[0], [1, 4]), (INSIDE[1], [1, 64])];
+
+/// Where a root is followed, what is off by less than this part of what the guess for the whole step was off by is off
+/// by nothing.
+pub(crate) const LITTLE_OFF: f64 = 1.0 / 64.0;
+
 /// Of a method that has no guess: on a curve through the two ends of a step g is, as a length, less than this part of
 /// what the step may have led astray. Between two sheets, side by side, it is a tenth.
 pub(crate) const OFF_INSIDE: f64 = 1.0 / 64.0;

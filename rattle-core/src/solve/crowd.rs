@@ -16,6 +16,14 @@ use crate::number::vector::{add_scaled, dot};
 /// After so many steps it is asked again.
 pub(crate) const EVERY: u64 = 64;
 
+/// After so many in a simulation: one step that has to be gone on from is asked about more often than a stretch that
+/// can be gone through again.
+pub(crate) const EVERY_ALONE: u64 = 16;
+
+/// Who goes to a place is there within so many roundings of the size of places, or of the way: the rounding of g may be
+/// some thousand of that of places.
+pub(crate) const THERE: f64 = 65536.0;
+
 /// At so many places it is asked at first, and again.
 const AT_FIRST: u64 = 48;
 const AGAIN: u64 = 6;
@@ -42,7 +50,7 @@ pub(crate) const ROOT_3: f64 = 1.732_050_807_568_877_2;
 pub(crate) const FARTHER: f64 = 4.0;
 
 /// … and no farther than this part of the radius in which a path is bent, where any surface turns.
-const OF_RADIUS: f64 = 0.1;
+pub(crate) const OF_RADIUS: f64 = 0.1;
 
 /// How far it is asked after a step that may have led so far astray, where it was asked so far before.
 #[inline(always)]

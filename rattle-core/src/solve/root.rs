@@ -79,6 +79,15 @@ pub(crate) struct Part<T: Real> {
     pub(crate) going: T::Mask,
 }
 
+impl<T: Real> Part<T> {
+    /// The first share of it.
+    #[inline(always)]
+    pub(crate) fn until(&self, share: f64) -> Self {
+        let length = T::from_f64(share) * self.length;
+        Self { end: self.end - self.length + length, length, ..*self }
+    }
+}
+
 /// Follows a root from h = 0 to the end of the step. `attempt` solves for one part, remembers what it finds where it
 /// trusts that and the part is `going`, and says where it does. True where the end is reached.
 ///

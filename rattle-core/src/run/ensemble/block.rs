@@ -41,7 +41,7 @@ pub(crate) const SHORT: f64 = 1e-15;
 /// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0; `EQUAL` says that a
 /// step
 /// is one stage.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     pub(super) q: Vectors<S, L, D>,
@@ -66,7 +66,7 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, co
 }
 
 /// Numbers of one step, which need no keeping.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     /// q + h p.

@@ -194,7 +194,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
     fn run(self) -> Self::Done {
         let Self { lanes: CollocationLanes { row, laws, table, tableau, h, .. }, tour } = self;
         let (laws, tableau) = (laws.clone(), tableau.clone()); // out of reach of what the loops write
-        let mut desk = Desk { row: *row, scratch: Scratch::new() };
+        let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
         let Desk { row, scratch } = &mut desk;
         while let Some(Leg { from, steps, written }) = tour.next() {
             for now in from..from + steps {

@@ -8,7 +8,7 @@ use crate::run::bill::Bill;
 use crate::run::ensemble::look::{Onlooker, Watched};
 
 /// Some trajectories of an ensemble.
-pub trait Group<const D: usize>: Watched<D> + Send + Sync {
+pub(crate) trait Group<const D: usize>: Watched<D> + Send + Sync {
     /// Takes `steps` steps, and shows the group to `onlooker` at each multiple of its interval. A trajectory that fails
     /// stays at the state before the failed step.
     fn run(&mut self, steps: u64, set: InstructionSet, onlooker: Option<&mut Onlooker<'_, D>>);

@@ -6,7 +6,7 @@ use crate::run::watch::sight::Source;
 
 /// Trajectories that can be shown.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
-pub trait Watched<const D: usize>: Source<D> {
+pub(crate) trait Watched<const D: usize>: Source<D> {
     /// The number of trajectories.
     fn len(&self) -> usize;
     /// The number of bodies of each trajectory.
@@ -18,7 +18,7 @@ pub trait Watched<const D: usize>: Source<D> {
 }
 
 /// An observer of a group, and the steps at which it is shown the group.
-pub struct Onlooker<'a, const D: usize> {
+pub(crate) struct Onlooker<'a, const D: usize> {
     /// The number of steps, counted from the start of the ensemble, after which the group is shown next. Where a
     /// stretch of steps is repeated because a lane failed in it, this number keeps the observer from being shown
     /// anything twice.

@@ -51,7 +51,7 @@ mod block;
 mod collocation_lanes;
 mod crossing;
 mod engine;
-pub mod group;
+mod group;
 mod grouping;
 mod inside;
 mod lane_record;
@@ -62,7 +62,7 @@ mod linked_lanes;
 mod linked_look;
 mod linked_pulls;
 mod linked_row;
-pub mod look;
+mod look;
 mod loops;
 mod plan;
 pub mod precision;
@@ -76,6 +76,7 @@ mod stages;
 mod stirring;
 pub mod stream;
 pub mod trajectories;
+mod watching;
 
 use crate::number::lanes::Fused;
 use crate::number::vectors::LANES;
@@ -88,7 +89,7 @@ pub use stream::Snapshot;
 pub use trajectories::Ensemble;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<const D: usize>() -> [*const (); 26] {
+pub(crate) fn instances<const D: usize>() -> [*const (); 27] {
     [
         side_by_side::side_by_side::<D> as *const (),
         splitting_lanes::in_lanes::<Fused<f64>, D> as *const (),
@@ -113,6 +114,7 @@ pub(crate) fn instances<const D: usize>() -> [*const (); 26] {
         trajectories::beyond::<D> as *const (),
         Ensemble::<D>::push as *const (),
         Ensemble::<D>::run as *const (),
+        Ensemble::<D>::run_until as *const (),
         Ensemble::<D>::run_watched as *const (),
         Ensemble::<D>::state as *const (),
         Ensemble::<D>::bill as *const (),

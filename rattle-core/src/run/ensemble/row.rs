@@ -65,7 +65,7 @@ impl<S: Lane, const N: usize> Tableau<S, N> {
 }
 
 /// Trajectories side by side. `SUMS` is 1 if positions and momenta are compensated sums, else 0.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, const N: usize> {
     pub(super) q: Vectors<S, L, D>,
@@ -84,7 +84,7 @@ pub(crate) struct Row<S, const L: usize, const D: usize, const SUMS: usize, cons
 }
 
 /// Numbers of one step, which need no keeping.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 #[repr(C, align(64))]
 pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// Stages, how far they are from where they should be, and ∇g there. The first stage is the start.
@@ -109,7 +109,7 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
 
 /// Where a step ends: place and momentum with what rounding took from them, ∇g, w and λ there (until then λ at the
 /// start), and how far the step may have led astray.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct End<S, const L: usize, const D: usize> {
     pub(super) q: Vectors<S, L, D>,
     pub(super) q_low: Vectors<S, L, D>,

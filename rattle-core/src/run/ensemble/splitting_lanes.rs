@@ -241,7 +241,7 @@ where
         let laws = laws.clone(); // out of reach of what the loops write
         let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
         let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
-        let mut desk = Desk { block: *block, scratch: Scratch::new() };
+        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
         while let Some(Leg { from, steps, written }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {

@@ -1,13 +1,14 @@
 //! Many independent trajectories, run and observed together.
 
+use crate::number::clock::steps_to;
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::ensemble::grouping::{
     Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
-use crate::run::ensemble::look::Watched;
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
+use crate::run::ensemble::watching::{AnyObserver, Watching};
 
 use crate::effect::list::{Effects, Forces};
 use crate::error::{Error, RecordMistake, StartFailure};
@@ -19,7 +20,6 @@ use crate::motion::state::State;
 use crate::run::bill::Bill;
 use crate::run::ensemble::alone::Alone;
 use crate::run::ensemble::group::Group;
-use crate::run::ensemble::look::Onlooker;
 use crate::run::watch::observer::Observer;
 use crate::run::watch::seen::Seen;
 use crate::scene::Scene;
@@ -263,6 +263,45 @@ impl<const D: usize> Ensemble<D> {
         self.steps = self.steps.saturating_add(steps);
     }
 
+    /// Takes as many steps as lead every trajectory that has not failed to `time`, or less than one step beyond it.
+    ///
+    /// All take the same number of steps: where starts have different times, the trajectory that is farthest away says
+    /// how many, as [`Simulation::run_until`](crate::run::simulation::Simulation::run_until) would. Where a method
+    /// chooses the lengths of its steps, some may end farther beyond.
+    ///
+    /// ```
+    /// # use rattle::{Scene, State, Rattle};
+    /// let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.1))?;
+    /// ensemble.run_until(0.3)?;
+    /// assert_eq!(ensemble.steps(), 3);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::EndTime`] for a time that is not finite. Trajectories that fail are told by
+    /// [`failures`](Self::failures).
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a whole number, which is above 0"
+    )]
+    #[doc(alias = "end time")]
+    #[inline(never)]
+    pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
+        if !time.is_finite() {
+            return Err(Error::EndTime(time));
+        }
+        loop {
+            let going = (0..self.len).filter(|&number| self.failure(number).is_none());
+            let left = going.map(|number| steps_to(time, self.time(number), self.h)).fold(0.0, f64::max);
+            if left <= 0.0 {
+                return Ok(());
+            }
+            self.run(left as u64);
+        }
+    }
+
     /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps.
     ///
     /// `new` makes an observer for each group of trajectories that are computed together; these observers are joined in
@@ -494,57 +533,6 @@ impl<const D: usize> Ensemble<D> {
 /// After so many steps it is asked whether observers can go on: seldom, since all threads wait for the last, and where
 /// groups in lanes stop anyway.
 const UNWATCHED: u64 = 8 * STRETCH;
-
-/// An observer of any type, as an object: what runs a group and shows it is compiled once for all observers.
-pub(super) trait AnyObserver<const D: usize> {
-    /// Sees those of a group that move, the first of which has this number.
-    fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>);
-    /// As [`Observer::failure`].
-    fn failure(&self) -> Option<Error>;
-}
-
-impl<O: Observer<D>, const D: usize> AnyObserver<D> for O {
-    fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>) {
-        let sights = before.sights(group, first).zip(now.sights(group, first));
-        for ((before, now), &moves) in sights.zip(group.moving()) {
-            if moves {
-                self.see(&before, &now);
-            }
-        }
-    }
-
-    fn failure(&self) -> Option<Error> {
-        Observer::failure(self)
-    }
-}
-
-/// An observer of a group, what it saw, and after how many steps it is shown the group again.
-struct Watching<'a, const D: usize> {
-    observer: &'a mut (dyn AnyObserver<D> + Send),
-    before: Seen<D>,
-    now: Seen<D>,
-    next: u64,
-}
-
-impl<const D: usize> Watching<'_, D> {
-    fn run(
-        &mut self,
-        group: &mut Box<dyn Group<D>>,
-        first: usize,
-        steps: u64,
-        every: u64,
-        set: InstructionSet,
-    ) {
-        let Self { observer, before, now, next } = self;
-        let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
-            observer.see_group(group, first, before, now);
-            std::mem::swap(before, now);
-        };
-        let mut onlooker = Onlooker { next: *next, every, now, show: &mut show };
-        group.run(steps, set, Some(&mut onlooker));
-        *next = onlooker.next;
-    }
-}
 
 /// Whether these effects can act in lanes: forces, and where the method applies flows inside its steps of size `h`, a
 /// single Ornstein–Uhlenbeck process on bodies on surfaces.

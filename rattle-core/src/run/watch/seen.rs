@@ -16,7 +16,7 @@ pub(crate) struct Seen<const D: usize> {
 
 /// Where times, and positions and momenta of all bodies, of some trajectories in turn, are written.
 #[derive(Debug)]
-pub struct Page<'a, const D: usize> {
+pub(crate) struct Page<'a, const D: usize> {
     pub(crate) times: &'a mut [f64],
     pub(crate) positions: &'a mut [SVector<f64, D>],
     pub(crate) momenta: &'a mut [SVector<f64, D>],

@@ -7,16 +7,15 @@
 //! failed there.
 
 use crate::number::vector::{dot, largest};
-use crate::solve::aim::{INSIDE, LITTLE, NOISY, ROUNDINGS, SHIFTS, SMOOTH, grows_to};
+use crate::solve::aim::{
+    GROWTH, INSIDE, INSIDE_PARTS, LITTLE, LITTLE_OFF, NOISY, ROUNDINGS, SHIFTS, SMOOTH, grows_to,
+};
 use crate::solve::root::{Part, SHORT_PATH, straight};
 use crate::systems::linked::flight::{Flight, Landing};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::network::solver::Solver;
 use std::array::from_fn;
 use std::mem::swap;
-
-/// What is off by less than this part of what the guess for the whole step was off by is off by nothing.
-const LITTLE_OFF: f64 = 1.0 / 64.0;
 
 impl<const D: usize> Flight<'_, D> {
     /// Whether a landing that nothing speaks against at the two ends of the step is the right one: where guesses were
@@ -93,7 +92,7 @@ impl<const D: usize> Flight<'_, D> {
             room.inner[..m].iter_mut().zip(&room.guess).for_each(|(inner, guess)| *inner = s * s * guess);
             self.look(solver, s, room, counts);
             for row in 0..m {
-                room.wrong[row] |= !room.grows(row, s, [3, 4]);
+                room.wrong[row] |= !room.grows(row, s, GROWTH);
             }
         }
         for row in 0..m {
@@ -119,11 +118,8 @@ impl<const D: usize> Flight<'_, D> {
         if (0..m).any(|row| room.suspect[row] && room.wrong[row]) {
             return false;
         }
-        // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving would
-        // never end.
-        INSIDE.into_iter().zip([[1, 4], [1, 64]]).all(|(share, powers)| {
-            let length = share * part.length;
-            let inner = Part { end: part.end - part.length + length, length, ..*part };
+        INSIDE_PARTS.into_iter().all(|(share, powers)| {
+            let inner = part.until(share);
             room.go_ahead(&inner, m);
             self.look(solver, inner.end, room, counts);
             (0..m).all(|row| !room.suspect[row] || room.grows(row, share, powers))

@@ -12,19 +12,17 @@ use crate::solve::root::FAR_GUESS;
 use crate::solve::stop::{SPARE, Shrinking};
 use crate::systems::linked::flight::{CONTRACTION, Flight, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
+use crate::systems::linked::moving::Moving;
 use crate::systems::network::dense::{Column, Dense, MOST, combined, invert, products, sized, times};
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::{CLEARLY, Solver};
 
 /// One component on its way, and the numbers that its step changes.
-pub(super) struct Few<'a, Fo, const D: usize> {
+pub(super) struct Few<'a, 'b, Fo, const D: usize> {
     pub(super) shape: &'a Shape<D>,
     pub(super) component: usize,
-    pub(super) q: &'a mut [[f64; D]],
-    pub(super) q_low: &'a mut [[f64; D]],
-    pub(super) p: &'a mut [[f64; D]],
-    pub(super) p_low: &'a mut [[f64; D]],
+    pub(super) moving: &'a mut Moving<'b, D>,
     pub(super) force: &'a [Fo],
     /// ∂g/∂q of the component at the positions, in blocks.
     pub(super) blocks: &'a mut [[f64; D]],
@@ -58,7 +56,7 @@ fn gather<X: Copy, const N: usize>(bodies: &[usize; N], of_all: &[X]) -> [X; N] 
     bodies.map(|body| of_all[body])
 }
 
-impl<Fo: Force<f64, D>, const D: usize> Few<'_, Fo, D> {
+impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
     /// Kicks and moves the bodies, and takes the normals over.
     pub(super) fn drift(
         &mut self,
@@ -100,11 +98,12 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, Fo, D> {
         for b in 0..N {
             let body = bodies[b];
             let lift = sum(&found.free[b], &combined(&lifted, &x, b));
-            let change = self.force[body].add_to(self.p_low[body], self.kick);
+            let Moving { q, q_low, p, p_low } = &mut *self.moving;
+            let change = self.force[body].add_to(p_low[body], self.kick);
             let change = sum(&change, &dense.pull(&impulses, b));
-            (self.q[body], self.q_low[body]) = two_sum(&self.q[body], &sum(&self.q_low[body], &lift));
-            (self.p[body], self.p_low[body]) = two_sum(&self.p[body], &change);
-            dense.places[b] = self.q[body];
+            (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
+            (p[body], p_low[body]) = two_sum(&p[body], &change);
+            dense.places[b] = q[body];
         }
         dense.gradients::<true>(self.time + self.h);
         dense.write_blocks(self.blocks);
@@ -132,9 +131,9 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, Fo, D> {
         dense: &mut Dense<D>,
     ) -> Found<M, N, D> {
         let h = self.h;
-        let (q, q_low) = (gather(bodies, self.q), gather(bodies, self.q_low));
+        let (q, q_low) = (gather(bodies, self.moving.q), gather(bodies, self.moving.q_low));
         let (p, p_low, force) =
-            (gather(bodies, self.p), gather(bodies, self.p_low), gather(bodies, self.force));
+            (gather(bodies, self.moving.p), gather(bodies, self.moving.p_low), gather(bodies, self.force));
         let lifted = dense.lifted::<M, N>();
         let (mut push, mut free, mut sizes) = ([[0.0; D]; N], [[0.0; D]; N], [0.0; N]);
         let mut path = 0.0;
@@ -246,9 +245,10 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, Fo, D> {
         room: &mut Room<D>,
         counts: &mut Counts,
     ) -> Result<(), Failure> {
-        let Self { shape, component, ref q, ref q_low, ref blocks, ref aims, weights, time, h, .. } = *self;
+        let Self { shape, component, ref moving, ref blocks, ref aims, weights, time, h, .. } = *self;
+        let (q, q_low) = (&*moving.q, &*moving.q_low);
         for &body in &shape.components[component].rows.bodies {
-            let (root, p, p_low) = (&shape.roots[body], &self.p[body], &self.p_low[body]);
+            let (root, p, p_low) = (&shape.roots[body], &moving.p[body], &moving.p_low[body]);
             room.set_out(body, [h, self.kick], root, [p, p_low], &self.force[body]);
         }
         let flight = Flight { shape, component, q, q_low, blocks, aims, weights, time, h };

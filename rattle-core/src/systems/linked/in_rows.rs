@@ -10,6 +10,7 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::systems::linked::abreast::{Coordinates, KeptRow, Lanes, Row, are_rows};
+use crate::systems::linked::moving::Moving;
 use crate::systems::network::alike::Alike;
 use crate::systems::network::in_lanes::ROW;
 use crate::systems::network::shape::Shape;
@@ -41,16 +42,6 @@ impl Clone for List {
         list.extend_from_slice(&self.0);
         Self(list)
     }
-}
-
-/// What a step changes of bodies and of what is kept of them.
-pub(super) struct Sides<'a, Fo, const D: usize> {
-    pub(super) q: &'a mut [[f64; D]],
-    pub(super) q_low: &'a mut [[f64; D]],
-    pub(super) p: &'a mut [[f64; D]],
-    pub(super) p_low: &'a mut [[f64; D]],
-    pub(super) force: &'a [Fo],
-    pub(super) blocks: &'a mut [[f64; D]],
 }
 
 impl InRows {
@@ -134,6 +125,12 @@ impl InRows {
         self.forget();
     }
 
+    /// Whether any go in rows.
+    #[inline(always)]
+    pub(super) fn any(&self) -> bool {
+        self.set.is_some()
+    }
+
     /// Components that are still to be moved.
     pub(super) fn left(&self) -> &[usize] {
         &self.left.0
@@ -147,14 +144,15 @@ impl InRows {
         shape: &Shape<D>,
         [h, kick]: [f64; 2],
         weights: [f64; 2],
-        sides: &mut Sides<'_, Fo, D>,
+        moving: &mut Moving<'_, D>,
+        (force, blocks): (&[Fo], &mut [[f64; D]]),
         solvers: &mut [Solver<D>],
         aims: &mut [Aim<f64>],
         witness: &mut W,
     ) -> [u64; 2] {
         let mut counts = [0; 2];
         let Some(set) = self.set else { return counts };
-        self.take(set, shape, solvers, sides.q);
+        self.take(set, shape, solvers, moving.q);
         self.solvers_hold = false;
         let Self { rows, lanes, by_itself, left: List(left), .. } = self;
         let Some(lanes) = lanes else { return counts };
@@ -167,11 +165,11 @@ impl InRows {
                 continue;
             }
             let (m, n) = (alike.sizes.0, alike.sizes.1 / D);
-            put(bodies, n, sides.q, &mut lanes.q);
-            put(bodies, n, sides.q_low, &mut lanes.q_low);
-            put(bodies, n, sides.p, &mut lanes.p);
-            put(bodies, n, sides.p_low, &mut lanes.p_low);
-            put_forces(bodies, n, sides.force, &mut lanes.force);
+            put(bodies, n, moving.q, &mut lanes.q);
+            put(bodies, n, moving.q_low, &mut lanes.q_low);
+            put(bodies, n, moving.p, &mut lanes.p);
+            put(bodies, n, moving.p_low, &mut lanes.p_low);
+            put_forces(bodies, n, force, &mut lanes.force);
             let mut row = Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes };
             row.find(h, kick);
             for (lane, &c) in components.iter().enumerate() {
@@ -192,15 +190,15 @@ impl InRows {
                 }
             }
             row.move_on(h, kick);
-            take_out(bodies, n, &row.lanes.q, sides.q);
-            take_out(bodies, n, &row.lanes.q_low, sides.q_low);
-            take_out(bodies, n, &row.lanes.p, sides.p);
-            take_out(bodies, n, &row.lanes.p_low, sides.p_low);
+            take_out(bodies, n, &row.lanes.q, moving.q);
+            take_out(bodies, n, &row.lanes.q_low, moving.q_low);
+            take_out(bodies, n, &row.lanes.p, moving.p);
+            take_out(bodies, n, &row.lanes.p_low, moving.p_low);
             for (lane, &c) in components.iter().enumerate() {
                 let (plain, clear) = (row.lanes.plain[lane] != 0, row.lanes.clear[lane] != 0);
                 if !(plain & clear) && !by_itself[c] {
-                    write_normals(row.kept, lane, &mut sides.blocks[alike.first[number + lane].1..]);
-                    normals(shape, c, solvers, sides.blocks);
+                    write_normals(row.kept, lane, &mut blocks[alike.first[number + lane].1..]);
+                    normals(shape, c, solvers, blocks);
                     by_itself[c] = plain && solvers[c].dense().is_none();
                 }
                 for i in (0..m).filter(|_| W::LISTENS && plain) {

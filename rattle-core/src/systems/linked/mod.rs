@@ -11,6 +11,7 @@ mod flight;
 mod hold;
 mod in_rows;
 pub(crate) mod kept;
+mod moving;
 mod rates;
 mod room;
 mod series;

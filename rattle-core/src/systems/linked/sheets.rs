@@ -18,18 +18,9 @@ use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY as SHARES_EVERY, RISES, shares};
+use crate::solve::crowd::{EVERY, EVERY_ALONE, OF_RADIUS, RISES, THERE, reach, shares};
 use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
-
-/// After so many steps it is asked again whether other roots are near.
-const EVERY: u64 = 16;
-
-/// It is asked as far as so many times what a step may have led astray, …
-const FARTHER: f64 = 4.0;
-
-/// … and no farther than this part of the radius in which paths are bent: any link turns there.
-const OF_RADIUS: f64 = 0.1;
 
 /// On the quartic g is less than this part of s (s/path)⁴, where s is by how much a body's velocity changes, times h:
 /// three times what it is on a circle. For a body that starts at rest that is more than it may have been led astray.
@@ -40,9 +31,6 @@ const PARTS: [u32; 3] = [2, 16, 128];
 
 /// At the end parts shrink so often by a factor of 8: one ends beside the curve by about the square of the last one.
 const SHRINKS: u32 = 6;
-
-/// One is there within so many roundings of the size of places.
-const THERE: f64 = 65536.0;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Looks inside a step of length h, after so many; and now and then whether other roots are near.
@@ -95,7 +83,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
         let astray = most(now.kept.tied.room.push.iter().map(largest));
         let asked = now.kept.tied.crowd.asked;
-        if !steps.is_multiple_of(EVERY) && astray <= asked {
+        if !steps.is_multiple_of(EVERY_ALONE) && astray <= asked {
             return;
         }
         // At as many places as at first for a root that was passed over, and to be clear of one that was near.
@@ -103,7 +91,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let ways = now.q.as_ref().iter().zip(before.q.as_ref());
         let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));
         let radius = path * (path / (12.0 * astray)).sqrt(); // as on a circle; none where nothing is led astray
-        let reach = (FARTHER * astray).max(0.5 * asked);
+        let reach = reach(astray, asked);
         now.kept.tied.crowd.asked = reach;
         now.kept.tied.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
     }
@@ -116,7 +104,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let shape = &*self.shape;
         let (q, time) = (now.q.as_ref(), now.time);
         let Tied { room, blocks, .. } = &mut now.kept.tied;
-        shares(steps * (SHARES_EVERY / EVERY)).any(|share| {
+        shares(steps * (EVERY / EVERY_ALONE)).any(|share| {
             shape.components.iter().enumerate().any(|(c, component)| {
                 let (rows, (_, first)) = (&component.rows, component.first);
                 let here = &blocks[first..first + rows.blocks()];

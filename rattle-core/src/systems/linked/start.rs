@@ -9,8 +9,9 @@ use crate::number::vector::{add_scaled, dot, largest, sum};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
+use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
-use crate::systems::network::shape::Shape;
+use crate::systems::network::shape::{Component, Shape};
 use crate::systems::network::solver::Solver;
 
 /// Below this sine of the angle of a normal to the others elimination loses digits that a basis keeps: its matrix has
@@ -172,6 +173,26 @@ fn check_row<const D: usize>(
     Ok(())
 }
 
+/// Has a component take its normals over, by the linear algebra that bears them, if it may choose one. Returns the row
+/// of the least independent one; as an error where it cannot bear them, with the sine to the others.
+fn bear<const D: usize>(
+    component: &mut Component<D>,
+    algebra: LinearAlgebra,
+    blocks: &[[f64; D]],
+    roots: &[Root<D>],
+) -> Result<usize, (f64, usize)> {
+    let rows = &component.rows;
+    let (sine, row) = component.solver.first_normals(rows, blocks, roots);
+    if !matches!(component.solver, Solver::Elimination(_)) || sine > NARROW {
+        return Ok(row);
+    }
+    if algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS {
+        component.solver = Solver::orthogonal(rows);
+        return Ok(component.solver.normals(rows, blocks, roots).1);
+    }
+    if sine > LOST { Ok(row) } else { Err((sine, row)) } // nor where it is no number
+}
+
 fn check_normals<const D: usize>(
     shape: &mut Shape<D>,
     c: usize,
@@ -182,17 +203,11 @@ fn check_normals<const D: usize>(
     shape.mask(c, &mut acting);
     let Shape { components, roots, .. } = &mut *shape;
     let component = &mut components[c];
-    let rows = &component.rows;
-    let (sine, mut row) = component.solver.first_normals(rows, &acting, roots);
-    if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-        let may = algebra == LinearAlgebra::Automatic && rows.equations() <= MOST_EQUATIONS;
-        if may {
-            component.solver = Solver::orthogonal(rows);
-            (_, row) = component.solver.normals(rows, &acting, roots);
-        } else if sine <= LOST || sine.is_nan() {
-            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
-        }
-    }
+    let row = match bear(component, algebra, &acting, roots) {
+        Ok(row) => row,
+        Err((sine, row)) => return Err(at(shape, c, row, dependent(shape, c, row, sine))),
+    };
+    let component = &shape.components[c];
     if component.rows.acting && component.solver.rank(&component.rows) < component.rows.equations() {
         let equation = shape.equation_at(c, row);
         return Err(at(shape, c, row, StartFailure::CannotAct { equation }));
@@ -294,17 +309,12 @@ fn place<const D: usize>(
         }
         let Shape { components, roots, .. } = &mut *shape;
         let component = &mut components[c];
-        let rows = &component.rows;
-        let blocks = &start.blocks[..rows.blocks()];
-        let (sine, row) = component.solver.first_normals(rows, blocks, roots);
-        if matches!(component.solver, Solver::Elimination(_)) && (sine <= NARROW || sine.is_nan()) {
-            if algebra == LinearAlgebra::Automatic && m <= MOST_EQUATIONS {
-                component.solver = Solver::orthogonal(rows);
-                component.solver.normals(rows, blocks, roots);
-            } else if sine <= LOST {
-                return Err(at(shape, c, row, dependent(shape, c, row, sine)));
-            }
+        let blocks = &start.blocks[..component.rows.blocks()];
+        if let Err((sine, row)) = bear(component, algebra, blocks, roots) {
+            return Err(at(shape, c, row, dependent(shape, c, row, sine)));
         }
+        let component = &mut components[c];
+        let rows = &component.rows;
         let off: Vec<f64> = start.g[..m].iter().map(|g| -g).collect();
         component.solver.solve(&off, &mut x);
         let lift = &mut start.lift;

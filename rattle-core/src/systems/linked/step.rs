@@ -7,43 +7,42 @@ use crate::motion::witness::Witness;
 use crate::number::vector::{dot, sum, two_sum};
 use crate::systems::linked::few::{Few, Momenta};
 use crate::systems::linked::flight::Flight;
-use crate::systems::linked::in_rows::Sides;
 use crate::systems::linked::kept::{Room, Tied, fall_short};
+use crate::systems::linked::moving::Moving;
 use crate::systems::linked::strip::{self, Strip};
 use crate::systems::network::shape::Shape;
 
 impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
-    /// Kicks and moves the bodies by a step of h: by any iteration from any guess of λ, or if that is empty from g̈ = 0.
-    /// Adds to the time, and to the work of constraints that move.
+    /// Kicks and moves the bodies by a step of h: by any iteration from any guess of λ, or if that is empty from g̈ =
+    /// 0. Adds to the time, and to the work of constraints that move.
     #[inline(never)]
     pub(super) fn drift<X: Iteration, W: Witness<f64>>(
         &mut self,
         shape: &Shape<D>,
         [h, kick]: [f64; 2],
         guess: &[f64],
-        [q, q_low, p, p_low]: [&mut [[f64; D]]; 4],
+        moving: &mut Moving<'_, D>,
         [time, work]: [&mut f64; 2],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let by_default = X::KIND == Kind::Newton && guess.is_empty();
         if !by_default {
-            self.leave_rows(shape, *time, q);
+            self.leave_rows(shape, *time, moving.q);
         }
         let Self { force, blocks, rates, solvers, counts, room, aims, pace, in_rows, .. } = &mut *self;
         let weights = pace.weights(h);
         pace.note(h);
-        shape.pins.iter().for_each(|&(body, _)| room.trial[body] = q[body]);
+        shape.pins.iter().for_each(|&(body, _)| room.trial[body] = moving.q[body]);
         for &body in &shape.loose {
+            let Moving { q, q_low, p, p_low } = &mut *moving;
             room.set_out(body, [h, kick], &shape.roots[body], [&p[body], &p_low[body]], &force[body]);
             let lift = sum(&room.drift[body], &room.push[body]);
             (q[body], q_low[body]) = two_sum(&q[body], &sum(&q_low[body], &lift));
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
         }
-        if by_default {
-            let (q, q_low, p, p_low) = (&mut *q, &mut *q_low, &mut *p, &mut *p_low);
-            let mut sides = Sides { q, q_low, p, p_low, force, blocks };
+        if by_default && in_rows.any() {
             let [solves, corrections] =
-                in_rows.drift(shape, [h, kick], weights, &mut sides, solvers, aims, witness);
+                in_rows.drift(shape, [h, kick], weights, moving, (force, blocks), solvers, aims, witness);
             counts.take_rows(solves, corrections);
         }
         for &c in in_rows.left() {
@@ -54,10 +53,10 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
             let (blocks, rates, aims) = (&mut blocks[all], &mut rates[own.clone()], &mut aims[own.clone()]);
             counts.solves += 1;
             if by_default && solver.dense().is_some() {
-                let (q, q_low, p, p_low, force) = (&mut *q, &mut *q_low, &mut *p, &mut *p_low, &force[..]);
-                Few { shape, component: c, q, q_low, p, p_low, force, blocks, aims, weights, kick, h, time }
+                Few { shape, component: c, moving, force, blocks, aims, weights, kick, h, time }
                     .drift(solver, room, counts)?;
             } else {
+                let Moving { q, q_low, p, p_low } = &mut *moving;
                 if let (Some(line), Some(over)) = (&rows.line, &shape.over_masses) {
                     strip::set_out(line.bodies(m), [h, kick], over, [p, p_low], force, room);
                 } else {
@@ -82,7 +81,7 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
                 }
                 room.x[own.clone()].copy_from_slice(&room.y[..m]);
                 if let (Some(line), Some(elimination)) = (&rows.line, solver.elimination_mut()) {
-                    let bodies = [&mut *q, &mut *q_low, &mut *p, &mut *p_low];
+                    let bodies = [&mut **q, &mut **q_low, &mut **p, &mut **p_low];
                     strip::advance(line, elimination, [h, kick], bodies, force, room, own.clone());
                 } else {
                     let Room { drift, push, x, dx, .. } = &mut *room;
@@ -109,17 +108,17 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
             if by_default && self.solvers[c].dense().is_some() {
                 continue; // its normals are taken over
             }
-            let found = self.normals(shape, c, *time, q);
-            self.check_rank(shape, c, q, found)?;
+            let found = self.normals(shape, c, *time, moving.q);
+            self.check_rank(shape, c, moving.q, found)?;
         }
-        if by_default {
-            self.in_rows.take_back(shape, &mut self.solvers, q);
+        if by_default && self.in_rows.any() {
+            self.in_rows.take_back(shape, &mut self.solvers, moving.q);
         }
         Ok(())
     }
 
-    /// Kicks the bodies at q and makes momenta tangent, after a step of h. Where one is no number then, or none was, its
-    /// body is told.
+    /// Kicks the bodies at q and makes momenta tangent, after a step of h. Where one is no number then, or none was,
+    /// its body is told.
     #[inline(never)]
     pub(super) fn settle<W: Witness<f64>>(
         &mut self,
@@ -139,7 +138,9 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
             (p[body], p_low[body]) = two_sum(&p[body], &force[body].add_to(p_low[body], kick));
             total_size += size(&p[body], &q[body]);
         }
-        total_size += in_rows.settle(shape, [h, kick], [p, p_low], force, (solvers, q), witness);
+        if in_rows.any() {
+            total_size += in_rows.settle(shape, [h, kick], [p, p_low], force, (solvers, q), witness);
+        }
         for &c in in_rows.left() {
             let component = &shape.components[c];
             let (rows, solver) = (&component.rows, &mut solvers[c]);

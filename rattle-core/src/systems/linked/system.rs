@@ -19,6 +19,7 @@ use crate::number::vector::add_scaled;
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::linked::diagnosis::{gradient, kinked};
 use crate::systems::linked::kept::{BodiesOf, Counts, Crowd, Kept, Linked, Tied, along};
+use crate::systems::linked::moving::Moving;
 use crate::systems::linked::room::Stages;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
@@ -168,9 +169,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         witness: &mut W,
     ) -> Result<(), Failure> {
         self.book(kick, bodies);
-        let places = [&mut bodies.q, &mut bodies.q_low, &mut bodies.p, &mut bodies.p_low].map(AsMut::as_mut);
-        let gone = [&mut bodies.time, &mut bodies.work];
-        bodies.kept.tied.drift::<X, W>(&self.shape, [h, kick], guess, places, gone, witness)
+        let Bodies { q, q_low, p, p_low, kept, time, work, .. } = bodies;
+        let (q, q_low, p, p_low) = (q.as_mut(), q_low.as_mut(), p.as_mut(), p_low.as_mut());
+        let moving = &mut Moving { q, q_low, p, p_low };
+        kept.tied.drift::<X, W>(&self.shape, [h, kick], guess, moving, [time, work], witness)
     }
 
     fn evaluate_forces(&self, bodies: &mut BodiesOf<F, N, D>) {

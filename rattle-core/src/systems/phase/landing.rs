@@ -11,16 +11,13 @@
 use crate::error::StepFailure;
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::number::vector::dot;
-use crate::solve::aim::{INSIDE, ROUNDINGS, grows_to};
+use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE_OFF, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, straight};
 use crate::systems::phase::fibre::slide;
 use crate::systems::phase::kept::OfBody;
 use crate::systems::phase::point::{Level, Point, Verlet};
 use crate::systems::phase::step::{Look, NOISE, TURN, not_finite, solve_along, too_far, turn};
 use std::array::from_fn;
-
-/// What is off by less than this part of what the guess for the whole step was off by is off by nothing.
-const LITTLE_OFF: f64 = 1.0 / 64.0;
 
 /// Slopes at a guess and where it leads differ by at most this part: that far from another sheet they differ by more in
 /// six of seven cases.
@@ -164,7 +161,7 @@ where
         if let Ok(landing) = &attempt {
             let suspect = from_fn(|j| !kept.aims[j].is_usual(landing.off[j], weights));
             let guess = |s: f64| self.guess.map(|sigma| s * sigma);
-            let looks_right = |s: f64| self.grows(s, &guess(s), &suspect, &landing.off, s, [3, 4], &[0.0; M]);
+            let looks_right = |s: f64| self.grows(s, &guess(s), &suspect, &landing.off, s, GROWTH, &[0.0; M]);
             if self.is_trusted(landing, &kept.slopes, &WHOLE, FAR_GUESS)
                 && INSIDE.into_iter().all(looks_right)
             {
@@ -215,10 +212,8 @@ where
             };
             let Ok(landing) = self.land_after(part.end, sigma(&course, part)) else { return false };
             let mut trusted = self.is_trusted(&landing, &before, part, FAR_EXTRAPOLATION);
-            // What is not smooth at one place grows late; that it grows at all is asked at one share.
-            for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
-                let length = share * part.length;
-                let inner = Part { end: part.end - part.length + length, length, ..*part };
+            for (share, powers) in INSIDE_PARTS {
+                let inner = part.until(share);
                 let sigma = sigma(&course, &inner);
                 trusted =
                     trusted && self.grows(inner.end, &sigma, &[true; M], &landing.off, share, powers, &noise);

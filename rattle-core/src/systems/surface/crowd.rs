@@ -2,11 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
-use crate::solve::crowd::EVERY as SHARES_EVERY;
-
-/// After so many drifts it is asked again: for one step of a tile that has to be gone on from, it is asked more often
-/// than where a stretch can be gone through again.
-pub(super) const EVERY: u64 = 16;
+use crate::solve::crowd::{EVERY, EVERY_ALONE};
 
 /// It is asked for steps so much longer than the longest one.
 const LONGER: f64 = 1.25;
@@ -36,8 +32,8 @@ impl Crowd {
         if longer {
             self.longest = LONGER * h.abs(); // steps may grow a little each time
         }
-        let turn = if longer { 0 } else { now / EVERY * SHARES_EVERY };
-        (longer || now % EVERY == 0).then_some((turn, self.longest))
+        let turn = if longer { 0 } else { now / EVERY_ALONE * EVERY };
+        (longer || now % EVERY_ALONE == 0).then_some((turn, self.longest))
     }
 
     pub(super) fn record(&self, to: &mut Record) {

@@ -8,10 +8,8 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::{Aim, INSIDE, LITTLE, NOISY, ROUNDINGS, grows_to};
-use crate::solve::root::{
-    Course, FAR_EXTRAPOLATION, FAR_GUESS, Part, SHORT_PATH, follow, is_the_root, is_upright,
-};
+use crate::solve::aim::{Aim, GROWTH, INSIDE, INSIDE_PARTS, LITTLE, NOISY, ROUNDINGS, grows_to};
+use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, is_upright};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::{Equation, rounding_of};
 use crate::systems::surface::position::{Departure, Landing};
@@ -205,7 +203,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         let look = |s: f64| {
             let share = T::from_f64(s);
             let inside = self.off_inside(equation, share, share * share * self.guess, slope);
-            grows_to(inside, end, s, [3, 4], rounding)
+            grows_to(inside, end, s, GROWTH, rounding)
         };
         let [first, second] = INSIDE;
         look(first).and(look(second))
@@ -227,11 +225,8 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
             let (end, [slope, last]) = (landing.multiplier - on_the_way.guess, landing.slopes);
             trusted = trusted.and(is_steady(last, slope_before));
-            // What is not smooth at one place grows late; that it grows at all is asked at one share, or halving
-            // would never end.
-            for (share, powers) in INSIDE.into_iter().zip([[1, 4], [1, 64]]) {
-                let length = T::from_f64(share) * part.length;
-                let inner = Part { end: part.end - part.length + length, length, ..*part };
+            for (share, powers) in INSIDE_PARTS {
+                let inner = part.until(share);
                 let guess = course.ahead(self.guess, &inner);
                 let inside = self.off_inside(equation, inner.end, guess, slope);
                 trusted = trusted.and(grows_to(inside, end, share, powers, rounding));

@@ -20,8 +20,7 @@ use crate::motion::failure::Failure;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY as SHARES_EVERY, FARTHER, reach, rises, shares, shift};
-use crate::systems::surface::crowd::EVERY;
+use crate::solve::crowd::{EVERY, EVERY_ALONE, FARTHER, THERE, reach, rises, shares, shift};
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -35,10 +34,6 @@ const MOST_WAYS: usize = 256;
 
 /// The smallest part of what is left to walk that is tried at once.
 const SMALLEST_SHARE: f64 = 1.0 / 1024.0;
-
-/// One is there within so many roundings of the size of places, or of the way: the rounding of g may be some thousand
-/// of that of places.
-const THERE: f64 = 65536.0;
 
 /// A step that led astray by more than this part of its path is walked. On a circle that are steps of more than 1.1
 /// radians.
@@ -69,7 +64,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
         let (asked, was_near) = (now.kept.crowd.asked, now.kept.crowd.near);
-        if steps.is_multiple_of(EVERY) || astray > asked || astray.is_nan() {
+        if steps.is_multiple_of(EVERY_ALONE) || astray > asked || astray.is_nan() {
             // For a sheet that was passed over; and to be clear of one that was near, which a few places may all miss.
             let as_at_first = was_near || astray > FARTHER * asked;
             self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
@@ -146,7 +141,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
                 T::from_f64(0.0).le(rises).all()
             };
-            !shares(steps * (SHARES_EVERY / EVERY)).all(plain)
+            !shares(steps * (EVERY / EVERY_ALONE)).all(plain)
         };
         now.kept.crowd.near = before.q.as_ref().iter().zip(before.p.as_ref()).any(is_near);
         now.kept.crowd.asked = reach;
