@@ -37,8 +37,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
             if let Some(onlooker) = &mut onlooker
                 && self.simulation.steps() == onlooker.next
             {
-                self.look(onlooker.now.page(), set);
-                onlooker.show(self);
+                self.look(onlooker.write(), set);
+                onlooker.show(self, |_| ());
             }
         }
     }

@@ -35,6 +35,9 @@ use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
 use std::borrow::Borrow;
 
+/// Less than any |g|: a lane is not at rest, and lost in any case.
+pub(super) const LOST: f64 = -1.0;
+
 /// Steps that are shorter would take digits from momenta that are kept times h.
 pub(crate) const SHORT: f64 = 1e-15;
 
@@ -53,7 +56,7 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, co
     pub(super) square: [S; L],
     /// |∇g(q)|²/|∇g(q′)|² of the last step, by (|∇g(q)|²/s)².
     pub(super) bias: [S; L],
-    /// What |g| may be at rest.
+    /// What |g| may be at rest; [`LOST`] where the next step is to be made by the lane itself.
     pub(super) rest: [S; L],
     /// Λ₀ of the step to come.
     pub(super) guess: [S; L],
@@ -141,6 +144,56 @@ impl Part {
             Part { h, unit, lead, kick, before: (before / h).powi(2), reach, weights }
         };
         (0..n).map(part).collect()
+    }
+
+    /// By how much forces are multiplied to be what they push in a step, as far as it is asked for that.
+    #[inline(always)]
+    fn push<S: Lane>(&self) -> S {
+        S::from_f64(self.reach * self.h * self.kick)
+    }
+
+    /// How far it is asked whether other sheets are near, in normals: where Λ is this, the momentum no less than that,
+    /// and forces [push](Self::push) so.
+    #[inline(always)]
+    fn furthest<S: Lane, const D: usize>(
+        &self,
+        back: S,
+        way: &[S; D],
+        pushed: &[S; D],
+        normal: &[S; D],
+        square: S,
+        least: f64,
+    ) -> S {
+        let &Self { h, unit, reach, .. } = self;
+        let [reach, path] = [reach, reach * PATH * h / unit].map(S::from_f64);
+        // Lengths by their largest coordinate: roots take long.
+        let over = S::from_f64(ROOT_3) * largest(normal) / square;
+        let along = over * path * largest(way).max(S::from_f64(unit * least));
+        crowd::furthest(reach * back, along, over * largest(pushed))
+    }
+
+    /// Λ of a step that is guessed from g̈ alone, in a lane that is there and goes so: after one that was lost, and
+    /// moved by itself. |∇g| may have changed by any factor there, and what is extrapolated from Λ before may lead to
+    /// any sheet. Also whether other sheets have come near.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn guess_anew<S: Lane, const D: usize>(
+        &self,
+        laws: &impl Laws<S, D>,
+        lane: usize,
+        (q, way, normal, square): ([S; D], [S; D], [S; D], S),
+    ) -> (S, bool) {
+        let constraint = laws.constraint(lane);
+        let path = scaled(S::from_f64(self.h / self.unit), &way);
+        let [bend] = constraint.borrow().jet(&q, &path).2;
+        let guess = -S::from_f64(0.5).multiply_add(bend, dot(&normal, &path)) / square;
+        let pushed = laws.kick(lane, &q, self.push(), [S::default(); D]);
+        let furthest = self.furthest(guess.abs(), &way, &pushed, &normal, square, 0.0);
+        let rises = |share: f64| {
+            let shift = S::from_f64(share) * furthest;
+            S::default().le(crowd::rises(constraint.borrow(), &q, &normal, square, shift))
+        };
+        (guess, !crowd::shares(0).all(rises))
     }
 
     /// What the kick before it makes of something, if there is one; this way or that.
@@ -314,17 +367,13 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         parts: &[Part],
         least: impl Fn(usize) -> f64,
     ) -> Result<(), Stuck> {
-        let Part { h, unit, kick, reach, .. } = parts[self.part];
-        let Self { q, way, normal, square, guess, past: [last, earlier], .. } = self;
-        let [reach, path, push] = [reach, reach * PATH * h / unit, reach * h * kick].map(S::from_f64);
+        let (part, Self { q, way, normal, square, guess, past: [last, earlier], .. }) =
+            (&parts[self.part], self);
         let mut furthest = [S::default(); L];
         for i in 0..L {
-            let (way, pushed) = (at(way, i), laws.kick(i, &at(q, i), push, [S::default(); D]));
             let back = guess[i].abs().max(last[i].abs()).max(earlier[i].abs());
-            // Lengths by their largest coordinate: roots take long.
-            let over = S::from_f64(ROOT_3) * largest(&at(normal, i)) / square[i];
-            let along = over * path * largest(&way).max(S::from_f64(unit * least(i)));
-            furthest[i] = crowd::furthest(reach * back, along, over * largest(&pushed));
+            let pushed = laws.kick(i, &at(q, i), part.push(), [S::default(); D]);
+            furthest[i] = part.furthest(back, &at(way, i), &pushed, &at(normal, i), square[i], least(i));
         }
         look_around(laws, steps, q, normal, square, &furthest)
     }

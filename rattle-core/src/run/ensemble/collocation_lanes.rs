@@ -196,7 +196,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         let (laws, tableau) = (laws.clone(), tableau.clone()); // out of reach of what the loops write
         let mut desk = Desk { row: row.clone(), scratch: Scratch::new() };
         let Desk { row, scratch } = &mut desk;
-        while let Some(Leg { from, steps, written }) = tour.next() {
+        while let Some(Leg { from, steps, written, .. }) = tour.next() {
             for now in from..from + steps {
                 if now % EVERY == 0 && now > 0 {
                     look(row, now, &laws)?;

@@ -45,6 +45,9 @@ pub(crate) struct Leg<'a, const D: usize> {
     pub(crate) from: u64,
     pub(crate) steps: u64,
     pub(crate) written: Option<Written<'a, D>>,
+    /// Whether what was written up to there is shown next, and cannot be taken back: whether all lanes are where they
+    /// should be is asked before.
+    pub(crate) shown: bool,
 }
 
 /// Where lanes are to go, leg by leg.

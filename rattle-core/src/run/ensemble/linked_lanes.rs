@@ -350,7 +350,7 @@ where
             go_apart(common, &self.obeyed.laws[law], lane, part, numbers, &mut bodies[law])
         };
         let n = self.bodies_of_each();
-        while let Some(Leg { from, steps, written }) = tour.next() {
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
             Width::go(Steps {
                 course: &course,
                 pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>),
@@ -359,7 +359,7 @@ where
                 part: &mut part,
                 from,
                 steps,
-                looks: written.is_some(),
+                looks: shown,
             })?;
             if let Some(written) = written {
                 let mut now = numbers.clone();

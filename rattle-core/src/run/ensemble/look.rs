@@ -24,16 +24,49 @@ pub(crate) struct Onlooker<'a, const D: usize> {
     /// anything twice.
     pub(crate) next: u64,
     pub(crate) every: u64,
-    pub(crate) now: &'a mut Seen<D>,
+    /// What is seen, in turn; the first so many are written, and not shown.
+    pub(crate) pages: &'a mut [Seen<D>],
+    pub(crate) written: usize,
     /// Is given what is seen, and may put other such memory in its place.
     pub(crate) show: &'a mut (dyn FnMut(&mut Seen<D>, &dyn Watched<D>) + Send),
 }
 
 impl<const D: usize> Onlooker<'_, D> {
-    /// Shows a group, which is to be written already.
-    pub(crate) fn show(&mut self, group: &dyn Watched<D>) {
-        self.now.steps = self.next;
-        self.next = self.next.saturating_add(self.every);
-        (self.show)(self.now, group);
+    /// After how many steps the next page is to be written.
+    pub(crate) fn due(&self) -> u64 {
+        self.due_after(self.written)
+    }
+
+    fn due_after(&self, pages: usize) -> u64 {
+        self.next.saturating_add(self.every.saturating_mul(pages as u64))
+    }
+
+    /// Whether pages are to be shown after so many steps, when those that are due are written: when there is room for
+    /// no more, or none is due before the end.
+    pub(crate) fn shows(&self, now: u64, end: u64) -> bool {
+        let written = self.written + usize::from(self.due() == now);
+        written > 0 && (written == self.pages.len() || now == end || self.due_after(written) > end)
+    }
+
+    /// The next page, which is written now.
+    pub(crate) fn write(&mut self) -> Page<'_, D> {
+        self.written += 1;
+        self.pages[self.written - 1].page()
+    }
+
+    /// Forgets what was not shown.
+    pub(crate) fn forget(&mut self) {
+        self.written = 0;
+    }
+
+    /// Shows a group as it was when pages were written; on each of them `finish` writes what was not.
+    pub(crate) fn show(&mut self, group: &dyn Watched<D>, finish: impl Fn(Page<'_, D>)) {
+        for page in &mut self.pages[..self.written] {
+            finish(page.page());
+            page.steps = self.next;
+            self.next = self.next.saturating_add(self.every);
+            (self.show)(page, group);
+        }
+        self.written = 0;
     }
 }

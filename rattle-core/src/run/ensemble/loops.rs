@@ -22,15 +22,16 @@
 //! that of a point less than 256 ε|q|∞ away.
 //!
 //! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that have not converged after three
-//! corrections, are solved as a [`Simulation`](crate::run::simulation::Simulation) does. Where sheets of a surface are
-//! closer to each other than the errors of guesses, lanes are moved one by one ([`Block::look_around`]).
+//! corrections, are lost, and solved as a [`Simulation`](crate::run::simulation::Simulation) does; so is their next
+//! step, if other sheets have come near. Where sheets of a surface are closer to each other than the errors of guesses,
+//! lanes are moved one by one ([`Block::look_around`]).
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::failure::Failure;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, Part, Scratch, at_rest, is_finite};
+use crate::run::ensemble::block::{Block, LOST, Part, Scratch, at_rest, is_finite};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::systems::surface::normal::Normal;
@@ -53,12 +54,27 @@ where
     S: Lane,
 {
     let part = &parts[block.part];
-    if L == 1 {
-        advance(block, laws, part, &mut Scratch::new())?; // in registers
+    let lost = if L == 1 {
+        advance(block, laws, part, &mut Scratch::new())? // in registers
     } else {
-        advance(block, laws, part, scratch)?;
-    }
+        advance(block, laws, part, scratch)?
+    };
     block.part = if block.part + 1 == parts.len() { 0 } else { block.part + 1 };
+    if lost != 0 {
+        let part = &parts[block.part];
+        for lane in (0..L).filter(|lane| lost >> lane & 1 != 0) {
+            let Block { q, way, normal, square, rest, guess, bias, past, .. } = &mut *block;
+            let place = (at(q, lane), at(way, lane), at(normal, lane), square[lane]);
+            let (anew, near) = part.guess_anew(laws, lane, place);
+            (guess[lane], bias[lane]) = (anew, S::from_f64(1.0));
+            if near {
+                rest[lane] = S::from_f64(LOST);
+            }
+            for past in past {
+                past[lane] = S::from_f64(part.before) * guess[lane];
+            }
+        }
+    }
     Ok(())
 }
 
@@ -83,16 +99,18 @@ fn kept_back<S: Lane, const L: usize, const D: usize, const SUMS: usize, const E
 }
 
 /// One part of a step. Its loops are told what they work on one by one, since compilers then know that no two overlap.
+/// Returns which lanes were lost and moved by themselves, a bit for each.
 #[inline(always)]
 fn advance<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     block: &mut Block<S, L, D, SUMS, EQUAL>,
     laws: &impl Laws<S, D>,
     part: &Part,
     scratch: &mut Scratch<S, L, D>,
-) -> Result<(), Stuck>
+) -> Result<u64, Stuck>
 where
     S: Lane,
 {
+    let mut lost = 0_u64;
     let Scratch { free, old, first, multiplier, over_slope, g } = scratch;
     let Block { q, way, normal, square, bias, rest, guess: ahead, past, q_low, way_low, .. } = block;
     let share = S::from_f64(part.h / part.unit);
@@ -132,12 +150,13 @@ where
             }
             let n = at(old, lane);
             let path = (&at(free, lane), &n, square[lane], rest[lane]);
-            let astray = !is_finite(g[lane]);
+            let astray = !is_finite(g[lane]) || rest[lane].le(S::default());
             let landing =
                 if astray { None } else { again(laws.constraint(lane).borrow(), path, multiplier[lane]) };
             let (found, gradient) = match landing {
                 Some(landing) => landing,
                 None => {
+                    lost |= 1 << lane;
                     let back = kept_back::<S, L, D, SUMS, EQUAL>(share, q_low, way_low, lane);
                     let p = scaled(S::from_f64(1.0 / part.unit), &at(way, lane));
                     alone(laws, lane, part.h, (at(q, lane), p, back, n, square[lane]))
@@ -164,7 +183,7 @@ where
             rest, ahead, past,
         );
     }
-    Ok(())
+    Ok(lost)
 }
 
 /// Evaluates g at Λ₀ in all lanes and takes Newton's step from there.

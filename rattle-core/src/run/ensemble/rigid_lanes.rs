@@ -170,7 +170,7 @@ where
         let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
         let mut torquing = self.torques.as_ref().map(|torques| torques.begin(n));
         let mut kicks = vec![[zeros(); 3]; n];
-        while let Some(Leg { from, steps, written }) = tour.next() {
+        while let Some(Leg { from, steps, written, .. }) = tour.next() {
             Width::turn(Steps {
                 course: self.course(),
                 torquing: torquing.as_deref_mut().map(|torquing| torquing as &mut dyn Torquing<W>),

@@ -161,10 +161,21 @@ impl<const D: usize> SideBySide<D> {
         }
     }
 
-    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown.
-    fn attempt(&mut self, steps: u64, onlooker: Option<&mut Onlooker<'_, D>>) -> Result<(), Stuck> {
+    /// Takes so many steps, or none if a lane fails on the way; but what was shown on the way was shown. `shown` says
+    /// that the end will be.
+    fn attempt(
+        &mut self,
+        steps: u64,
+        shown: bool,
+        mut onlooker: Option<&mut Onlooker<'_, D>>,
+    ) -> Result<(), Stuck> {
         let (now, end) = (self.steps, self.steps + steps);
-        self.engine = self.engine.go(&mut Stretch { group: self, onlooker, now, end, written: false })?;
+        let seen = onlooker.as_deref_mut();
+        let gone = self.engine.go(&mut Stretch { group: self, onlooker: seen, now, end, shown });
+        if let (Err(_), Some(onlooker)) = (&gone, onlooker) {
+            onlooker.forget();
+        }
+        self.engine = gone?;
         self.steps = end;
         Ok(())
     }
@@ -193,25 +204,27 @@ impl<const D: usize> SideBySide<D> {
     fn go_on(&mut self, steps: u64, mut onlooker: Option<&mut Onlooker<'_, D>>) {
         let end = self.steps + steps;
         while self.steps < end {
-            let stop = onlooker.as_ref().map_or(end, |onlooker| onlooker.next.min(end));
-            let leg = (LEG - self.steps % LEG).min(stop - self.steps);
-            if !self.leg(leg) {
+            let next = onlooker.as_ref().map(|onlooker| onlooker.next);
+            let leg = (LEG - self.steps % LEG).min(next.map_or(end, |next| next.min(end)) - self.steps);
+            let shown = |after: u64| next == Some(after);
+            if !self.leg(leg, shown(self.steps + leg)) {
                 for _ in 0..leg {
-                    self.leg(1); // who cannot take it ends
+                    self.leg(1, shown(self.steps + 1)); // who cannot take it ends
                 }
             }
             if let Some(onlooker) = &mut onlooker
                 && onlooker.next == self.steps
             {
-                self.look(onlooker.now.page(), InstructionSet::Portable);
-                onlooker.show(self);
+                self.look(onlooker.write(), InstructionSet::Portable);
+                onlooker.show(self, |_| ());
             }
         }
     }
 
     /// Takes so many steps with all lanes that can be moved: side by side, or by themselves where other sheets are
     /// near, or, if it is a single step, in parts. False, and as if none were taken, where one of several cannot.
-    fn leg(&mut self, steps: u64) -> bool {
+    /// `shown` says that the end will be.
+    fn leg(&mut self, steps: u64, shown: bool) -> bool {
         let before = (self.engine.boxed(), self.copy_of);
         let (now, end, mut together) = (self.steps, self.steps + steps, self.moving);
         let (mut apart, mut fails) = (Vec::new(), false);
@@ -232,7 +245,7 @@ impl<const D: usize> SideBySide<D> {
             if !together.contains(&true) {
                 break;
             }
-            match self.attempt(steps, None) {
+            match self.attempt(steps, shown, None) {
                 Ok(()) => break,
                 Err(of) => stuck.push(Stuck { lane: self.copy_of[of.lane], ..of }),
             }
@@ -352,29 +365,31 @@ struct Stretch<'a, 'b, const D: usize> {
     onlooker: Option<&'a mut Onlooker<'b, D>>,
     now: u64,
     end: u64,
-    /// Whether the onlooker has not been shown what is written.
-    written: bool,
+    /// Whether the onlooker is to be shown what is written; without one, whether the end will be shown.
+    shown: bool,
 }
 
 impl<const D: usize> Tour<D> for Stretch<'_, '_, D> {
     fn next(&mut self) -> Option<Leg<'_, D>> {
-        let Self { group, onlooker, now, end, written } = self;
+        let Self { group, onlooker, now, end, shown } = self;
         if let Some(onlooker) = onlooker
-            && *written
+            && *shown
         {
-            group.write_apart(onlooker.now.page());
-            onlooker.show(*group);
+            onlooker.show(*group, |page| group.write_apart(page));
         }
-        let (from, stop) = (*now, onlooker.as_ref().map_or(*end, |onlooker| onlooker.next.min(*end)));
+        let (from, due) = (*now, onlooker.as_ref().map(|onlooker| onlooker.due()));
+        let stop = due.map_or(*end, |due| due.min(*end));
         if from == *end {
             return None;
         }
         *now = stop;
-        let page = onlooker.as_mut().filter(|onlooker| onlooker.next == stop).map(|o| o.now.page());
-        *written = page.is_some();
+        if let Some(onlooker) = onlooker {
+            *shown = onlooker.shows(stop, *end);
+        }
         let passed = passed(stop, group.h);
+        let page = onlooker.as_mut().filter(|_| due == Some(stop)).map(|onlooker| onlooker.write());
         let written = page.map(|page| Written { page, starts: &group.start_time, passed });
-        Some(Leg { from, steps: stop - from, written })
+        Some(Leg { from, steps: stop - from, written, shown: *shown })
     }
 }
 
@@ -383,7 +398,7 @@ struct Look<'a, const D: usize>(Option<Written<'a, D>>);
 
 impl<const D: usize> Tour<D> for Look<'_, D> {
     fn next(&mut self) -> Option<Leg<'_, D>> {
-        self.0.take().map(|written| Leg { from: 0, steps: 0, written: Some(written) })
+        self.0.take().map(|written| Leg { from: 0, steps: 0, written: Some(written), shown: true })
     }
 }
 
@@ -396,7 +411,8 @@ impl<const D: usize> Group<D> for SideBySide<D> {
                 self.crowded_until = self.steps / CROWDED + 1;
                 self.disperse();
             }
-            if self.crowded.contains(&true) || self.attempt(stretch, onlooker.as_deref_mut()).is_err() {
+            if self.crowded.contains(&true) || self.attempt(stretch, false, onlooker.as_deref_mut()).is_err()
+            {
                 self.go_on(stretch, onlooker.as_deref_mut());
             }
         }

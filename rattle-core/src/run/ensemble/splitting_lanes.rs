@@ -242,7 +242,7 @@ where
         let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
         let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        while let Some(Leg { from, steps, written }) = tour.next() {
+        while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
                 desk.block.look_around(now, &laws, parts, least)?;
@@ -253,11 +253,13 @@ where
                     stride(&mut desk, &laws, parts, stirring, now)?;
                 }
                 now = stop;
-                if now % EVERY == 0 || (now == end && written.is_some()) {
+                if now % EVERY == 0 || (now == end && shown) {
                     desk.block.look_around(now, &laws, parts, least)?;
                 }
             }
-            desk.block.check(&laws, parts)?;
+            if shown || written.is_none() {
+                desk.block.check(&laws, parts)?;
+            }
             if let Some(written) = written {
                 let (q, p) = desk.block.all(&laws, parts);
                 written.fill(L, |lane| at(&q, lane).map(Lane::to_f64), |lane| at(&p, lane).map(Lane::to_f64));

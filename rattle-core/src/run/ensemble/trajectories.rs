@@ -312,11 +312,12 @@ impl<const D: usize> Ensemble<D> {
     /// trajectories at the same [`steps`](Self::steps). The recorder's `finish` says why, and the ensemble can be run
     /// further.
     ///
-    /// **Cost.** To show a trajectory that is computed in lanes takes the time of 1.5 steps, plus the time of the
-    /// observer. Under gravity on the lemniscate (1.5 ns a step) the [`Mean`](crate::run::watch::Mean) of a height adds
-    /// the time of 1.9 steps to each step where `every` is 1, of 0.2 steps where it is 10, and of 0.04 steps where it
-    /// is 100. The mean of the [energy](crate::run::watch::Sight::energy) takes the time of one more step each time
-    /// that it is shown.
+    /// **Cost.** To show a trajectory that is computed in lanes takes the time of one to two steps, plus the time of
+    /// the observer. Under gravity on the lemniscate (3.5 ns a step on a Zen 4) the [`Mean`](crate::run::watch::Mean)
+    /// of a height adds the time of 2.0 steps to each step where `every` is 1, of 0.2 steps where it is 10, and of 0.06
+    /// steps where it is 100. The mean of the [energy](crate::run::watch::Sight::energy) takes the time of 1.5 more
+    /// steps each time that it is shown. What is shown cannot be taken back. So some are written side by side, and
+    /// before they are shown it is asked once whether each trajectory is on its own sheet of the surface.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle, watch::{Mean, Sight}};
@@ -354,10 +355,10 @@ impl<const D: usize> Ensemble<D> {
         every: u64,
         observers: Vec<&mut (dyn AnyObserver<D> + Send)>,
     ) {
-        let (set, taken, next) = (self.set, self.steps, self.steps.saturating_add(every));
+        let (set, taken) = (self.set, self.steps);
         let start = |(group, observer): (&mut Box<dyn Group<D>>, _)| {
             let now = Seen::new(taken, group.len(), group.bodies(), |page| group.look(page, set));
-            Watching { observer, before: now.clone(), now, next }
+            Watching::new(observer, now, every, steps / every)
         };
         let mut watching: Vec<_> = self.groups.par_iter_mut().zip(observers).map(start).collect();
         let mut left = steps;

@@ -34,8 +34,30 @@ impl<O: Observer<D>, const D: usize> AnyObserver<D> for O {
 pub(super) struct Watching<'a, const D: usize> {
     pub(super) observer: &'a mut (dyn AnyObserver<D> + Send),
     pub(super) before: Seen<D>,
-    pub(super) now: Seen<D>,
+    pub(super) pages: Vec<Seen<D>>,
     pub(super) next: u64,
+}
+
+/// Pages that are written before they are shown, at most: whether lanes are where they should be is asked once for all.
+const MOST_PAGES: usize = 8;
+
+/// So many numbers are on them, at most, where more than one is: as many as a processor has at hand.
+const AT_HAND: usize = 1 << 13;
+
+impl<'a, const D: usize> Watching<'a, D> {
+    /// From the steps on after which the group is as on this page; it is to be shown so many times, after each `every`
+    /// steps.
+    pub(super) fn new(
+        observer: &'a mut (dyn AnyObserver<D> + Send),
+        now: Seen<D>,
+        every: u64,
+        times: u64,
+    ) -> Self {
+        let most = usize::try_from(times).map_or(MOST_PAGES, |times| times.clamp(1, MOST_PAGES));
+        let pages = (AT_HAND / now.numbers().max(1)).clamp(1, most);
+        let next = now.steps.saturating_add(every);
+        Self { observer, before: now.clone(), pages: vec![now; pages], next }
+    }
 }
 
 impl<const D: usize> Watching<'_, D> {
@@ -47,12 +69,12 @@ impl<const D: usize> Watching<'_, D> {
         every: u64,
         set: InstructionSet,
     ) {
-        let Self { observer, before, now, next } = self;
+        let Self { observer, before, pages, next } = self;
         let mut show = |now: &mut Seen<D>, group: &dyn Watched<D>| {
             observer.see_group(group, first, before, now);
             std::mem::swap(before, now);
         };
-        let mut onlooker = Onlooker { next: *next, every, now, show: &mut show };
+        let mut onlooker = Onlooker { next: *next, every, pages, written: 0, show: &mut show };
         group.run(steps, set, Some(&mut onlooker));
         *next = onlooker.next;
     }

@@ -37,6 +37,11 @@ impl<const D: usize> Seen<D> {
         seen
     }
 
+    /// How many numbers there are.
+    pub(crate) fn numbers(&self) -> usize {
+        self.times.len() + 2 * D * self.positions.len()
+    }
+
     /// Where it is to be written.
     pub(crate) fn page(&mut self) -> Page<'_, D> {
         Page { times: &mut self.times, positions: &mut self.positions, momenta: &mut self.momenta }
