@@ -6,8 +6,10 @@
 //! whether it rises everywhere. On `sin(k(|q| − 1))` two of three points between sheets show that it does not. A body
 //! where g does not rise is moved by itself, and each of its steps is examined (see [`crate::solve::aim`]).
 //!
-//! Many points are sampled at the start of a body and some from time to time, at a cost of a few percent. Sheets that
-//! are near only in a small region, which a body crosses between two samplings, are not found.
+//! Many points are sampled at the start of a body and some from time to time, at a cost of a few percent; and many
+//! where a lane of an ensemble was lost, as it is where |∇g| changes by more than a factor of two in a step, at the
+//! edge of a region with other sheets. Sheets that are near only in a small region without such an edge, which a body
+//! crosses between two samplings, are not found.
 
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::real::Real;
