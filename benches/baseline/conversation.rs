@@ -1,5 +1,6 @@
 //! What the benchmark and its programs say to each other; the same as in `opponent.h` and `opponent.py`.
 
+use crate::clock::cpu_seconds;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
@@ -58,18 +59,6 @@ pub(crate) fn serve(rows: &[&str], make: impl Fn(&str, usize, bool) -> Option<Bo
         }
         std::io::stdout().flush().expect("a benchmark that listens");
     }
-}
-
-/// CPU time of this process in seconds, so that other programs on the machine do not count.
-#[cfg(unix)]
-fn cpu_seconds() -> f64 {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
-}
-
-#[cfg(not(unix))]
-fn cpu_seconds() -> f64 {
-    std::time::UNIX_EPOCH.elapsed().expect("a clock after 1970").as_secs_f64()
 }
 
 fn time(run: &mut dyn Run, steps: u64) {

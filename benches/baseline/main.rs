@@ -16,6 +16,8 @@
 //! timed once and the fastest go on. Before that, positions, energies and constraints are compared.
 
 mod by_hand;
+#[path = "../common/clock.rs"]
+mod clock;
 mod conversation;
 mod linked;
 mod ours;

@@ -1,5 +1,8 @@
 //! What several benchmarks time alike.
 
+mod clock;
+
+use clock::cpu_seconds;
 use rattle::method::Method;
 use rattle::prelude::*;
 use rattle::system::System;
@@ -31,16 +34,4 @@ pub(crate) fn slope(points: &[(f64, f64)]) -> f64 {
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));
     let (xy, xx) = (mean(|p| p.0 * p.1) - x * y, mean(|p| p.0 * p.0) - x * x);
     xy / xx
-}
-
-/// CPU time of this process in seconds, so that other programs on the machine do not count.
-#[cfg(unix)]
-fn cpu_seconds() -> f64 {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
-}
-
-#[cfg(not(unix))]
-fn cpu_seconds() -> f64 {
-    std::time::UNIX_EPOCH.elapsed().expect("a clock after 1970").as_secs_f64()
 }

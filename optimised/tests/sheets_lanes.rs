@@ -66,7 +66,7 @@ constraint! {
     |x, y, z| sin((1 + k * (1 + tanh(w * (height - z)))) * (sqrt(x^2 + y^2 + z^2) - 1))
 }
 
-/// How far off the sphere bodies were shown, of which trajectory.
+/// Trajectories of which a body was shown off the sphere.
 struct Off(Vec<usize>);
 
 impl Observer<3> for Off {

@@ -137,9 +137,7 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
         if const { G::NUMBERS == 0 } {
             return step::<X, _, _, _, D>(self.h, &[], system, bodies, witness);
         }
-        let (known, multipliers) = memory.split_at_mut(2);
-        let (steps, length) = known.split_at_mut(1);
-        let (steps, length) = (&mut steps[0], &mut length[0]);
+        let ([steps, length], multipliers) = memory.split_first_chunk_mut().expect("as `memory` makes it");
         let h = T::from_f64(self.h);
         let (guess, numbers) = multipliers.split_at_mut(system.equations());
         let same_length = G::STEPS <= 1.0 || h.le(*length).and(length.le(h)).all();

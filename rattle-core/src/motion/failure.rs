@@ -64,6 +64,6 @@ impl Failure {
 
 /// Those of a lane.
 #[inline(never)]
-pub(super) fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
+pub(crate) fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
     x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect()
 }

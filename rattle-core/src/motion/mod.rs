@@ -22,7 +22,7 @@ pub mod witness;
 use crate::number::real::Real;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real, const D: usize>() -> [*const (); 5] {
+pub(crate) fn instances<T: Real, const D: usize>() -> impl Copy {
     [
         bodies::gathered::<T, D> as *const (),
         bodies::scatter::<T, D> as *const (),

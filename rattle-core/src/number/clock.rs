@@ -21,6 +21,7 @@ pub(crate) fn later(time: (f64, f64), passed: (f64, f64)) -> (f64, f64) {
     let ([high], [low]) = two_sum(&[high], &[low + (time.1 + passed.1)]);
     (high, low)
 }
+
 /// How many steps of h lead from here to that time or less than one beyond it, which is none where this is not above 0.
 /// A time that is a whole number of steps away, to a millionth of a step, is reached by that number.
 pub(crate) fn steps_to(time: f64, now: f64, h: f64) -> f64 {

@@ -17,7 +17,7 @@ mod trouble;
 pub mod watch;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<const D: usize>() -> [*const (); 5] {
+pub(crate) fn instances<const D: usize>() -> impl Copy {
     [
         checkpoint::read_places::<D> as *const (),
         checkpoint::write_places::<D> as *const (),

@@ -10,6 +10,6 @@ pub(crate) mod stop;
 use crate::number::real::Real;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real>() -> [*const (); 2] {
+pub(crate) fn instances<T: Real>() -> impl Copy {
     [aim::Pace::record::<T> as *const (), aim::Pace::recall::<T> as *const ()]
 }

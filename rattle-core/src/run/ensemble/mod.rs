@@ -89,7 +89,7 @@ pub use stream::Snapshot;
 pub use trajectories::Ensemble;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<const D: usize>() -> [*const (); 27] {
+pub(crate) fn instances<const D: usize>() -> impl Copy {
     [
         side_by_side::side_by_side::<D> as *const (),
         splitting_lanes::in_lanes::<Fused<f64>, D> as *const (),

@@ -293,8 +293,12 @@ impl<const D: usize> Ensemble<D> {
             return Err(Error::EndTime(time));
         }
         loop {
-            let going = (0..self.len).filter(|&number| self.failure(number).is_none());
-            let left = going.map(|number| steps_to(time, self.time(number), self.h)).fold(0.0, f64::max);
+            let going = self.groups.iter().flat_map(|group| {
+                (0..group.len())
+                    .filter(|&own| group.failure(own).is_none())
+                    .map(|own| group.state(own).time())
+            });
+            let left = going.map(|now| steps_to(time, now, self.h)).fold(0.0, f64::max);
             if left <= 0.0 {
                 return Ok(());
             }

@@ -28,7 +28,7 @@ use crate::motion::witness::Whoever;
 pub use kept::{Counts, Kept, Linked};
 
 /// Functions that are compiled in this crate, see [`crate::instances`]; forces are vectors there.
-pub(crate) fn instances<const D: usize>() -> [*const (); 9] {
+pub(crate) fn instances<const D: usize>() -> impl Copy {
     [
         start::check::<D> as *const (),
         start::project::<D> as *const (),

@@ -34,6 +34,6 @@ pub use solver::Report;
 pub use tie::Tie;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<const D: usize>() -> [*const (); 2] {
+pub(crate) fn instances<const D: usize>() -> impl Copy {
     [Network::<D>::shape as *const (), solver::Solver::<D>::respond as *const ()]
 }

@@ -3,7 +3,7 @@
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::StepFailure;
-use crate::motion::failure::Failure;
+use crate::motion::failure::{Failure, numbers};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::dot;
 use crate::systems::surface::equation::Equation;
@@ -27,9 +27,8 @@ impl FailureAt {
         x.lanes().nth(self.lane).unwrap_or(f64::NAN)
     }
 
-    #[inline(never)]
-    pub(super) fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
-        x.iter().map(|&x| self.number(x)).collect()
+    fn numbers<T: Real, const D: usize>(&self, x: &[T; D]) -> Vec<f64> {
+        numbers(x, self.lane)
     }
 
     /// The stages of a collocation method did not converge.

@@ -31,12 +31,11 @@ pub use kept::{Kept, OnSurface, OneByOne};
 pub use normal::Normal;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real, const D: usize>() -> [*const (); 6] {
+pub(crate) fn instances<T: Real, const D: usize>() -> impl Copy {
     [
         position::Departure::<T, D>::land as *const (),
         position::Departure::<T, D>::look_again as *const (),
         position::Departure::<T, D>::land_instead as *const (),
-        diagnosis::FailureAt::numbers::<T, D> as *const (),
         diagnosis::FailureAt::no_normal::<T, D> as *const (),
         sheets::check_walk::<T, D> as *const (),
     ]
