@@ -3,7 +3,7 @@
 
 use rattle::Error;
 use rattle::Rigid;
-use rattle::error::{NetworkMistake, PhaseMistake, StartFailure, StepFailure};
+use rattle::error::{NetworkMistake, PhaseMistake, RigidFailure, StartFailure, StepFailure, SurfaceFailure};
 use rattle::links::Rod;
 use rattle::prelude::*;
 use rattle::surfaces::{Plane, Sphere};
@@ -97,7 +97,8 @@ fn bodies_that_turn_too_far_are_above_the_bound() {
         let start = Rigid::start(&nalgebra::Matrix3::identity(), &m);
         let mut simulation = Scene::rigid(Rigid::new(moments)).simulate(start, Rattle::new(1.0)).unwrap();
         if let Err(error) = simulation.step() {
-            let Error::Step { cause: StepFailure::TurnsTooFar { turn, .. }, .. } = error else {
+            let Error::Step { cause: StepFailure::Rigid(RigidFailure::TurnsTooFar { turn, .. }), .. } = error
+            else {
                 panic!("{error}")
             };
             assert!(turn >= 1.0 && error.to_string().contains("below 1"), "{error}");
@@ -113,7 +114,10 @@ fn numbers_that_overflow_are_not_too_long_a_step() {
     let sphere = Scene::on(Sphere { r: 1e85 });
     let start = State::at([1e85, 0.0, 0.0]).moving([0.0, 1e80, 0.0]);
     let error = sphere.simulate(start, Rattle::new(1e3)).unwrap().step().unwrap_err();
-    let Error::Step { cause: StepFailure::OutOfScale { reach, .. }, .. } = error else { panic!("{error}") };
+    let Error::Step { cause: StepFailure::Surface(SurfaceFailure::OutOfScale { reach, .. }), .. } = error
+    else {
+        panic!("{error}")
+    };
     assert!((reach - 0.01).abs() < 1e-3, "{reach}");
 }
 

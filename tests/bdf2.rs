@@ -3,7 +3,7 @@
 use crate::common::linked::{Rod, chain, double_pendulum, weights};
 use crate::common::*;
 use rattle::Error;
-use rattle::error::StepFailure;
+use rattle::error::{MethodFailure, StepFailure};
 use rattle::links::planar::TurningLine;
 use rattle::prelude::*;
 
@@ -120,7 +120,11 @@ fn a_step_that_is_too_long_is_an_error() {
     let error = simulation.run(10_000).unwrap_err();
     let expected = matches!(
         error,
-        Error::Step { cause: StepFailure::ImplicitNotSolved { .. } | StepFailure::NotProjected { .. }, .. }
+        Error::Step {
+            cause: StepFailure::Method(MethodFailure::ImplicitNotSolved { .. })
+                | StepFailure::Method(MethodFailure::NotProjected { .. }),
+            ..
+        }
     );
     assert!(expected, "{error}");
     assert!(simulation.steps() > 1);

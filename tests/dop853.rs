@@ -4,7 +4,7 @@ use crate::common::linked::{Rod, chain, double_pendulum};
 use crate::common::*;
 use num_bigint::BigInt;
 use rattle::Error;
-use rattle::error::StepFailure;
+use rattle::error::{MethodFailure, StepFailure};
 use rattle::links::planar::TurningLine;
 use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
@@ -190,7 +190,10 @@ fn a_collision_is_an_error_and_the_state_stays() {
     let before = simulation.state();
     let error = simulation.step().unwrap_err();
     assert!(
-        matches!(error, Error::Step { step: 2, cause: StepFailure::StepsCollapse { .. }, .. }),
+        matches!(
+            error,
+            Error::Step { step: 2, cause: StepFailure::Method(MethodFailure::StepsCollapse { .. }), .. }
+        ),
         "{error}"
     );
     assert_eq!(simulation.state(), before);
@@ -218,7 +221,10 @@ fn a_step_that_leaves_the_surface_is_an_error() {
     for h in [0.9, 1.5, 2.0] {
         let mut simulation = scene.simulate(billiard_45(), Dop853::new(h)).unwrap();
         let (before, error) = (simulation.state(), simulation.step().unwrap_err());
-        let expected = matches!(error, Error::Step { cause: StepFailure::NotProjected { .. }, .. });
+        let expected = matches!(
+            error,
+            Error::Step { cause: StepFailure::Method(MethodFailure::NotProjected { .. }), .. }
+        );
         assert!(expected, "{error}");
         assert_eq!(simulation.state(), before);
     }

@@ -2,7 +2,7 @@
 //! rigid bodies; each against an exact solution or against classical Runge–Kutta steps of the equations written by
 //! hand.
 
-use rattle::error::{Error, StepFailure};
+use rattle::error::{EffectFailure, Error, StepFailure};
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
@@ -282,7 +282,9 @@ fn stiff_and_rough() {
         let mut simulation = scene(linear, dry, edge).simulate(start(), Rattle::new(0.1)).unwrap();
         let Error::Step { step, cause, .. } = simulation.run(100).unwrap_err() else { panic!("no step") };
         let message = cause.to_string();
-        let StepFailure::FlowNotFound { effect: "Rough", position, .. } = cause else { panic!("{message}") };
+        let StepFailure::Effect(EffectFailure::FlowNotFound { effect: "Rough", position, .. }) = cause else {
+            panic!("{message}")
+        };
         assert!(step > 0 && message.contains("`Rough`"), "{message}");
         position[0]
     };

@@ -3,7 +3,7 @@
 use crate::common::*;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
 use rattle::ensemble::{Compensated, Double, Ensemble, InstructionSet, Precision, Single};
-use rattle::error::StepFailure;
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 use rattle::surfaces::Gyroid;
 use rattle::{Error, ensemble};
@@ -301,9 +301,9 @@ fn who_fails_rests_and_the_others_go_on() {
         let Error::Step { step, time, cause, .. } = error else { panic!("{error}") };
         assert!(matches!(
             cause,
-            StepFailure::StepTooLong { .. }
-                | StepFailure::RootLost { .. }
-                | StepFailure::NoConvergence { .. }
+            StepFailure::Surface(SurfaceFailure::StepTooLong { .. })
+                | StepFailure::Surface(SurfaceFailure::RootLost { .. })
+                | StepFailure::Surface(SurfaceFailure::NoConvergence { .. })
         ));
         // It rests where it was before that step, which one more step does not change.
         let mut again = scene.ensemble([start(i as u32)], Rattle::new(0.01)).unwrap();

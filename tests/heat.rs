@@ -7,7 +7,7 @@ use rattle::bodies::Many;
 use rattle::curvature::points;
 use rattle::effect::{Andersen, Effects, Flow, HardSpheres, Langevin, VelocityRescaling};
 use rattle::ensemble::InstructionSet;
-use rattle::error::StepFailure;
+use rattle::error::{MethodFailure, StepFailure};
 use rattle::links::Rod;
 use rattle::method::Method;
 use rattle::potentials::{Gravity, Harmonic, LennardJones};
@@ -324,8 +324,10 @@ fn a_bath_that_steps_do_not_resolve() {
         State::of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).with_momenta([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     let gas = Scene::on(Sphere { r: 1.0 }).bodies(2);
     let mut simulation = gas.simulate(start.clone(), NoseHoover::new(0.01, 1.0, 1.0)).unwrap();
-    let Err(rattle::Error::Step { cause: StepFailure::BathTooFast { factor, hot, .. }, .. }) =
-        simulation.run(10)
+    let Err(rattle::Error::Step {
+        cause: StepFailure::Method(MethodFailure::BathTooFast { factor, hot, .. }),
+        ..
+    }) = simulation.run(10)
     else {
         panic!("the bath is not followed")
     };

@@ -3,6 +3,7 @@
 use crate::common::lanes::Four;
 use crate::common::*;
 use rattle::bodies::{Body, One};
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
 use rattle::need::Need;
 use rattle::prelude::*;
@@ -188,6 +189,10 @@ fn a_lane_that_fails_is_told() {
         0.0,
     );
     let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut [], &mut ()).unwrap_err();
-    let rattle::error::StepFailure::StepTooLong { speed, .. } = failure.cause else { panic!("{failure:?}") };
+    let rattle::error::StepFailure::Surface(rattle::error::SurfaceFailure::StepTooLong { speed, .. }) =
+        failure.cause
+    else {
+        panic!("{failure:?}")
+    };
     assert_eq!(speed, 30.0);
 }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use rattle::composition::Coefficients;
-use rattle::error::StepFailure;
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 use rattle::{Counted, Error};
 use std::hint::black_box;
@@ -222,8 +222,12 @@ where
 fn a_failed_step_leaves_no_trace() {
     let sphere = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 }).bodies(3);
     let error = failure_leaves_no_trace(sphere, last_one_fails(), Rattle::new(0.1));
-    let Error::Step { step: 1, body: 2, cause: StepFailure::StepTooLong { reach, longest, h, .. }, .. } =
-        error
+    let Error::Step {
+        step: 1,
+        body: 2,
+        cause: StepFailure::Surface(SurfaceFailure::StepTooLong { reach, longest, h, .. }),
+        ..
+    } = error
     else {
         panic!("{error:?}")
     };

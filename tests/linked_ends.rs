@@ -1,6 +1,6 @@
 //! Motions of linked bodies that end: the error names the reason, whatever the step.
 
-use rattle::error::{Error, StepFailure};
+use rattle::error::{Error, LinkedFailure, StepFailure};
 use rattle::links::planar::Rod;
 use rattle::potentials::planar::Gravity;
 use rattle::prelude::*;
@@ -30,7 +30,9 @@ fn a_mechanism_that_branches_ends_at_the_branch() {
             let start = State::of([[c, s], [2.0 * c, 0.0]]).with_momenta([[-s, c], [-2.0 * s, 0.0]]);
             let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
             let failure = simulation.run(1_000_000).unwrap_err();
-            let Error::Step { cause: StepFailure::RankLost { sine, .. }, .. } = &failure else {
+            let Error::Step { cause: StepFailure::Linked(LinkedFailure::RankLost { sine, .. }), .. } =
+                &failure
+            else {
                 panic!("from {angle} with h = {h}: {failure}");
             };
             let crank = simulation.positions().next().unwrap();
@@ -51,7 +53,10 @@ fn a_rod_that_pulls_sideways_ends_at_the_bottom() {
             let start = State::at([angle.sin(), -angle.cos()]);
             let mut simulation = scene.simulate(start, Rattle::new(h)).unwrap();
             let failure = simulation.run(1_000_000).unwrap_err();
-            let Error::Step { time, cause: StepFailure::CannotAct { share, .. }, .. } = &failure else {
+            let Error::Step {
+                time, cause: StepFailure::Linked(LinkedFailure::CannotAct { share, .. }), ..
+            } = &failure
+            else {
                 panic!("from {angle} with h = {h}: {failure}");
             };
             assert!(*time < bottom && *time > bottom - 0.1, "from {angle} with h = {h}: {time} and {bottom}");

@@ -2,7 +2,7 @@
 
 use crate::common::linked::*;
 use crate::common::*;
-use rattle::error::{NetworkMistake, Passing, StartFailure, StepFailure};
+use rattle::error::{EffectFailure, LinkedFailure, NetworkMistake, Passing, StartFailure, StepFailure};
 use rattle::linked::Linked;
 use rattle::network::LinearAlgebra::Elimination;
 use rattle::prelude::*;
@@ -243,7 +243,7 @@ fn moving_constraints_that_part() {
     let mut simulation = scene.simulate(State::of([[0.0, 0.0], [0.6, 0.8]]), Rattle::new(0.01)).unwrap();
     let error = fails(&mut simulation, 10);
     says(&error, &["GrowingRod 0 (bodies 0, 1)", "contradicts the others", "residuals as lengths"]);
-    assert!(matches!(step_cause(error), StepFailure::Contradictory { .. }));
+    assert!(matches!(step_cause(error), StepFailure::Linked(LinkedFailure::Contradictory { .. })));
 }
 
 /// A parallelogram of equal sides branches where it is flat: it could go on as an anti-parallelogram. It is refused
@@ -271,7 +271,9 @@ fn four_bars_at_the_flat_place() {
         // Newton's method knows the flat place itself to √ε only: it may be the next step that cannot be taken.
         assert!((steps as u64 - 1..=steps as u64).contains(&simulation.steps()), "{error}");
         says(&error, &["Rod", "depend on the others", "branches here"]);
-        assert!(matches!(step_cause(error), StepFailure::RankLost { sine, .. } if sine <= 1e-6));
+        assert!(
+            matches!(step_cause(error), StepFailure::Linked(LinkedFailure::RankLost { sine, .. }) if sine <= 1e-6)
+        );
 
         // A step across it has no root that is followed from h = 0; until then the bars are parallel.
         let mut simulation = scene.simulate(start.clone(), Rattle::new(0.03)).unwrap();
@@ -299,7 +301,9 @@ fn a_multiplier_that_cannot_act() {
     says(&error, &["body 0", "Pendulum 0 (body 0)", "no longer hold", "share", "let it act on the others"]);
     let [x, y] = simulation.position_of(0);
     assert!(x.abs() < 0.25 && y < -0.96, "{x}, {y}");
-    assert!(matches!(step_cause(error), StepFailure::CannotAct { share, .. } if share < 0.25));
+    assert!(
+        matches!(step_cause(error), StepFailure::Linked(LinkedFailure::CannotAct { share, .. }) if share < 0.25)
+    );
     // y falls freely: that is what it means.
     let t = simulation.time();
     assert!((y + 0.5 * t * t).abs() <= 1e-14, "{y}, {t}");
@@ -325,14 +329,14 @@ fn a_step_too_long_says_what_passes() {
             &error,
             &["step ", "body ", "Rod ", "(bodies ", "residuals as lengths [", "|∇g| = 2.", "h·|∇²g v|/|∇g|"],
         );
-        let StepFailure::NotSolved {
+        let StepFailure::Linked(LinkedFailure::NotSolved {
             passing: Passing(Some(short)),
             turn,
             h: asked,
             gradient,
             ref residuals,
             ..
-        } = step_cause(error.clone())
+        }) = step_cause(error.clone())
         else {
             panic!("{error}")
         };
@@ -368,7 +372,7 @@ fn forces_that_are_not_finite() {
     let mut simulation = edge.simulate(start, Rattle::new(0.05)).unwrap();
     let error = fails(&mut simulation, 100);
     says(&error, &["body 2", "Edge", "check the potential's domain"]);
-    assert!(matches!(step_cause(error), StepFailure::ForceNotFinite { .. }));
+    assert!(matches!(step_cause(error), StepFailure::Effect(EffectFailure::ForceNotFinite { .. })));
     assert!(simulation.position_of(2)[0] >= 0.0);
 
     let left = State::of([[0.0, 0.0], [-1.0, 0.0], [-1.0, 1.0]]);

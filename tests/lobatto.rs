@@ -299,7 +299,7 @@ constraint! {
 
 #[test]
 fn dependent_equations_that_part_are_refused() {
-    use rattle::error::StepFailure;
+    use rattle::error::{LinkedFailure, StepFailure};
     for more in [1.0, 1e-3] {
         let scene = Scene::point()
             .link_moving(Drive { speed: 0.1 }, [[0]])
@@ -308,7 +308,10 @@ fn dependent_equations_that_part_are_refused() {
         let start = State::at([0.0, 0.0]).moving([0.1, 0.0]);
         let error = scene.simulate(start, Lobatto::<5>::new(0.01)).unwrap().step().unwrap_err();
         assert!(
-            matches!(&error, rattle::Error::Step { cause: StepFailure::Contradictory { .. }, .. }),
+            matches!(
+                &error,
+                rattle::Error::Step { cause: StepFailure::Linked(LinkedFailure::Contradictory { .. }), .. }
+            ),
             "{error}"
         );
     }

@@ -5,7 +5,7 @@ use crate::common::*;
 use nalgebra::SVector;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::effect::Effects;
-use rattle::error::StepFailure;
+use rattle::error::{EffectFailure, StepFailure};
 use rattle::prelude::*;
 use rattle::surfaces::Gyroid;
 use rattle::{Error, bodies::One};
@@ -283,7 +283,11 @@ fn a_force_that_stops_being_a_number_is_told_with_the_particle() {
             break (before, error);
         }
     };
-    let Error::Step { body: 67, cause: StepFailure::ForceNotFinite { effect: "Edge", .. }, .. } = error
+    let Error::Step {
+        body: 67,
+        cause: StepFailure::Effect(EffectFailure::ForceNotFinite { effect: "Edge", .. }),
+        ..
+    } = error
     else {
         panic!("{error}")
     };

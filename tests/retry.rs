@@ -1,7 +1,7 @@
 //! A step that cannot be taken is taken in parts, if that is asked for.
 
 use crate::common::*;
-use rattle::error::StepFailure;
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 use rattle::{Counted, Error, Geodesic};
 
@@ -67,8 +67,13 @@ fn what_cannot_be_taken_in_parts_either_is_an_error_and_leaves_no_trace() {
     let mut simulation = Scene::on(Sphere { r: 1.0 }).simulate(start, Rattle::new(0.7)).unwrap().retry(3);
     let was = simulation.state();
     let error = simulation.step().unwrap_err();
-    let Error::Retried { step: 1, halvings: 3, body: 0, cause: StepFailure::StepTooLong { h, .. }, .. } =
-        error
+    let Error::Retried {
+        step: 1,
+        halvings: 3,
+        body: 0,
+        cause: StepFailure::Surface(SurfaceFailure::StepTooLong { h, .. }),
+        ..
+    } = error
     else {
         panic!("{error}")
     };

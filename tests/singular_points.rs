@@ -15,7 +15,7 @@ use rattle::Error;
 use rattle::bodies::One;
 use rattle::effect::Effects;
 use rattle::ensemble::{Double, Precision, Single};
-use rattle::error::StepFailure;
+use rattle::error::{EffectFailure, MethodFailure, StepFailure};
 use rattle::potentials::Gravity;
 use rattle::prelude::*;
 use rattle::surfaces::{Helicoid, Lemniscate, Sphere};
@@ -126,7 +126,9 @@ fn a_pinch_gives_no_energy() {
 fn the_error_tells_where_the_energy_is_from() {
     let start = [[1.0, 0.0, 1.0], [-1.0, 1e-3, -1.0]];
     let (cause, _) = run(Cone {}, 0.0, start, Taylor::new(10, 0.1), 2.0);
-    let Some(cause @ StepFailure::EnergyFromNowhere { before, after, given, .. }) = cause else {
+    let Some(cause @ StepFailure::Method(MethodFailure::EnergyFromNowhere { before, after, given, .. })) =
+        cause
+    else {
         panic!("{cause:?}")
     };
     assert!(after > 4.0 * before && given == 0.0, "{cause}");
@@ -168,14 +170,26 @@ fn ends_where_the_force_does<S: Method>(method: &S) {
     let start = scene.project(&State::at([0.3, 0.0, 1.0]).moving([-1.0, 0.2, 0.0])).unwrap();
     let mut simulation = scene.simulate(scene.staggered(&start, method).unwrap(), method.clone()).unwrap();
     let error = simulation.run(1000).unwrap_err();
-    assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
+    assert!(
+        matches!(
+            &error,
+            Error::Step { cause: StepFailure::Effect(EffectFailure::ForceNotFinite { .. }), .. }
+        ),
+        "{error}"
+    );
     assert!(simulation.position().x >= 0.0 && simulation.energy().is_finite(), "{error}");
 
     let linked = Scene::points(2).link(rattle::links::Rod { length: 1.0 }, [[0, 1]]).with(Edge {});
     let start = State::of([[0.3, 0.0, 0.0], [0.3, 0.0, 1.0]]).moving([-1.0, 0.0, 0.0]);
     let mut simulation = linked.simulate(linked.staggered(&start, method).unwrap(), method.clone()).unwrap();
     let error = simulation.run(1000).unwrap_err();
-    assert!(matches!(&error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. }), "{error}");
+    assert!(
+        matches!(
+            &error,
+            Error::Step { cause: StepFailure::Effect(EffectFailure::ForceNotFinite { .. }), .. }
+        ),
+        "{error}"
+    );
     assert!(simulation.energy().is_finite(), "{error}");
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use rattle::Error;
-use rattle::error::StepFailure;
+use rattle::error::{MethodFailure, StepFailure};
 use rattle::prelude::*;
 
 constraint! {
@@ -186,7 +186,10 @@ fn a_collision_is_an_error_and_the_state_stays() {
     let before = simulation.state();
     let error = simulation.step().unwrap_err();
     assert!(
-        matches!(error, Error::Step { step: 3, cause: StepFailure::StepsCollapse { .. }, .. }),
+        matches!(
+            error,
+            Error::Step { step: 3, cause: StepFailure::Method(MethodFailure::StepsCollapse { .. }), .. }
+        ),
         "{error}"
     );
     assert_eq!(simulation.state(), before);
@@ -205,7 +208,13 @@ fn a_kink_at_the_start_is_an_error() {
     for method in [Taylor::new(12, 0.1), Taylor::adaptive(12, 0.1, 1e-10)] {
         let mut through = scene.simulate(at.clone().moving([1.0, 0.0, 0.1]), method).unwrap();
         let error = through.step().unwrap_err();
-        assert!(matches!(error, Error::Step { cause: StepFailure::StageNotFinite { .. }, .. }), "{error}");
+        assert!(
+            matches!(
+                error,
+                Error::Step { cause: StepFailure::Method(MethodFailure::StageNotFinite { .. }), .. }
+            ),
+            "{error}"
+        );
         let mut along = scene.simulate(at.clone().moving([1.0, 0.0, 0.0]), method).unwrap();
         along.run(10).unwrap();
         assert!(distance(along.position(), [1.0, 1.0, 0.0]) <= 1e-15);

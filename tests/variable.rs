@@ -3,7 +3,7 @@
 use crate::common::*;
 use rattle::bodies::{Body, One};
 use rattle::capability::Rates;
-use rattle::error::StepFailure;
+use rattle::error::{MethodFailure, StepFailure};
 use rattle::method::{Failure, View, Witness};
 use rattle::need::{Steps, WithRates};
 use rattle::prelude::*;
@@ -191,7 +191,9 @@ fn steps_that_go_astray_are_refused() {
         }
         assert!(simulation.time() < 200.0, "it goes astray");
     };
-    let Error::Step { cause: StepFailure::Astray { ratio, longest: 0.06 }, .. } = error else {
+    let Error::Step { cause: StepFailure::Method(MethodFailure::Astray { ratio, longest: 0.06 }), .. } =
+        error
+    else {
         panic!("{error}")
     };
     assert!(!(0.5..=1.5).contains(&ratio), "{error}");

@@ -3,6 +3,7 @@
 
 use crate::common::linked::Rod;
 use crate::common::*;
+use rattle::bill::Bill;
 use rattle::effect::{Acting, Effect, Moment};
 use rattle::lanes::Lane;
 use rattle::prelude::*;
@@ -224,11 +225,12 @@ fn boxed_simulations_are_the_same_simulations() {
     assert_eq!(boxed.momenta().collect::<Vec<_>>(), pendulum.momenta().collect::<Vec<_>>());
     assert_eq!(boxed.velocities().collect::<Vec<_>>(), pendulum.velocities().collect::<Vec<_>>());
     assert_ne!(boxed.velocities().nth(1), boxed.momenta().nth(1));
-    let numbers = |one: [f64; 7]| one.map(f64::to_bits);
+    let numbers = |one: [f64; 8]| one.map(f64::to_bits);
     assert_eq!(
         numbers([
             boxed.kinetic_energy(),
             boxed.potential_energy(),
+            boxed.temperature(),
             boxed.energy(),
             boxed.energy_error(),
             boxed.work(),
@@ -238,6 +240,7 @@ fn boxed_simulations_are_the_same_simulations() {
         numbers([
             pendulum.kinetic_energy(),
             pendulum.potential_energy(),
+            pendulum.temperature(),
             pendulum.energy(),
             pendulum.energy_error(),
             pendulum.work(),
@@ -247,6 +250,9 @@ fn boxed_simulations_are_the_same_simulations() {
     );
     assert_eq!((boxed.multipliers(), boxed.residuals()), (pendulum.multipliers(), pendulum.residuals()));
     assert_eq!(boxed.constraint_forces(), pendulum.constraint_forces());
+    assert_eq!((boxed.freedom(), boxed.effect_energies()), (pendulum.freedom(), pendulum.effect_energies()));
+    let items = |bill: Bill| bill.items.into_iter().map(|item| item.what).collect::<Vec<_>>();
+    assert_eq!(items(boxed.bill().unwrap()), items(pendulum.bill().unwrap()));
     assert_eq!((boxed.bodies(), all[1].multipliers().len(), all[1].steps()), (2, 0, 100));
     assert_eq!((boxed.momentum_time(), all[1].momentum_time()), (boxed.time(), 2.0 - 0.01));
     let mut clone = all[0].clone();

@@ -4,7 +4,7 @@ use crate::common::{Gravity, PlanarGravity, order};
 use nalgebra::{SVector, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::curvature::{Curvature, IntegralError, Measure, integrate, measure};
-use rattle::error::{Error, StepFailure};
+use rattle::error::{Error, StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 use rattle::surfaces::*;
 use rattle::view::Mesh;
@@ -274,8 +274,10 @@ fn the_longest_step_is_that_of_the_curvature() {
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 3.0, 0.0]); // along the inner equator, κ = −1
     let mut simulation = Scene::on(torus()).simulate(start, Rattle::new(0.4)).unwrap();
     let kappa = torus().normal_curvature(&simulation.position(), &simulation.momentum());
-    let Err(Error::Step { cause: StepFailure::StepTooLong { curvature, longest, .. }, .. }) =
-        simulation.step()
+    let Err(Error::Step {
+        cause: StepFailure::Surface(SurfaceFailure::StepTooLong { curvature, longest, .. }),
+        ..
+    }) = simulation.step()
     else {
         panic!("a step with h·κ·|v| = 1.2 was taken");
     };

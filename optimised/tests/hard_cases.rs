@@ -26,7 +26,7 @@
 use crate::common::*;
 use nalgebra::{Vector3, vector};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
-use rattle::error::{StartFailure, StepFailure};
+use rattle::error::{EffectFailure, StartFailure, StepFailure, SurfaceFailure};
 use rattle::potentials::Coulomb;
 use rattle::prelude::*;
 use rattle::{Counted, Error};
@@ -89,11 +89,12 @@ fn thin_tube_with_a_long_step_ends_in_an_error() {
     for h in [0.2 * r, 1.2 * r] {
         let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
         let reach = match step_failure(simulation.run(1_000_000).unwrap_err()) {
-            StepFailure::StepTooLong { reach, longest, .. } => {
+            StepFailure::Surface(SurfaceFailure::StepTooLong { reach, longest, .. }) => {
                 assert!(reach > 1.0 && longest < h);
                 reach
             }
-            StepFailure::NoConvergence { reach, .. } | StepFailure::RootLost { reach, .. } => reach,
+            StepFailure::Surface(SurfaceFailure::NoConvergence { reach, .. })
+            | StepFailure::Surface(SurfaceFailure::RootLost { reach, .. }) => reach,
             other => panic!("{other}"),
         };
         assert!(reach > 0.1, "h = {h}: {reach}");
@@ -316,7 +317,9 @@ fn a_force_that_is_not_finite_is_named() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 }).with(Rooted {});
     let mut simulation = scene.simulate(billiard(0.7), Rattle::new(0.01)).unwrap();
     let cause = step_failure(simulation.run(10_000).unwrap_err());
-    let StepFailure::ForceNotFinite { effect, force, position } = cause else { panic!("{cause}") };
+    let StepFailure::Effect(EffectFailure::ForceNotFinite { effect, force, position }) = cause else {
+        panic!("{cause}")
+    };
     assert!(
         effect.ends_with("Rooted") && force[2].is_nan() && position[2] <= 0.1,
         "{effect} {force:?} {position:?}"
@@ -416,7 +419,7 @@ fn sphere_up_to_the_solvability_limit() {
     for reach in [1.0 + 1e-12, 1.5, 1e3] {
         let h = reach * radius / speed;
         let cause = step_failure(scene.simulate(start.clone(), Rattle::new(h)).unwrap().step().unwrap_err());
-        assert!(matches!(cause, StepFailure::StepTooLong { .. }), "{cause}");
+        assert!(matches!(cause, StepFailure::Surface(SurfaceFailure::StepTooLong { .. })), "{cause}");
     }
 }
 

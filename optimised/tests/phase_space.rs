@@ -5,7 +5,7 @@ use crate::common::symplectic::defect;
 use crate::common::*;
 use rattle::bodies::{Body, One};
 use rattle::composition::*;
-use rattle::error::{PhaseMistake, StartFailure, StepFailure};
+use rattle::error::{PhaseFailure, PhaseMistake, StartFailure, StepFailure};
 use rattle::nalgebra::SVector;
 use rattle::prelude::*;
 use rattle::system::System;
@@ -523,8 +523,11 @@ fn where_the_motion_ends_there_is_an_error() {
         assert!((t - 2.589_86).abs() < 3.0 * h, "stopped at {t}");
         assert!(simulation.energy_error().abs() < h, "{:e}", simulation.energy_error());
         let Error::Step { cause, .. } = error else { panic!("{error}") };
-        use StepFailure::{NoSlide, SheetLost, Undetermined};
-        assert!(matches!(cause, Undetermined { .. } | NoSlide { .. } | SheetLost { .. }), "{cause}");
+        use PhaseFailure::{NoSlide, SheetLost, Undetermined};
+        assert!(
+            matches!(cause, StepFailure::Phase(Undetermined { .. } | NoSlide { .. } | SheetLost { .. })),
+            "{cause}"
+        );
     }
 }
 
@@ -593,5 +596,11 @@ fn steps_of_any_length_arrive_or_fail_cleanly() {
     let strong = Scene::in_phase_space(Hopf {}, Charge { b: 4.0, g: 0.3 });
     let here = strong.project(&start("C")).unwrap();
     let error = strong.simulate(here, Rattle::new(0.6)).unwrap().step().unwrap_err();
-    assert!(matches!(error, Error::Step { cause: StepFailure::ImplicitStep { h: 0.6, .. }, .. }), "{error}");
+    assert!(
+        matches!(
+            error,
+            Error::Step { cause: StepFailure::Phase(PhaseFailure::ImplicitStep { h: 0.6, .. }), .. }
+        ),
+        "{error}"
+    );
 }

@@ -6,7 +6,7 @@ use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
-use rattle::error::{StartFailure, StepFailure};
+use rattle::error::{LinkedFailure, StartFailure, StepFailure};
 use rattle::prelude::*;
 
 /// Two rods under a pin, the second one upright, as in `double_pendulum.csv`.
@@ -162,8 +162,12 @@ pub fn cases() -> Vec<Case> {
     for h in [0.02, 0.01, 0.001] {
         cases.push(branch.case(format!("parallelogram into its flat position, h = {h}"), 0.0, move || {
             let ended = parallelogram(0.0).simulate(Rattle::new(h)).and_then(|now| ends(now, 1_000_000));
-            let lost =
-                |error: &Error| matches!(error, Error::Step { cause: StepFailure::RankLost { .. }, .. });
+            let lost = |error: &Error| {
+                matches!(
+                    error,
+                    Error::Step { cause: StepFailure::Linked(LinkedFailure::RankLost { .. }), .. }
+                )
+            };
             Ok(unless(ended, lost))
         }));
     }

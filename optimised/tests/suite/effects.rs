@@ -4,7 +4,7 @@ use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::error::{StartFailure, StepFailure};
+use rattle::error::{EffectFailure, StartFailure, StepFailure};
 use rattle::nalgebra::Vector2;
 use rattle::prelude::*;
 
@@ -189,6 +189,8 @@ fn over_the_edge(h: f64) -> Measured {
     let mut simulation = scene.simulate(start, Rattle::new(h))?.boxed();
     let ended = simulation.run(10_000);
     let finite = place(&simulation).x >= 0.0 && simulation.energy().is_finite() && simulation.steps() > 0;
-    let told = |error: &Error| matches!(error, Error::Step { cause: StepFailure::ForceNotFinite { .. }, .. });
+    let told = |error: &Error| {
+        matches!(error, Error::Step { cause: StepFailure::Effect(EffectFailure::ForceNotFinite { .. }), .. })
+    };
     Ok(unless(ended, told) + f64::from(!finite))
 }

@@ -3,7 +3,7 @@
 use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::*;
 use rattle::Error;
-use rattle::error::{StartFailure, StepFailure};
+use rattle::error::{StartFailure, StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 
 fn refused(simulation: Result<BoxedSimulation<3>, Error>, meant: fn(&Error) -> bool) -> f64 {
@@ -184,7 +184,7 @@ fn on_with_a_shorter_step() -> Measured {
     let start = at([1.0, 0.0, 0.0], [0.0, 0.6, 0.8]);
     let mut long = on(sphere(1.0), 1.0, start.clone(), Rattle::new(1.5))?;
     let failed = unless(long.step(), |error| {
-        matches!(error, Error::Step { cause: StepFailure::StepTooLong { .. }, .. })
+        matches!(error, Error::Step { cause: StepFailure::Surface(SurfaceFailure::StepTooLong { .. }), .. })
     });
     let mut short = on(sphere(1.0), 1.0, long.state(), Rattle::new(0.01))?;
     let mut fresh = on(sphere(1.0), 1.0, start, Rattle::new(0.01))?;

@@ -5,7 +5,7 @@ use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::error::StartFailure::OutOfScale;
-use rattle::error::StepFailure;
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::prelude::*;
 
 pub fn cases() -> Vec<Case> {
@@ -163,7 +163,10 @@ fn circle(radius: f64, speed: f64) -> Measured {
 fn refused_or_right(radius: f64) -> f64 {
     match circle(radius, 1.0) {
         Ok(error) => f64::from(error.is_nan() || error > 20.0 * E),
-        Err(Error::Start { .. } | Error::Step { cause: StepFailure::OutOfScale { .. }, .. }) => 0.0,
+        Err(
+            Error::Start { .. }
+            | Error::Step { cause: StepFailure::Surface(SurfaceFailure::OutOfScale { .. }), .. },
+        ) => 0.0,
         Err(error) => {
             println!("instead: {error}");
             1.0

@@ -6,7 +6,7 @@ use crate::suite::scenes::{E, apart, ends, larger, largest, unless};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
 use rattle::composition::SOFRONIOU_SPALETTA_2005_ORDER_10;
-use rattle::error::{PhaseMistake, StartFailure, StepFailure};
+use rattle::error::{PhaseFailure, PhaseMistake, StartFailure, StepFailure};
 use rattle::prelude::*;
 
 phase_constraint! {
@@ -206,8 +206,8 @@ fn impasse(h: f64) -> Measured {
 
 fn no_multiplier(error: &Error) -> bool {
     let Error::Step { cause, .. } = error else { return false };
-    use StepFailure::{NoSlide, SheetLost, Undetermined};
-    matches!(cause, Undetermined { .. } | NoSlide { .. } | SheetLost { .. })
+    use PhaseFailure::{NoSlide, SheetLost, Undetermined};
+    matches!(cause, StepFailure::Phase(Undetermined { .. } | NoSlide { .. } | SheetLost { .. }))
 }
 
 fn mistaken<T>(result: Result<T, Error>, meant: impl Fn(&PhaseMistake) -> bool) -> f64 {

@@ -5,7 +5,7 @@ use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::{E, ends, larger, largest, relative_energy, unless};
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
-use rattle::error::StepFailure;
+use rattle::error::{RigidFailure, StepFailure};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 
@@ -145,8 +145,12 @@ pub fn cases() -> Vec<Case> {
     for h in [1.3, 10.0, 1000.0] {
         cases.push(long.case(format!("steps of {h} where a radian takes 0.5"), 0.0, move || {
             let run = turning(UNEVEN, 0.0, [1.8, 0.4, -0.9], Rattle::new(h)).and_then(|now| ends(now, 100));
-            let far =
-                |error: &Error| matches!(error, Error::Step { cause: StepFailure::TurnsTooFar { .. }, .. });
+            let far = |error: &Error| {
+                matches!(
+                    error,
+                    Error::Step { cause: StepFailure::Rigid(RigidFailure::TurnsTooFar { .. }), .. }
+                )
+            };
             Ok(unless(run, far))
         }));
     }

@@ -5,7 +5,7 @@ use crate::suite::case::{Case, Kind, Measured};
 use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
-use rattle::error::StepFailure;
+use rattle::error::{StepFailure, SurfaceFailure};
 use rattle::links::planar::TurningLine;
 use rattle::prelude::*;
 
@@ -146,8 +146,9 @@ fn refused(reach: f64) -> f64 {
     let mut simulation = on(sphere(1.0), 0.0, start.clone(), Rattle::new(reach)).unwrap();
     let step = simulation.step();
     let same = apart(&simulation.state(), &start) == 0.0 && simulation.steps() == 0;
-    let told =
-        unless(step, |error| matches!(error, Error::Step { cause: StepFailure::StepTooLong { .. }, .. }));
+    let told = unless(step, |error| {
+        matches!(error, Error::Step { cause: StepFailure::Surface(SurfaceFailure::StepTooLong { .. }), .. })
+    });
     told + f64::from(!same)
 }
 

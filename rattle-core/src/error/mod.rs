@@ -20,7 +20,9 @@ pub use price::{Limit, PriceMistake};
 pub use record::RecordMistake;
 pub(crate) use sizes::expect_variables;
 pub use start::StartFailure;
-pub use step::StepFailure;
+pub use step::{
+    EffectFailure, LinkedFailure, MethodFailure, PhaseFailure, RigidFailure, StepFailure, SurfaceFailure,
+};
 
 use numbers::many;
 use std::fmt;

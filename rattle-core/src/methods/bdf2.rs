@@ -20,7 +20,7 @@
 //!
 //! Source: E. Hairer, G. Wanner, *Solving Ordinary Differential Equations II*, VII.3.
 
-use crate::error::StepFailure;
+use crate::error::MethodFailure;
 use crate::methods::rattle;
 use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::Rates;
@@ -223,7 +223,8 @@ impl Bdf2 {
             }
             let hopeless = !worst.is_finite() || (iteration > 10 && contraction > 0.95);
             if hopeless || iteration == MAX_ITERATIONS {
-                let cause = StepFailure::ImplicitNotSolved { h: self.h, iterations: iteration, left: worst };
+                let cause =
+                    MethodFailure::ImplicitNotSolved { h: self.h, iterations: iteration, left: worst }.into();
                 return Err(Failure { body: slowest, cause });
             }
             last = worst;

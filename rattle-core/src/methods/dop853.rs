@@ -13,7 +13,7 @@
 //! Source: E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, II.5 and II.10;
 //! coefficients as published with their program.
 
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, MethodFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
@@ -163,7 +163,7 @@ impl Dop853 {
                 stages = Stages::begin(system, bodies, saved, room, &mut ());
             } else {
                 if inner.abs() * fitting < SMALLEST_PART * self.h.abs() {
-                    let cause = StepFailure::StepsCollapse { inner, h: self.h, error, tolerance };
+                    let cause = MethodFailure::StepsCollapse { inner, h: self.h, error, tolerance }.into();
                     return Err(Failure { body, cause });
                 }
                 inner *= fitting.min(SAFETY);
@@ -285,7 +285,7 @@ impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
             let (v, f) = self.combined(WEIGHTS, body);
             let finite = dot(&v, &v).lanes().chain(dot(&f, &f).lanes()).all(f64::is_finite);
             if !finite {
-                return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
+                return Err(Failure { body, cause: MethodFailure::StageNotFinite { h }.into() });
             }
             let (start, increment, impulse) = (self.start.body(body), scaled(step, &v), scaled(step, &f));
             (bodies.q.as_mut()[body], bodies.q_low.as_mut()[body]) =

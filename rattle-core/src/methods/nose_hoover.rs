@@ -11,7 +11,7 @@
 //!
 //! Source: G. Martyna, M. Tuckerman, D. Tobias, M. Klein, Mol. Phys. 87 (1996) 1117.
 
-use crate::error::{EffectMistake, Error, StepFailure};
+use crate::error::{EffectMistake, Error, MethodFailure};
 use crate::methods::rattle;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Newton;
@@ -126,7 +126,7 @@ impl NoseHoover {
             factor.lanes().zip(start.lanes()).find(|(factor, _)| !(1e-3..=1e3).contains(factor))
         {
             let hot = 2.0 * start / (freedom * self.temperature);
-            let cause = StepFailure::BathTooFast { factor, h: self.h, time: self.time, hot };
+            let cause = MethodFailure::BathTooFast { factor, h: self.h, time: self.time, hot }.into();
             return Err(Failure { body: 0, cause });
         }
         for (p, low) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()) {

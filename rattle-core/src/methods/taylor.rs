@@ -17,7 +17,7 @@
 //!
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, MethodFailure};
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::capability::{Rates, Series};
 use crate::motion::failure::Failure;
@@ -148,11 +148,12 @@ impl Taylor {
             let (longest, body) = self.longest(bodies, series, tolerance);
             let collapsed = longest < SMALLEST_PART * self.h.abs();
             if longest.is_nan() {
-                return Err(Failure { body, cause: StepFailure::StageNotFinite { h: self.h } });
+                return Err(Failure { body, cause: MethodFailure::StageNotFinite { h: self.h }.into() });
             }
             if collapsed {
                 let inner = longest.copysign(self.h);
-                let cause = StepFailure::StepsCollapse { inner, h: self.h, error: tolerance, tolerance };
+                let cause =
+                    MethodFailure::StepsCollapse { inner, h: self.h, error: tolerance, tolerance }.into();
                 return Err(Failure { body, cause });
             }
             let last = longest >= left.abs();
@@ -213,7 +214,7 @@ impl Taylor {
             }
             let finite = dot(&way, &way).lanes().chain(dot(&change, &change).lanes()).all(f64::is_finite);
             if !finite {
-                return Err(Failure { body, cause: StepFailure::StageNotFinite { h } });
+                return Err(Failure { body, cause: MethodFailure::StageNotFinite { h }.into() });
             }
             let impulse = motion.expanded_impulse(bodies, body, h);
             let impulse = impulse.unwrap_or_else(|| rates.momentum(body, &change));

@@ -28,7 +28,7 @@
 //!
 //! Source: E. Hairer, G. Söderlind, SIAM J. Sci. Comput. 26 (2005) 1838.
 
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, MethodFailure};
 use crate::methods::rattle;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
@@ -199,7 +199,7 @@ impl<B: Method> Method for Variable<B> {
         let [density, scale, slope] = [1, 2, 3].map(|i| first(memory[i]));
         let longest = self.step_size();
         let middle = density + 0.5 * longest * slope;
-        let astray = |ratio| Err(Failure { body: 0, cause: StepFailure::Astray { ratio, longest } });
+        let astray = |ratio| Err(Failure { body: 0, cause: MethodFailure::Astray { ratio, longest }.into() });
         if middle.is_nan() || middle <= 0.0 {
             return astray(middle / density);
         }

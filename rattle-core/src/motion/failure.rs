@@ -3,7 +3,7 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EquationAt, StepFailure};
+use crate::error::{EffectFailure, EquationAt, StepFailure};
 use crate::kernel::kinks::Kink;
 use crate::number::real::{Mask, Real};
 use crate::number::vector::dot;
@@ -55,7 +55,10 @@ impl Failure {
         for body in bodies {
             if let Some((effect, force)) = effects.culprit(at, body) {
                 let (force, position) = (numbers(&force, lane), numbers(&at.positions[body], lane));
-                return Some(Self { body, cause: StepFailure::ForceNotFinite { effect, force, position } });
+                return Some(Self {
+                    body,
+                    cause: EffectFailure::ForceNotFinite { effect, force, position }.into(),
+                });
             }
         }
         None

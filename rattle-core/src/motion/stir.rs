@@ -8,7 +8,7 @@
 
 use crate::effect::interval::{Half, Manner, Rule};
 use crate::effect::noise::Noise;
-use crate::error::StepFailure;
+use crate::error::EffectFailure;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View};
@@ -234,7 +234,7 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 let (effect, q) = (system.flow_manner(self.number).1, bodies.q.as_ref()[body]);
                 let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
                 let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
-                let cause = StepFailure::FlowNotFound { effect, h, momentum, position };
+                let cause = EffectFailure::FlowNotFound { effect, h, momentum, position }.into();
                 return Err(Failure { body, cause });
             }
         }
@@ -306,7 +306,7 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             }
             improve([impulses, lacks], [impulses_before, lacks_before], iteration > 0);
         }
-        Err(Failure { body: 0, cause: StepFailure::FlowTooLong { effect, h } })
+        Err(Failure { body: 0, cause: EffectFailure::FlowTooLong { effect, h }.into() })
     }
 
     fn put_back(&self, bodies: &mut BodiesOf<Y, T, D>) {

@@ -183,7 +183,7 @@ pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// without forces does nothing.
     ///
     /// # Errors
-    /// [`StepFailure::ForceNotFinite`](crate::error::StepFailure::ForceNotFinite).
+    /// [`EffectFailure::ForceNotFinite`](crate::error::EffectFailure::ForceNotFinite).
     fn check_forces(&self, _bodies: &BodiesOf<Self, T, D>) -> Result<(), Failure> {
         Ok(())
     }

@@ -5,6 +5,7 @@ use crate::motion::method::Method;
 use crate::motion::record::Record;
 use crate::motion::state::State;
 use crate::motion::system::System;
+use crate::run::bill::Bill;
 use crate::run::simulation::Simulation;
 use crate::run::watch::observer::Observer;
 use nalgebra::SVector;
@@ -62,7 +63,10 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
     fn body(&self, body: usize) -> [SVector<f64, D>; 3];
     fn state(&self) -> State<D>;
     fn kinetic_energy(&self) -> f64;
+    fn freedom(&self) -> usize;
+    fn temperature(&self) -> f64;
     fn potential_energy(&self) -> f64;
+    fn effect_energies(&self) -> Vec<f64>;
     fn energy_error(&self) -> f64;
     fn work(&self) -> f64;
     fn events(&self) -> u64;
@@ -72,6 +76,7 @@ trait AnySimulation<const D: usize>: Send + Sync + fmt::Debug {
     fn cotangent_residual(&self) -> f64;
     fn multipliers(&self) -> Vec<f64>;
     fn constraint_forces(&self) -> Vec<SVector<f64, D>>;
+    fn bill(&self) -> Result<Bill, Error>;
 }
 
 impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
@@ -119,8 +124,17 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     fn kinetic_energy(&self) -> f64 {
         self.kinetic_energy()
     }
+    fn freedom(&self) -> usize {
+        self.freedom()
+    }
+    fn temperature(&self) -> f64 {
+        self.temperature()
+    }
     fn potential_energy(&self) -> f64 {
         self.potential_energy()
+    }
+    fn effect_energies(&self) -> Vec<f64> {
+        self.effect_energies()
     }
     fn energy_error(&self) -> f64 {
         self.energy_error()
@@ -148,6 +162,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> AnySimulation<D> for Simulati
     }
     fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         self.constraint_forces()
+    }
+    fn bill(&self) -> Result<Bill, Error> {
+        self.bill()
     }
 }
 
@@ -283,10 +300,28 @@ impl<const D: usize> BoxedSimulation<D> {
         self.0.kinetic_energy()
     }
 
+    /// The number of independent momenta, see [`Simulation::freedom`].
+    #[must_use]
+    pub fn freedom(&self) -> usize {
+        self.0.freedom()
+    }
+
+    /// The temperature kT of the present momenta, an energy; see [`Simulation::temperature`].
+    #[must_use]
+    pub fn temperature(&self) -> f64 {
+        self.0.temperature()
+    }
+
     /// Potential energy U of all effects.
     #[must_use]
     pub fn potential_energy(&self) -> f64 {
         self.0.potential_energy()
+    }
+
+    /// U of each effect in the order of the scene, see [`Simulation::effect_energies`].
+    #[must_use]
+    pub fn effect_energies(&self) -> Vec<f64> {
+        self.0.effect_energies()
     }
 
     /// Energy H = K + U.
@@ -347,6 +382,14 @@ impl<const D: usize> BoxedSimulation<D> {
     #[must_use]
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
         self.0.constraint_forces()
+    }
+
+    /// What a step costs at the present state, item by item; see [`Simulation::bill`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn bill(&self) -> Result<Bill, Error> {
+        self.0.bill()
     }
 }
 

@@ -5,7 +5,7 @@
 //! explicit method does not see the constraint inside its step: near a singular point, where normals turn abruptly, it
 //! may end anywhere, and is projected from there. Then the energy jumps.
 
-use crate::error::StepFailure;
+use crate::error::MethodFailure;
 use crate::motion::bodies::Saved;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
@@ -63,5 +63,5 @@ fn account<Y: System<f64, D>, const D: usize>(
     let energy = |body: usize| dot(&now.p.as_ref()[body], &system.velocity(now, body));
     let bodies = 0..now.p.as_ref().len();
     let body = bodies.fold(0, |most, body| if energy(body) > energy(most) { body } else { most });
-    Err(Failure { body, cause: StepFailure::EnergyFromNowhere { h, before: was, after: is, given } })
+    Err(Failure { body, cause: MethodFailure::EnergyFromNowhere { h, before: was, after: is, given }.into() })
 }

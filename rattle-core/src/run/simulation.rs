@@ -1,7 +1,7 @@
 //! Simulations: a scene in motion.
 
 use crate::effect::noise::Noise;
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, StepFailure, SurfaceFailure};
 use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::{Bodies, Saved};
 use crate::motion::failure::Failure;
@@ -448,7 +448,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if let Trouble::Failed(failure) = trouble
             && !matches!(
                 failure.cause,
-                StepFailure::StepTooLong { .. } | StepFailure::OutOfScale { .. } | StepFailure::Rests { .. }
+                StepFailure::Surface(SurfaceFailure::StepTooLong { .. } | SurfaceFailure::OutOfScale { .. })
+                    | StepFailure::Rests { .. }
             )
         {
             self.look_for_kinks(failure);

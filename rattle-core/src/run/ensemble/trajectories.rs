@@ -306,6 +306,30 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
+    /// Takes steps as long as `go_on` returns true for the ensemble, at most `steps`; returns how many were taken. It is
+    /// asked before the first step and after every `every` steps.
+    ///
+    /// ```
+    /// # use rattle::{Scene, State, Rattle};
+    /// let starts = (1..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
+    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.1))?;
+    /// let steps = ensemble.run_while(1_000_000, 10, |now| now.state(0).positions().all(|q| q.x < 4.5));
+    /// assert_eq!(steps, 50);
+    /// # Ok::<(), rattle::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If `every` is 0.
+    #[doc(alias = "stop early")]
+    pub fn run_while(&mut self, steps: u64, every: u64, mut go_on: impl FnMut(&Self) -> bool) -> u64 {
+        assert!(every > 0, "an ensemble is asked after every 1 or more steps");
+        let begun = self.steps;
+        while self.steps - begun < steps && go_on(self) {
+            self.run(every.min(steps - (self.steps - begun)));
+        }
+        self.steps - begun
+    }
+
     /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps.
     ///
     /// `new` makes an observer for each group of trajectories that are computed together; these observers are joined in

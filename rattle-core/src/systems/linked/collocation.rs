@@ -14,7 +14,7 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
+use crate::error::{LinkedFailure, MethodFailure};
 use crate::motion::bodies::Count;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
@@ -100,9 +100,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let equation = self.shape.equation_at(c, row);
         let body = equation.bodies[0];
         let cause = if bodies.kept.tied.solvers[c].rank(rows) < rows.equations() {
-            StepFailure::Contradictory { equation, residuals: [off].into_iter().collect() }
+            LinkedFailure::Contradictory { equation, residuals: [off].into_iter().collect() }.into()
         } else {
-            StepFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }
+            MethodFailure::StagesNotSolved { h, stages, iterations: MAX_ITERATIONS, left }.into()
         };
         Err(Failure { body, cause })
     }
@@ -253,12 +253,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     }
                 }
                 let cause =
-                    StepFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst };
+                    MethodFailure::StagesNotSolved { h, stages: S, iterations: iteration + 1, left: worst }
+                        .into();
                 return Err(Failure { body: 0, cause });
             }
             last = worst;
         }
-        let cause = StepFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last };
+        let cause = MethodFailure::StagesNotSolved { h, stages: S, iterations: patience, left: last }.into();
         Err(Failure { body: 0, cause })
     }
 

@@ -2,7 +2,7 @@
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EquationAt, Passing, StepFailure};
+use crate::error::{EquationAt, LinkedFailure, Passing, StepFailure};
 use crate::kernel::kinks::Kink;
 use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
@@ -47,7 +47,7 @@ impl<const D: usize> Flight<'_, D> {
         let because = |cause| Failure { body, cause };
         let share = acting_share(self.shape, self.component, row, blocks);
         if rows.acting && share < LITTLE_SHARE {
-            return because(StepFailure::CannotAct { equation, share });
+            return because(LinkedFailure::CannotAct { equation, share }.into());
         }
         let square: f64 = rows.touched_by(row).map(|(block, _)| dot(&blocks[block], &blocks[block])).sum();
         let first = residuals.first().copied().unwrap_or(f64::NAN);
@@ -79,14 +79,14 @@ impl<const D: usize> Flight<'_, D> {
         if independent && !rows.acting && (ahead || here) {
             let equation = self.shape.equation_at(self.component, weakest);
             let body = equation.bodies[0];
-            return Failure { body, cause: StepFailure::RankLost { equation, sine } };
+            return Failure { body, cause: LinkedFailure::RankLost { equation, sine }.into() };
         }
         let residuals = residuals.into_iter().collect();
         because(if landing.contradictory {
-            StepFailure::Contradictory { equation, residuals }
+            LinkedFailure::Contradictory { equation, residuals }.into()
         } else {
             let gradient = square.sqrt();
-            StepFailure::NotSolved {
+            LinkedFailure::NotSolved {
                 equation,
                 path,
                 residuals,
@@ -95,6 +95,7 @@ impl<const D: usize> Flight<'_, D> {
                 h: self.h,
                 passing: Passing(passing),
             }
+            .into()
         })
     }
 }
@@ -125,9 +126,9 @@ impl<Fo, const D: usize> Tied<Fo, D> {
         let cause = if !square.is_finite() {
             StepFailure::ConstraintNotFinite { position: q[body].to_vec() }
         } else if component.rows.acting {
-            StepFailure::CannotAct { equation, share: acting_share(shape, c, row, blocks) }
+            LinkedFailure::CannotAct { equation, share: acting_share(shape, c, row, blocks) }.into()
         } else {
-            StepFailure::RankLost { equation, sine }
+            LinkedFailure::RankLost { equation, sine }.into()
         };
         Err(Failure { body, cause })
     }

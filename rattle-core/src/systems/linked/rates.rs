@@ -2,7 +2,7 @@
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
-use crate::error::StepFailure;
+use crate::error::{MethodFailure, StepFailure};
 use crate::motion::bodies::Count;
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
@@ -78,7 +78,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Rates<N, Kept<F, D>, f64, D> f
                 if lost {
                     let body = shape.equation_at(c, worst).bodies[0];
                     return Err(if distance.is_finite() {
-                        Failure { body, cause: StepFailure::NotProjected { distance, path } }
+                        Failure { body, cause: MethodFailure::NotProjected { distance, path }.into() }
                     } else {
                         let position = bodies.q.as_ref()[body].to_vec();
                         Failure { body, cause: StepFailure::ConstraintNotFinite { position } }

@@ -8,7 +8,7 @@
 //! The unknown that is followed is Λ = s σ after the fraction s of a step: like the displacement by a constraint on a
 //! surface it is proportional to s², and the error of its guess to s³.
 
-use crate::error::StepFailure;
+use crate::error::{PhaseFailure, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::number::vector::dot;
 use crate::solve::aim::{GROWTH, INSIDE, INSIDE_PARTS, LITTLE_OFF, ROUNDINGS, grows_to};
@@ -79,7 +79,7 @@ where
         let slid = slide(self.constraint, start, sigma).ok_or_else(|| too_far(h))?;
         let kicked = start.plus(&self.low.plus(&slid));
         let step = Verlet::of(self.energy, h, &kicked);
-        let step = step.ok_or_else(|| StepFailure::ImplicitStep { h, position: start.q.to_vec() })?;
+        let step = step.ok_or_else(|| PhaseFailure::ImplicitStep { h, position: start.q.to_vec() })?;
         let change = slid.plus(&step.change);
         let at = start.plus(&self.low.plus(&change));
         let level = Level::of(self.constraint, &at, &start.reach(&change));
@@ -171,7 +171,7 @@ where
         match (self.follow(attempt.as_ref().ok(), &kept.slopes), attempt) {
             (Ok(followed), Ok(landing)) if self.are_the_same(&followed, &landing) => Ok(landing),
             (Ok(followed), _) => Ok(Landing { off: [f64::NAN; M], ..followed }),
-            (Err(share), Ok(_)) => Err(StepFailure::SheetLost { share, h: self.h }),
+            (Err(share), Ok(_)) => Err(PhaseFailure::SheetLost { share, h: self.h }.into()),
             (Err(_), Err(cause)) => Err(cause),
         }
     }

@@ -1,6 +1,6 @@
 //! The halves of a step in phase space: along fibres to g = 0 and to {g, H} = 0.
 
-use crate::error::{History, PhaseMistake, StartFailure, StepFailure};
+use crate::error::{History, PhaseFailure, PhaseMistake, StartFailure, StepFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::start::START_TOLERANCE;
@@ -53,7 +53,7 @@ pub(super) fn solve_along<X, const D: usize, const M: usize>(
         let correction = slopes(&seen).and_then(|slopes| solve(slopes, seen.value));
         let Some(correction) = correction.filter(|_| k + 1 < MAX_CORRECTIONS) else {
             let residuals = residuals[..=k].iter().copied().collect();
-            return Err(StepFailure::NoSlide { equation, residuals, h });
+            return Err(PhaseFailure::NoSlide { equation, residuals, h }.into());
         };
         sigma = from_fn(|i| sigma[i] - correction[i]);
         last = roundings;
@@ -173,7 +173,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
                 let slid = self.slide_to_hidden(0.0, &body);
                 return match slid {
                     Ok((_, change, _)) => Ok(at.plus(&change)),
-                    Err(StepFailure::NoSlide { equation, residuals, .. }) => {
+                    Err(StepFailure::Phase(PhaseFailure::NoSlide { equation, residuals, .. })) => {
                         Err(StartFailure::Phase(PhaseMistake::NoSlide { equation, residuals }))
                     }
                     Err(_) => Err(StartFailure::NoProjection { distances: distances.into_iter().collect() }),
@@ -193,7 +193,7 @@ impl<K, H, N, const M: usize> InPhaseSpace<K, H, N, M> {
 /// A slide that leads out of the domain of g, or many times around.
 #[cold]
 pub(super) fn too_far(h: f64) -> StepFailure {
-    StepFailure::NoSlide { equation: 0, residuals: History::default(), h }
+    PhaseFailure::NoSlide { equation: 0, residuals: History::default(), h }.into()
 }
 
 #[cold]
@@ -202,7 +202,7 @@ pub(super) fn not_finite<const D: usize>(start: &Point<D>, change: &Point<D>) ->
     if change.q.iter().chain(&change.p).all(|x| x.is_finite()) {
         StepFailure::ConstraintNotFinite { position }
     } else {
-        StepFailure::HamiltonianNotFinite { position, momentum }
+        PhaseFailure::HamiltonianNotFinite { position, momentum }.into()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The operations of a [`System`] in phase space.
 
-use crate::error::{Error, StepFailure};
+use crate::error::{Error, PhaseFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::Never;
@@ -82,7 +82,8 @@ where
             let body = bodies.body(number);
             let fail = |cause| Failure { body: number, cause };
             let guess = self.hidden(&Point::high(&body)).multipliers();
-            let guess = guess.ok_or_else(|| fail(StepFailure::Undetermined { change: f64::INFINITY, h }))?;
+            let guess =
+                guess.ok_or_else(|| fail(PhaseFailure::Undetermined { change: f64::INFINITY, h }.into()))?;
             let departure = Departure {
                 constraint: &self.constraint,
                 energy: &self.energy,
@@ -116,7 +117,7 @@ where
             let (sigma, change, slopes) = self.slide_to_hidden(h, &bodies.body(number)).map_err(fail)?;
             let turned = turn(&bodies.kept.bodies.as_ref()[number].slopes, &slopes);
             if turned > TURN {
-                return Err(fail(StepFailure::Undetermined { change: turned, h }));
+                return Err(fail(PhaseFailure::Undetermined { change: turned, h }.into()));
             }
             for (i, sigma) in sigma.into_iter().enumerate() {
                 witness.momentum_multiplier(number * M + i, sigma / (0.5 * h));

@@ -12,7 +12,7 @@
 //! so what rounding takes from the numbers of the moments of inertia is kept beside them, and they belong to one body,
 //! whose moments are the inverses of the rounded 1/(2J).
 
-use crate::error::{Passing, StepFailure};
+use crate::error::{Passing, RigidFailure, StepFailure};
 use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use nalgebra::Vector3;
@@ -253,5 +253,5 @@ pub(crate) fn too_fast(moments: &Moments<f64>, h: f64, m: &[f64; 3]) -> StepFail
     let ahead = |h: f64| moments.ahead(&scaled(h, m));
     let turn = 2.0 * Vector3::from(ahead(h)).norm();
     let passing = (1..HALVINGS).map(|k| h * 0.5_f64.powi(k)).find(|&h| moments.rotation(&ahead(h)).is_some());
-    StepFailure::TurnsTooFar { turn, h, passing: Passing(passing) }
+    RigidFailure::TurnsTooFar { turn, h, passing: Passing(passing) }.into()
 }

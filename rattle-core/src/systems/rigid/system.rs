@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::interval::{Inertia, Interval, Manner};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, StepFailure};
+use crate::error::{EffectMistake, MethodFailure, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
@@ -279,7 +279,7 @@ impl<F: Forces<f64, 9>, N: Count> Rates<N, Kept<F>, f64, 9> for Turning<F, N> {
                     break;
                 }
                 if lost {
-                    let cause = StepFailure::NotProjected { distance, path };
+                    let cause = MethodFailure::NotProjected { distance, path }.into();
                     return Err(Failure { body: number, cause });
                 }
                 place.straighten(&deviation);

@@ -2,7 +2,7 @@
 
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::StepFailure;
+use crate::error::{MethodFailure, StepFailure, SurfaceFailure};
 use crate::motion::failure::{Failure, numbers};
 use crate::number::real::{Mask, Real};
 use crate::number::vector::dot;
@@ -34,13 +34,13 @@ impl FailureAt {
     /// The stages of a collocation method did not converge.
     #[cold]
     pub(crate) fn unsolved(&self, h: f64, stages: usize, iterations: usize, left: f64) -> Failure {
-        self.because(StepFailure::StagesNotSolved { h, stages, iterations, left })
+        self.because(MethodFailure::StagesNotSolved { h, stages, iterations, left }.into())
     }
 
     /// Successive stages are on different sides of the surface.
     #[cold]
     pub(crate) fn turned_over(&self, h: f64, stages: usize) -> Failure {
-        self.because(StepFailure::StagesTurnOver { h, stages })
+        self.because(SurfaceFailure::StagesTurnOver { h, stages }.into())
     }
 
     /// The end of the step is too far from the constraint.
@@ -53,7 +53,7 @@ impl FailureAt {
     ) -> Failure {
         let (distance, path) = (self.number(distance), self.number(dot(path, path)).sqrt());
         self.because(if distance.is_finite() {
-            StepFailure::NotProjected { distance, path }
+            MethodFailure::NotProjected { distance, path }.into()
         } else {
             StepFailure::ConstraintNotFinite { position: self.numbers(q) }
         })
@@ -93,9 +93,9 @@ impl FailureAt {
         let reach = h.abs() * curvature * speed;
         self.no_normal(departure.q, &departure.normal.gradient).unwrap_or_else(|| {
             self.because(if reach < 0.99 {
-                StepFailure::OutOfScale { reach, curvature, speed } // a product that overflows is not below 1
+                SurfaceFailure::OutOfScale { reach, curvature, speed }.into() // a product that overflows is not below 1
             } else if reach.is_finite() {
-                StepFailure::StepTooLong { h, reach, curvature, speed, longest: h.abs() / reach }
+                SurfaceFailure::StepTooLong { h, reach, curvature, speed, longest: h.abs() / reach }.into()
             } else {
                 StepFailure::ConstraintNotFinite { position: self.numbers(departure.q) }
             })
@@ -121,13 +121,16 @@ impl FailureAt {
         }
         let path = self.number(dot(&departure.free, &departure.free)).sqrt();
         if !landing.converged.lanes().nth(self.lane).unwrap_or(false) {
-            return self.because(StepFailure::NoConvergence {
-                path,
-                corrections: corrections.into_iter().collect(),
-                floor: self.number(landing.floor),
-                gradient,
-                reach,
-            });
+            return self.because(
+                SurfaceFailure::NoConvergence {
+                    path,
+                    corrections: corrections.into_iter().collect(),
+                    floor: self.number(landing.floor),
+                    gradient,
+                    reach,
+                }
+                .into(),
+            );
         }
         let arrival = departure.point(landing.multiplier);
         if let Some(failure) = self.no_normal(&arrival, &landing.gradient) {
@@ -136,7 +139,7 @@ impl FailureAt {
         let after = self.number(dot(&landing.gradient, &landing.gradient)).sqrt();
         let cosine = self.number(dot(&landing.gradient, &departure.normal.gradient)) / (gradient * after);
         let correction = self.number(landing.multiplier).abs() * gradient;
-        self.because(StepFailure::RootLost { cosine, correction, path, reach })
+        self.because(SurfaceFailure::RootLost { cosine, correction, path, reach }.into())
     }
 
     /// The momentum is not finite: a force or a normal is not.

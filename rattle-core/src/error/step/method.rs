@@ -1,0 +1,113 @@
+//! Errors of steps: why a method could not take its step, whatever it moves.
+
+/// Why a method could not take its step, whatever it moves.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MethodFailure {
+    /// The step density ρ of [variable steps](crate::methods::variable) is no longer near its target R.
+    #[error(
+        "steps have gone astray: their density is {ratio:.3} times what the momenta's change asks for, and must stay within 0.5 \
+         and 1.5; try a longest step below {longest:.3e}"
+    )]
+    Astray {
+        /// ρ/R.
+        ratio: f64,
+        /// The longest step ε.
+        longest: f64,
+    },
+    /// The stages of a collocation method were not solved to rounding.
+    #[error(
+        "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
+         {left:.1e} roundings; try a smaller step"
+    )]
+    StagesNotSolved {
+        /// The step size.
+        h: f64,
+        /// The number of stages.
+        stages: usize,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in units of the rounding of the position.
+        left: f64,
+    },
+    /// A step of a projected method (`Taylor`, `Dop853`) ended too far from the constraints to be projected onto them.
+    #[error(
+        "the step leads {distance:.3e} off the constraint, on a way of {path:.3e}, and cannot be brought back; try a smaller \
+         step or tolerance"
+    )]
+    NotProjected {
+        /// The distance, to first order.
+        distance: f64,
+        /// The path h|v|.
+        path: f64,
+    },
+    /// The equations of an implicit step were not solved to rounding.
+    #[error(
+        "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
+         move by {left:.1e} roundings; try a smaller step"
+    )]
+    ImplicitNotSolved {
+        /// The step size.
+        h: f64,
+        /// Iterations made.
+        iterations: usize,
+        /// The last displacement, in units of the rounding of the position.
+        left: f64,
+    },
+    /// In a stage of an explicit method a force, a normal or λ is not finite.
+    #[error(
+        "a force, a normal or a multiplier is not finite at a stage of the step h = {h:.3e}, or, of a power series, has a \
+         kink where it begins; try a smaller step"
+    )]
+    StageNotFinite {
+        /// The step size.
+        h: f64,
+    },
+    /// The inner steps needed for the tolerance have become too short.
+    #[error(
+        "inner steps of {inner:.1e} within h = {h:.3e} still have an error of {error:.1e}, more than the tolerance \
+         {tolerance:.1e}; try a larger tolerance, and look for a singular point nearby"
+    )]
+    StepsCollapse {
+        /// The inner step that failed.
+        inner: f64,
+        /// The step size.
+        h: f64,
+        /// Its estimated error; NaN if a stage was not finite.
+        error: f64,
+        /// The tolerance.
+        tolerance: f64,
+    },
+    /// A Nosé–Hoover bath changes momenta by more than a thousand times within half a step.
+    #[error(
+        "the bath takes momenta times {factor:.1e} within half a step h = {h:.3e}, and cannot be followed so: it swings \
+         within {time:.1e}, and the kinetic energy was {hot:.1e} times that of its temperature; try a smaller step or a \
+         longer time, or start near the temperature (`scene.maxwell`)"
+    )]
+    BathTooFast {
+        /// The factor of the momenta.
+        factor: f64,
+        /// The step size.
+        h: f64,
+        /// The period τ of the bath.
+        time: f64,
+        /// The kinetic energy before, divided by its mean at the temperature.
+        hot: f64,
+    },
+    /// The energy jumped in a step of a method without geometric structure (`Taylor`, `Dop853`, `Bdf2`): the step has
+    /// leapt across a place that it could not see, such as a singular point.
+    #[error(
+        "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
+         it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"
+    )]
+    EnergyFromNowhere {
+        /// The step size.
+        h: f64,
+        /// The kinetic energy before.
+        before: f64,
+        /// The kinetic energy after.
+        after: f64,
+        /// The energy given by the change of potential energy and the work of constraints.
+        given: f64,
+    },
+}

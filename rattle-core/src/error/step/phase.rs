@@ -1,0 +1,65 @@
+//! Errors of steps: why a step in phase space could not be taken.
+
+use crate::error::numbers::History;
+
+/// Why a step in phase space could not be taken.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PhaseFailure {
+    /// In phase space, no point along the fibre was found that satisfies an equation.
+    #[error(
+        "no slide along the fibre satisfies equation {equation}: residuals in roundings {residuals} (h = {h:.3e}); try a \
+         smaller step; if none helps, the motion ends here"
+    )]
+    NoSlide {
+        /// Which, counted from 0.
+        equation: usize,
+        /// The largest residual before each correction, in units of the rounding of its terms; empty where the motion
+        /// along the fibre would leave the domain of g, or go many times around.
+        residuals: History,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// In phase space, a point of g = 0 was found, but maybe not the one that continues the motion: followed from h =
+    /// 0, the root ends or turns too sharply.
+    #[error(
+        "the motion can be followed through {share:.3} of this step only: what satisfies g = 0 at its end may be \
+         another sheet (h = {h:.3e}); try a smaller step; if none helps, the motion ends here"
+    )]
+    SheetLost {
+        /// The fraction of the step through which the motion was followed.
+        share: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// In phase space, N = {g, {g, H}} changes so much within the step that the motion may reach a point where it is
+    /// not determined.
+    #[error(
+        "the constraint is about to leave the motion undetermined: {{g, {{g, H}}}} changes by {change:.2} of itself within \
+         the step, allowed 0.5 (h = {h:.3e}); a smaller step comes nearer, and where it is singular the motion ends"
+    )]
+    Undetermined {
+        /// The largest entry of N⁻¹N′ − 1.
+        change: f64,
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+    },
+    /// The Störmer–Verlet step of a Hamiltonian that is not separable was not solved.
+    #[error("the step of H alone has no solution near q = {position:?} (h = {h:.3e}); try a smaller step")]
+    ImplicitStep {
+        /// The step size: in a composition, that of the stage.
+        h: f64,
+        /// The position at the start of the step.
+        position: Vec<f64>,
+    },
+    /// In phase space, the Hamiltonian has no finite derivatives where the step ends.
+    #[error(
+        "the Hamiltonian has no finite derivatives near q = {position:?}, p = {momentum:?}; check its domain, or try a smaller step"
+    )]
+    HamiltonianNotFinite {
+        /// The position at the start of the step.
+        position: Vec<f64>,
+        /// The momentum there.
+        momentum: Vec<f64>,
+    },
+}
