@@ -189,9 +189,7 @@ fn a_lane_that_fails_is_told() {
         0.0,
     );
     let failure = Rattle::new(0.1).step(&system, &mut bodies, &mut [], &mut ()).unwrap_err();
-    let rattle::error::StepFailure::Surface(rattle::error::SurfaceFailure::StepTooLong { speed, .. }) =
-        failure.cause
-    else {
+    let StepFailure::Surface(SurfaceFailure::StepTooLong { speed, .. }) = failure.cause else {
         panic!("{failure:?}")
     };
     assert_eq!(speed, 30.0);
