@@ -5,7 +5,7 @@ use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
 use rattle::need::Steps;
 use rattle::prelude::*;
-use rattle::real::Real;
+use rattle::real::Scalar;
 use rattle::system::System;
 
 /// RATTLE with steps that grow by an eighth each: the next step and the last one are remembered.
@@ -14,12 +14,12 @@ struct Growing {
     first: f64,
 }
 
-fn number<T: Real>(x: T) -> f64 {
+fn number<T: Scalar>(x: T) -> f64 {
     x.lanes().next().unwrap()
 }
 
 impl Method for Growing {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = Steps;
 
     fn step_size(&self) -> f64 {
@@ -37,17 +37,17 @@ impl Method for Growing {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: &Y,
         _: &Bodies<Y::Count, T, Y::Kept, D>,
     ) -> Vec<T> {
         vec![T::from_f64(self.first), T::from_f64(0.0)]
     }
-    fn time_taken<T: Real>(&self, memory: &[T]) -> Option<T> {
+    fn time_taken<T: Scalar>(&self, memory: &[T]) -> Option<T> {
         Some(memory[1])
     }
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
@@ -146,7 +146,7 @@ struct Numbered {
 }
 
 impl Method for Numbered {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = Steps;
 
     fn step_size(&self) -> f64 {
@@ -165,7 +165,7 @@ impl Method for Numbered {
         true
     }
     const DRAWS: bool = true;
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,

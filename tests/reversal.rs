@@ -5,7 +5,7 @@ use rattle::bodies::Bodies;
 use rattle::method::{Failure, Witness};
 use rattle::need::Kicks;
 use rattle::prelude::*;
-use rattle::real::Real;
+use rattle::real::Scalar;
 use rattle::system::System;
 use rattle::{Error, Geodesic, nalgebra};
 
@@ -35,7 +35,7 @@ fn symmetric_methods_pass_and_go_on_as_without_the_check() {
 struct Pretending(SymplecticEuler);
 
 impl Method for Pretending {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = Kicks;
 
     fn step_size(&self) -> f64 {
@@ -53,7 +53,7 @@ impl Method for Pretending {
     fn is_symmetric(&self) -> bool {
         true
     }
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,

@@ -257,7 +257,7 @@ fn great_circles() {
     const LAST: usize = 20;
     let scene = Scene::on(Sphere { r: 1.0 });
     let (q, v) = ([0.6, 0.0, 0.8], [0.0, 1.0, 0.0]);
-    let system = scene.lanes::<f64>();
+    let system = scene.system::<f64>();
     let start = Body { q, q_low: [0.0; 3], p: v, p_low: [0.0; 3] };
     let mut bodies = system.bodies(&[start], 0.0);
     system.reserve_series(&mut bodies, LAST + 1);

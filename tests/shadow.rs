@@ -8,7 +8,7 @@ use rattle::method::{Failure, Witness};
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::need::Kicks;
 use rattle::prelude::*;
-use rattle::real::Real;
+use rattle::real::Scalar;
 use rattle::scene::Hold;
 use rattle::system::System;
 use rattle::watch::quadratic_form;
@@ -137,7 +137,7 @@ impl Faulty {
 }
 
 impl Method for Faulty {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = Kicks;
 
     fn step_size(&self) -> f64 {
@@ -159,7 +159,7 @@ impl Method for Faulty {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,

@@ -7,7 +7,7 @@ use rattle::error::{MethodFailure, StepFailure};
 use rattle::method::{Failure, View, Witness};
 use rattle::need::{Steps, WithRates};
 use rattle::prelude::*;
-use rattle::real::Real;
+use rattle::real::Scalar;
 use rattle::system::{BodiesOf, System};
 use rattle::{Error, Variable};
 
@@ -19,7 +19,7 @@ struct Naive {
 }
 
 impl Method for Naive {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = (Steps, WithRates);
 
     fn step_size(&self) -> f64 {
@@ -37,17 +37,17 @@ impl Method for Naive {
     fn is_symmetric(&self) -> bool {
         false
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: View<'_, Self, T, Y, D>,
         _: &BodiesOf<Y, T, D>,
     ) -> Vec<T> {
         vec![T::from_f64(0.0)]
     }
-    fn time_taken<T: Real>(&self, memory: &[T]) -> Option<T> {
+    fn time_taken<T: Scalar>(&self, memory: &[T]) -> Option<T> {
         Some(memory[0])
     }
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         (system, rates): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -89,7 +89,7 @@ fn second_order_in_the_longest_step() {
 
 #[test]
 fn with_what_it_remembers_it_goes_back() {
-    let system = scene().lanes::<f64>();
+    let system = scene().system::<f64>();
     let start = billiard(0.7);
     let (q, p) = (start.positions().next().unwrap().into(), start.momenta().next().unwrap().into());
     let mut bodies = system.bodies(&[Body { q, q_low: [0.0; 3], p, p_low: [0.0; 3] }], 0.0);

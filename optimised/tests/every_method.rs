@@ -5,7 +5,7 @@ use rattle::composition::*;
 use rattle::method::{Failure, View, Witness};
 use rattle::need::{Kicks, WithCollocation, WithRates, WithSeries};
 use rattle::prelude::*;
-use rattle::real::Real;
+use rattle::real::Scalar;
 use rattle::system::System;
 
 /// A method of the table, whichever it is.
@@ -49,7 +49,7 @@ macro_rules! delegate {
 }
 
 impl rattle::Method for OneOf {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = (Kicks, WithRates, (WithCollocation, WithSeries));
 
     fn step_size(&self) -> f64 {
@@ -85,7 +85,7 @@ impl rattle::Method for OneOf {
     fn momentum_delay(&self) -> f64 {
         delegate!(self, method => method.momentum_delay())
     }
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (kicks, rates, (collocation, series)): View<'_, Self, T, Y, D>,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,
@@ -100,7 +100,7 @@ impl rattle::Method for OneOf {
             _ => {}
         }
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (kicks, rates, _): View<'_, Self, T, Y, D>,
         bodies: &Bodies<Y::Count, T, Y::Kept, D>,
@@ -113,7 +113,7 @@ impl rattle::Method for OneOf {
     fn check(&self, equations: usize) -> Result<(), rattle::Error> {
         delegate!(self, method => method.check(equations))
     }
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         (kicks, rates, (collocation, series)): View<'_, Self, T, Y, D>,
         bodies: &mut Bodies<Y::Count, T, Y::Kept, D>,

@@ -10,7 +10,7 @@ use crate::motion::bodies::{Body, Count, Many, One};
 pub use crate::motion::hold::{Hold, Kind, Surfaces};
 use crate::motion::method::Method;
 use crate::motion::state::{Coordinates, State};
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, two_sum};
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::constraints::{Masses, Network};
@@ -257,8 +257,9 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 }
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The system of this scene over the scalar `T`, such as lanes with several trajectories.
-    pub fn lanes<T: Real>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
+    /// The system of this scene over the scalar `T`, to be moved step by step by a [method](crate::motion::method): over
+    /// complex numbers or dual ones a step has its derivatives with it.
+    pub fn system<T: Scalar>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
         OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }
 }

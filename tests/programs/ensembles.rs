@@ -6,8 +6,6 @@ mod common;
 mod ensemble;
 #[path = "../ensemble_retry.rs"]
 mod ensemble_retry;
-#[path = "../lanes.rs"]
-mod lanes;
 #[path = "../lanes_heat.rs"]
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]

@@ -31,6 +31,8 @@ mod macro_messages;
 mod mesh;
 #[path = "../ready_made.rs"]
 mod ready_made;
+#[path = "../scalars.rs"]
+mod scalars;
 #[path = "../series.rs"]
 mod series;
 #[path = "../surfaces.rs"]

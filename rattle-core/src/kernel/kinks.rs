@@ -13,7 +13,7 @@
 //! path.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest};
 
 /// Arguments that are compared at a time.
@@ -39,67 +39,61 @@ pub(crate) struct Kink {
     pub(crate) gap: f64,
 }
 
-/// In which lanes an argument has another sign at one place than at the other. Nothing at all where equations have no
+/// Whether an argument has another sign at one place than at the other. Nothing at all where equations have no
 /// kinks.
 #[inline(always)]
 pub(crate) fn sign_changes<T, K, const D: usize, const M: usize>(
     kernel: &K,
     from: &[T; D],
     to: &[T; D],
-) -> T::Mask
+) -> bool
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, M>,
 {
     let mut changes = of_page(kernel, 0, from, to);
     if const { K::KINKS.len() > PAGE } {
         for first in (PAGE..K::KINKS.len()).step_by(PAGE) {
-            changes = changes.or(of_page(kernel, first, from, to));
+            changes |= of_page(kernel, first, from, to);
         }
     }
     changes
 }
 
-/// In which lanes one of the arguments from this one on may have another sign; a product that is too small for a float
+/// Whether one of the arguments from this one on may have another sign; a product that is too small for a float
 /// is taken for one.
 #[inline(always)]
-fn of_page<T, K, const D: usize, const M: usize>(
-    kernel: &K,
-    first: usize,
-    from: &[T; D],
-    to: &[T; D],
-) -> T::Mask
+fn of_page<T, K, const D: usize, const M: usize>(kernel: &K, first: usize, from: &[T; D], to: &[T; D]) -> bool
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, M>,
 {
     let zero = T::from_f64(0.0);
     let (mut before, mut after) = ([zero; PAGE], [zero; PAGE]);
     kernel.kinks(from, first, &mut before);
     kernel.kinks(to, first, &mut after);
-    let mut changes = zero.lt(zero);
+    let mut changes = false;
     for i in 0..if K::KINKS.len() < PAGE { K::KINKS.len() } else { PAGE } {
         let (was, is) = (before[i], after[i]);
-        let same = zero.lt(was * is).or(was.le(is).and(is.le(was)));
-        changes = changes.or(same.not());
+        let same = zero.lt(was * is) | (was.le(is) & is.le(was));
+        changes |= !same;
     }
     changes
 }
 
-/// The first place on the way where the normal of an equation jumps, in this lane.
+/// The first place on the way where the normal of an equation jumps.
 #[cold]
 #[inline(never)]
 pub(crate) fn first_kink<T, K, const D: usize, const M: usize>(
     kernel: &K,
-    lane: usize,
     from: &[f64; D],
     to: &[f64; D],
 ) -> Option<Kink>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, M>,
 {
-    let way = Way { kernel, lane, from, change: add_scaled(to, -1.0, from) };
+    let way = Way { kernel, from, change: add_scaled(to, -1.0, from) };
     let kinks = (0..K::KINKS.len()).filter_map(|number| way.kink::<T, M>(number));
     kinks.min_by(|a, b| a.share.total_cmp(&b.share))
 }
@@ -110,7 +104,6 @@ const ROUNDINGS: f64 = 64.0;
 /// A straight way between two places.
 struct Way<'a, K, const D: usize> {
     kernel: &'a K,
-    lane: usize,
     from: &'a [f64; D],
     change: [f64; D],
 }
@@ -123,35 +116,31 @@ impl<K, const D: usize> Way<'_, K, D> {
         add_scaled(self.from, share, &self.change)
     }
 
-    fn number<T: Real>(&self, x: T) -> f64 {
-        x.lanes().nth(self.lane).unwrap_or(f64::NAN)
-    }
-
     /// The sign of an argument, −1, 0 or 1.
-    fn sign<T: Real, const M: usize>(&self, number: usize, share: f64) -> i8
+    fn sign<T: Scalar, const M: usize>(&self, number: usize, share: f64) -> i8
     where
         K: ConstraintKernel<T, D, M>,
     {
         let mut found = [T::from_f64(0.0)];
         self.kernel.kinks(&self.at(share).map(T::from_f64), number, &mut found);
-        let argument = self.number(found[0]);
+        let argument = found[0].to_f64();
         i8::from(argument > 0.0) - i8::from(argument < 0.0)
     }
 
-    fn side<T: Real, const M: usize>(&self, share: f64) -> [Side<D>; M]
+    fn side<T: Scalar, const M: usize>(&self, share: f64) -> [Side<D>; M]
     where
         K: ConstraintKernel<T, D, M>,
     {
         let (g, gradients) = self.kernel.value_and_jacobian(&self.at(share).map(T::from_f64));
         std::array::from_fn(|equation| {
-            let gradient = gradients[equation].map(|x| self.number(x));
+            let gradient = gradients[equation].map(T::to_f64);
             let length = dot(&gradient, &gradient).sqrt();
-            (self.number(g[equation]) / length, gradient.map(|x| x / length))
+            (g[equation].to_f64() / length, gradient.map(|x| x / length))
         })
     }
 
     /// Where this argument changes its sign, if a normal jumps there.
-    fn kink<T: Real, const M: usize>(&self, number: usize) -> Option<Kink>
+    fn kink<T: Scalar, const M: usize>(&self, number: usize) -> Option<Kink>
     where
         K: ConstraintKernel<T, D, M>,
     {

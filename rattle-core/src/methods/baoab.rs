@@ -31,7 +31,7 @@ use crate::motion::method::{Splitting, Stage};
 use crate::motion::stir;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// g-BAOAB with a constant step size: kick, drift, thermostat, drift, kick.
 ///
@@ -93,7 +93,7 @@ impl Map for KickDriftHeat {
     }
 
     #[inline(always)]
-    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
         system: &Y,

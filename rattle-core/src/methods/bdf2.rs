@@ -30,7 +30,7 @@ use crate::motion::method::{Method, View};
 use crate::motion::need::{Differences, WithRates};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
 use crate::solve::stop::{NOISE, SPARE};
 use std::array::from_fn;
@@ -68,7 +68,7 @@ impl Bdf2 {
 
 impl Method for Bdf2 {
     /// Whether there was a step before, its increment d and the momentum before it, body by body.
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = (Differences, WithRates);
     const HAS_STRUCTURE: bool = false;
 
@@ -88,14 +88,14 @@ impl Method for Bdf2 {
         false
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         bodies.make_room(ROOM);
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: View<'_, Self, T, Y, D>,
         bodies: &BodiesOf<Y, T, D>,
@@ -103,7 +103,7 @@ impl Method for Bdf2 {
         vec![T::from_f64(0.0); 1 + 2 * D * bodies.q.as_ref().len()]
     }
 
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -120,7 +120,7 @@ impl Method for Bdf2 {
 
 impl Bdf2 {
     #[allow(clippy::too_many_arguments, reason = "what a step knows of the two before it")]
-    fn advance<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn advance<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -135,7 +135,7 @@ impl Bdf2 {
         let (q, q_low, p) = (start.q.as_ref(), start.q_low.as_ref(), start.p.as_ref());
         let (all, (system, rates)) = (system, system);
 
-        let first = begun.lanes().any(|begun| begun == 0.0);
+        let first = begun.to_f64() == 0.0;
         if first {
             rattle::step::<Newton, _, _, _, D>(self.h, &[], system, bodies, witness)?;
             *begun = T::from_f64(1.0);
@@ -173,7 +173,7 @@ impl Bdf2 {
     }
 
     /// Iterates until positions no longer move; `increment` is then d′, and momenta are used up.
-    fn solve<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn solve<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         (system, rates): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -204,13 +204,11 @@ impl Bdf2 {
             for body in 0..q.len() {
                 let shift = scaled(step, &system.velocity(bodies, body));
                 increment[body] = sum(&increment[body], &shift);
-                let size = largest(&q[body]).max(largest(&increment[body]));
-                let moves = largest(&shift).lanes().zip(size.lanes());
-                for (shift, size) in moves.filter(|&(shift, _)| shift != 0.0) {
-                    let roundings = shift / (f64::EPSILON * size);
-                    if roundings > worst || roundings.is_nan() {
-                        (worst, slowest) = (roundings, body);
-                    }
+                let size = largest(&q[body]).max(largest(&increment[body])).to_f64();
+                let shift = largest(&shift).to_f64();
+                let roundings = if shift == 0.0 { 0.0 } else { shift / (f64::EPSILON * size) };
+                if roundings > worst || roundings.is_nan() {
+                    (worst, slowest) = (roundings, body);
                 }
             }
             let contraction = worst / last;
@@ -234,13 +232,13 @@ impl Bdf2 {
 }
 
 /// The increment of a body's last step, and its momentum before it.
-fn remembered<T: Real, const D: usize>(before: &[T], body: usize) -> [[T; D]; 2] {
+fn remembered<T: Scalar, const D: usize>(before: &[T], body: usize) -> [[T; D]; 2] {
     let numbers = &before[2 * D * body..][..2 * D];
     [from_fn(|i| numbers[i]), from_fn(|i| numbers[D + i])]
 }
 
 /// How far a body is from a place, with what rounding took from both.
-fn moved<T: Real, N: Count, X, const D: usize>(
+fn moved<T: Scalar, N: Count, X, const D: usize>(
     bodies: &Bodies<N, T, X, D>,
     body: usize,
     q: &[T; D],

@@ -19,7 +19,7 @@ use crate::motion::need::Kicks;
 use crate::motion::stir;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// Brownian motion by the projected Euler–Maruyama method, of first order in averages.
 ///
@@ -64,7 +64,7 @@ impl Brownian {
 }
 
 impl Method for Brownian {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = Kicks;
     const DRAWS: bool = true;
     const STIRS: bool = true;
@@ -102,7 +102,7 @@ impl Method for Brownian {
         if self.h < 0.0 { Err(of(EffectMistake::NoWayBack)) } else { Ok(()) }
     }
 
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,

@@ -26,7 +26,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Splitting, Stage, View};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// Steps of a symmetric method, by default RATTLE, of sizes γᵢh: together one step of size h.
 ///
@@ -70,7 +70,7 @@ impl<B: Method> Composition<B> {
 }
 
 impl<B: Method> Method for Composition<B> {
-    type Memory<T: Real> = B::Memory<T>;
+    type Memory<T: Scalar> = B::Memory<T>;
     type Need = B::Need;
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
     const DRAWS: bool = B::DRAWS;
@@ -112,14 +112,14 @@ impl<B: Method> Method for Composition<B> {
         self.base.check(equations)
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         self.base.prepare(system, bodies);
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &BodiesOf<Y, T, D>,
@@ -128,7 +128,7 @@ impl<B: Method> Method for Composition<B> {
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,

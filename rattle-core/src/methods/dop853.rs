@@ -22,7 +22,7 @@ use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 
 /// Inner steps are made for this part of the error that just passes.
@@ -74,7 +74,7 @@ impl Dop853 {
 }
 
 impl Method for Dop853 {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = (Kicks, WithRates);
     const HAS_STRUCTURE: bool = false;
 
@@ -101,7 +101,7 @@ impl Method for Dop853 {
         check_step_size(self.h)
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -109,7 +109,7 @@ impl Method for Dop853 {
         bodies.make_room(ROOM);
     }
 
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -130,7 +130,7 @@ impl Method for Dop853 {
 
 impl Dop853 {
     /// One step, or inner ones that make it up.
-    fn steps<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn steps<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -173,7 +173,7 @@ impl Dop853 {
 }
 
 /// Where an inner step begins, and its rates q̇ and ṗ, stage by stage.
-struct Stages<'a, N: Count, T: Real, const D: usize> {
+struct Stages<'a, N: Count, T: Scalar, const D: usize> {
     n: usize,
     start: &'a Saved<N, T, D>,
     v: &'a mut [[T; D]],
@@ -181,7 +181,7 @@ struct Stages<'a, N: Count, T: Real, const D: usize> {
     power: [T; STAGES],
 }
 
-impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
+impl<'a, N: Count, T: Scalar, const D: usize> Stages<'a, N, T, D> {
     /// Begins where the bodies are, with the first stage.
     fn begin<Y: System<T, D, Count = N>, W: Witness<T>>(
         system: View<'_, Dop853, T, Y, D>,
@@ -243,7 +243,7 @@ impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
         }
     }
 
-    /// The estimated error of an inner step, the largest of all bodies and lanes, and of which body; NaN if it is none.
+    /// The estimated error of an inner step, the largest of all bodies, and of which body; NaN if it is none.
     /// The momenta of `bodies` are used up.
     fn error<Y: System<T, D, Count = N>>(
         &self,
@@ -261,13 +261,11 @@ impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
                 T::from_f64(h.abs())
                     * (dot(&v, &v).sqrt() + T::from_f64(whole.abs()) * dot(&change, &change).sqrt())
             };
-            let (fifth, third) = (length(ERROR_5), length(ERROR_3));
-            for (fifth, third) in fifth.lanes().zip(third.lanes()) {
-                // Of eighth order in h, as the method.
-                let error = if fifth == 0.0 { 0.0 } else { fifth * fifth / fifth.hypot(0.1 * third) };
-                if error > worst.0 || error.is_nan() {
-                    worst = (error, body);
-                }
+            let (fifth, third) = (length(ERROR_5).to_f64(), length(ERROR_3).to_f64());
+            // Of eighth order in h, as the method.
+            let error = if fifth == 0.0 { 0.0 } else { fifth * fifth / fifth.hypot(0.1 * third) };
+            if error > worst.0 || error.is_nan() {
+                worst = (error, body);
             }
         }
         worst
@@ -283,7 +281,7 @@ impl<'a, N: Count, T: Real, const D: usize> Stages<'a, N, T, D> {
         let step = T::from_f64(h);
         for body in 0..self.n {
             let (v, f) = self.combined(WEIGHTS, body);
-            let finite = dot(&v, &v).lanes().chain(dot(&f, &f).lanes()).all(f64::is_finite);
+            let finite = [dot(&v, &v), dot(&f, &f)].iter().all(|square| square.to_f64().is_finite());
             if !finite {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h }.into() });
             }

@@ -6,7 +6,7 @@ use crate::motion::method::{Method, Splitting, Stage, check_step_size};
 use crate::motion::need::Kicks;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::fmt::Debug;
 
 /// A map of the bodies over a time h, made of the operations of a [`System`]. [`Fixed`] turns it into a method.
@@ -27,7 +27,7 @@ use std::fmt::Debug;
 ///     const ORDER: u32 = 1;
 ///     const SYMMETRIC: bool = false;
 ///
-///     fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+///     fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
 ///         &self,
 ///         h: f64,
 ///         system: &Y,
@@ -88,7 +88,7 @@ pub trait Map: Clone + Debug + PartialEq + Send + Sync + 'static {
     ///
     /// # Errors
     /// Which body cannot be moved, and why; `bodies` are then left unfinished.
-    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
         system: &Y,
@@ -123,7 +123,7 @@ impl<M: Map> Fixed<M> {
 }
 
 impl<M: Map> Method for Fixed<M> {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = Kicks;
 
     fn step_size(&self) -> f64 {
@@ -162,7 +162,7 @@ impl<M: Map> Method for Fixed<M> {
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut BodiesOf<Y, T, D>,

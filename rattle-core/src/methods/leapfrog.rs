@@ -14,7 +14,7 @@ use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// The leapfrog with a constant step size. The momenta of a start are those half a step after its positions;
 /// [`Scene::staggered`](crate::scene::Scene::staggered) makes them.
@@ -50,7 +50,7 @@ impl Map for DriftKick {
     }
 
     #[inline(always)]
-    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
         system: &Y,

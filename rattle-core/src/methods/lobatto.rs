@@ -20,7 +20,7 @@ use crate::motion::system::{BodiesOf, System};
 use crate::motion::table::Table;
 use crate::motion::table::Tabulated;
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// Lobatto IIIA–IIIB with `S` = 2 to 9 stages and a constant step size. Five stages, order 8, suit most uses.
 ///
@@ -72,7 +72,7 @@ impl<const S: usize, G: Guess> Method for Lobatto<S, G>
 where
     Table<S>: Tabulated,
 {
-    type Memory<T: Real> = G::Memory<T>;
+    type Memory<T: Scalar> = G::Memory<T>;
     type Need = (Steps, WithCollocation);
     const FOLLOWS_ROOTS: bool = false;
     const COLLOCATES: usize = S;
@@ -93,14 +93,14 @@ where
         true
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (_, collocation): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
     ) {
         collocation.reserve(bodies, S);
     }
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (system, _): View<'_, Self, T, Y, D>,
         bodies: &BodiesOf<Y, T, D>,
@@ -110,7 +110,7 @@ where
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         (_, collocation): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,

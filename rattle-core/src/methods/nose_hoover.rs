@@ -19,7 +19,7 @@ use crate::motion::method::{Method, View, check_step_size};
 use crate::motion::need::Still;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::{Real, each_lane};
+use crate::number::real::Scalar;
 use crate::number::vector::scaled;
 
 /// Links of the chain.
@@ -84,7 +84,7 @@ impl NoseHoover {
     }
 
     /// Moves the chain for a time h with the bodies' momenta.
-    fn exchange<T: Real, Y: System<T, D>, const D: usize>(
+    fn exchange<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         h: f64,
         system: &Y,
@@ -105,7 +105,7 @@ impl NoseHoover {
             1 => rates[0] * rates[0] * number(freedom) - tau,
             _ => rates[i - 1] * rates[i - 1] - tau,
         };
-        let fade = |h: f64, rate: T| each_lane(rate, |rate| (-h * rate).exp());
+        let fade = |h: f64, rate: T| (number(-h) * rate).exp();
         for weight in WEIGHTS {
             let h = weight * h;
             for i in (0..LINKS).rev() {
@@ -122,10 +122,8 @@ impl NoseHoover {
             }
         }
         // Nearer bounds would refuse starts that are far from the temperature.
-        if let Some((factor, start)) =
-            factor.lanes().zip(start.lanes()).find(|(factor, _)| !(1e-3..=1e3).contains(factor))
-        {
-            let hot = 2.0 * start / (freedom * self.temperature);
+        if !(1e-3..=1e3).contains(&factor.to_f64()) {
+            let (factor, hot) = (factor.to_f64(), 2.0 * start.to_f64() / (freedom * self.temperature));
             let cause = MethodFailure::BathTooFast { factor, h: self.h, time: self.time, hot }.into();
             return Err(Failure { body: 0, cause });
         }
@@ -138,7 +136,7 @@ impl NoseHoover {
 }
 
 impl Method for NoseHoover {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = Still;
 
     fn step_size(&self) -> f64 {
@@ -172,7 +170,7 @@ impl Method for NoseHoover {
         EffectMistake::unless_positive("time", self.time).map_err(of)
     }
 
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _: View<'_, Self, T, Y, D>,
         _: &BodiesOf<Y, T, D>,
@@ -180,7 +178,7 @@ impl Method for NoseHoover {
         vec![T::from_f64(0.0); 2 * LINKS]
     }
 
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,

@@ -24,7 +24,7 @@ use crate::motion::method::{Method, Splitting, Stage};
 use crate::motion::need::Steps;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use std::marker::PhantomData;
 
 /// RATTLE with a constant step size, second order.
@@ -89,7 +89,7 @@ impl<G: Guess, X: Iteration> Rattle<G, X> {
 }
 
 impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
-    type Memory<T: Real> = G::Memory<T>;
+    type Memory<T: Scalar> = G::Memory<T>;
     type Need = Steps<X>;
 
     fn step_size(&self) -> f64 {
@@ -117,7 +117,7 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
         vec![Stage { before: 0.5 * self.h, h: self.h, after: 0.5 * self.h }]
     }
 
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: &Y,
         _: &BodiesOf<Y, T, D>,
@@ -127,7 +127,7 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: &Y,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -140,8 +140,8 @@ impl<G: Guess, X: Iteration> Method for Rattle<G, X> {
         let ([steps, length], multipliers) = memory.split_first_chunk_mut().expect("as `memory` makes it");
         let h = T::from_f64(self.h);
         let (guess, numbers) = multipliers.split_at_mut(system.equations());
-        let same_length = G::STEPS <= 1.0 || h.le(*length).and(length.le(h)).all();
-        let known = same_length && steps.lanes().all(|steps| steps >= G::STEPS);
+        let same_length = G::STEPS <= 1.0 || (h.le(*length) & length.le(h));
+        let known = same_length && steps.to_f64() >= G::STEPS;
         if known {
             let each = numbers.chunks_exact(G::NUMBERS.max(1));
             guess.iter_mut().zip(each).for_each(|(guess, numbers)| *guess = G::guess(numbers));
@@ -162,7 +162,7 @@ struct Noting<'a, G, T, W> {
     guess: PhantomData<G>,
 }
 
-impl<G: Guess, T: Real, W: Witness<T>> Witness<T> for Noting<'_, G, T, W> {
+impl<G: Guess, T: Scalar, W: Witness<T>> Witness<T> for Noting<'_, G, T, W> {
     #[inline(always)]
     fn position_multiplier(&mut self, equation: usize, lambda: T) {
         G::note_position(&mut self.numbers[G::NUMBERS * equation..][..G::NUMBERS], lambda);
@@ -177,7 +177,7 @@ impl<G: Guess, T: Real, W: Witness<T>> Witness<T> for Noting<'_, G, T, W> {
 
 /// One step of size `h`, begun with this guess of λ, or from g̈ = 0 without one; on failure `bodies` are left half way.
 #[inline(always)]
-pub(crate) fn step<X: Iteration, T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+pub(crate) fn step<X: Iteration, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
     h: f64,
     guess: &[T],
     system: &Y,

@@ -18,7 +18,7 @@ use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// SHAKE with a constant step size, second order in the positions.
 ///
@@ -52,7 +52,7 @@ impl Map for KickKickDrift {
     const DELAY: f64 = -0.5;
 
     #[inline(always)]
-    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
         system: &Y,

@@ -15,7 +15,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::{Splitting, Stage};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// The symplectic Euler method with a constant step size, first order.
 ///
@@ -45,7 +45,7 @@ impl Map for KickDrift {
     }
 
     #[inline(always)]
-    fn map<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn map<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         h: f64,
         system: &Y,

@@ -25,7 +25,7 @@ use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// The smallest part of a step that is tried.
@@ -66,7 +66,7 @@ impl Taylor {
 }
 
 impl Method for Taylor {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     type Need = (Kicks, WithRates, WithSeries);
     const HAS_STRUCTURE: bool = false;
 
@@ -96,7 +96,7 @@ impl Method for Taylor {
         check_step_size(self.h)
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (_, _, series): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -105,7 +105,7 @@ impl Method for Taylor {
         bodies.make_room(self.coefficients());
     }
 
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -131,7 +131,7 @@ impl Taylor {
     }
 
     /// One step, or inner ones that make it up.
-    fn steps<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn steps<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -168,7 +168,7 @@ impl Taylor {
     }
 
     /// The longest inner step whose last two terms keep the tolerance, and the body that limits it; NaN if a term is.
-    fn longest<T: Real, N: Count, X, const D: usize>(
+    fn longest<T: Scalar, N: Count, X, const D: usize>(
         &self,
         bodies: &Bodies<N, T, X, D>,
         series: &[[T; D]],
@@ -178,14 +178,12 @@ impl Taylor {
         let mut longest = (f64::INFINITY, 0);
         for order in [self.order as usize - 1, self.order as usize] {
             for body in 0..n {
-                let q = largest(&series[order * n + body]);
-                let v = largest(&series[(order + 1) * n + body]);
-                for (q, v) in q.lanes().zip(v.lanes()) {
-                    let size = q.max((order + 1) as f64 * v * self.h.abs()) + 0.0 * (q + v); // NaN if one is
-                    let fits = (tolerance / size).powf(1.0 / order as f64);
-                    if fits < longest.0 || fits.is_nan() {
-                        longest = (fits, body);
-                    }
+                let q = largest(&series[order * n + body]).to_f64();
+                let v = largest(&series[(order + 1) * n + body]).to_f64();
+                let size = q.max((order + 1) as f64 * v * self.h.abs()) + 0.0 * (q + v); // NaN if one is
+                let fits = (tolerance / size).powf(1.0 / order as f64);
+                if fits < longest.0 || fits.is_nan() {
+                    longest = (fits, body);
                 }
             }
         }
@@ -193,7 +191,7 @@ impl Taylor {
     }
 
     /// Sums the series by Horner's rule and takes the bodies onto the constraints.
-    fn arrive<T: Real, Y: System<T, D>, const D: usize>(
+    fn arrive<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (system, rates, motion): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -212,7 +210,8 @@ impl Taylor {
                     change = scaled(step, &add_scaled(&change, T::from_f64(k as f64), coefficient));
                 }
             }
-            let finite = dot(&way, &way).lanes().chain(dot(&change, &change).lanes()).all(f64::is_finite);
+            let finite =
+                [dot(&way, &way), dot(&change, &change)].iter().all(|square| square.to_f64().is_finite());
             if !finite {
                 return Err(Failure { body, cause: MethodFailure::StageNotFinite { h }.into() });
             }

@@ -37,7 +37,7 @@ use crate::motion::method::{Method, View};
 use crate::motion::need::{Steps, WithRates};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::dot;
 
 /// ρ and R may differ by this part of R.
@@ -49,11 +49,10 @@ const REST: f64 = 0.1;
 
 /// Reversible variable steps of a symmetric method: steps are shorter where momenta change fast.
 ///
-/// The method is reversible, not symplectic. If several trajectories are computed in
-/// [lanes](crate::scene::Scene::lanes), all take the step that the fastest needs. On a surface of genus two with sharp
-/// ends the energy error is a half to a quarter of that of as many equal steps. But each step costs two further steps
-/// of RATTLE, for the change of R. So variable steps pay where a step of `base` costs more than that, and where long
-/// gentle motion alternates with short violent motion.
+/// The method is reversible, not symplectic. On a surface of genus two with sharp ends the energy error is a half to a
+/// quarter of that of as many equal steps. But each step costs two further steps of RATTLE, for the change of R. So
+/// variable steps pay where a step of `base` costs more than that, and where long gentle motion alternates with short
+/// violent motion.
 ///
 /// In chaotic motion the energy may wander, since only symmetry conserves it: over 2·10⁴, 2·10⁵ and 2·10⁶ steps on the
 /// tube of a lemniscate (r = 0.3, gravity 1, τ = 0.3, steps of 0.016 on average) the largest error was 1.3, 2.1 and 2.5
@@ -80,8 +79,8 @@ impl<B: Method> Variable<B> {
         Self { base, tau }
     }
 
-    /// τ²|ṗ|² and |p|² of all bodies, in the lane where their ratio is the largest.
-    fn change<T: Real, Y: System<T, D>, const D: usize>(
+    /// τ²|ṗ|² and |p|² of all bodies.
+    fn change<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -91,14 +90,12 @@ impl<B: Method> Variable<B> {
         let _ = capability.evaluate_rates(bodies, rates, &mut ());
         let zero = T::from_f64(0.0);
         let square = |x: &[[T; D]]| x.iter().fold(zero, |sum, x| sum + dot(x, x));
-        let (change, size) = (square(rates), square(bodies.p.as_ref()));
-        let pairs = change.lanes().zip(size.lanes());
-        let (change, size) = pairs.fold((0.0, 1.0), |a, b| if a.0 * b.1 >= b.0 * a.1 { a } else { b });
-        (self.tau * self.tau * change, size)
+        let (change, size) = (square(rates).to_f64(), square(bodies.p.as_ref()).to_f64());
+        if change == 0.0 { (0.0, 1.0) } else { (self.tau * self.tau * change, size) }
     }
 
     /// R and G. All is as before, and what is kept evaluated anew.
-    fn density<T: Real, Y: System<T, D>, const D: usize>(
+    fn density<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         scale: f64,
         all: View<'_, Self, T, Y, D>,
@@ -121,7 +118,7 @@ impl<B: Method> Variable<B> {
 }
 
 impl<B: Method> Method for Variable<B> {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     type Need = (B::Need, Steps, WithRates);
     const FOLLOWS_ROOTS: bool = B::FOLLOWS_ROOTS;
     const DRAWS: bool = B::DRAWS;
@@ -156,7 +153,7 @@ impl<B: Method> Method for Variable<B> {
         vec![self.tau]
     }
 
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         (base, ..): View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
@@ -165,7 +162,7 @@ impl<B: Method> Method for Variable<B> {
         bodies.make_room(1);
     }
 
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         all: View<'_, Self, T, Y, D>,
         bodies: &BodiesOf<Y, T, D>,
@@ -183,20 +180,19 @@ impl<B: Method> Method for Variable<B> {
         [0.0, wanted, scale, slope].map(T::from_f64).into()
     }
 
-    fn time_taken<T: Real>(&self, memory: &[T]) -> Option<T> {
+    fn time_taken<T: Scalar>(&self, memory: &[T]) -> Option<T> {
         Some(memory[0])
     }
 
     #[inline(always)]
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
         memory: &mut [T],
         witness: &mut W,
     ) -> Result<(), Failure> {
-        let first = |x: T| x.lanes().next().unwrap_or(f64::NAN); // the same in all lanes
-        let [density, scale, slope] = [1, 2, 3].map(|i| first(memory[i]));
+        let [density, scale, slope] = [1, 2, 3].map(|i| memory[i].to_f64());
         let longest = self.step_size();
         let middle = density + 0.5 * longest * slope;
         let astray = |ratio| Err(Failure { body: 0, cause: MethodFailure::Astray { ratio, longest }.into() });

@@ -1,7 +1,7 @@
 //! The bodies of a running simulation, stored side by side.
 
 use crate::effect::noise::Noise;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::fmt::Debug;
 
 /// The number of bodies of a scene, as a type: [`One`], known at compile time, or [`Many`].
@@ -120,7 +120,7 @@ pub(super) fn scatter<T: Copy, const D: usize>(
 /// Positions and momenta are compensated sums: the value is `q + q_low`, where `q_low` is the rounding error of `q`. Of
 /// `kept`, a step reads only functions of positions and time.
 #[derive(Debug, Clone)]
-pub struct Bodies<N: Count, T: Real, X, const D: usize> {
+pub struct Bodies<N: Count, T: Scalar, X, const D: usize> {
     /// Positions, rounded.
     pub q: N::Of<[T; D]>,
     /// The rounding errors of `q`, to be added to it.
@@ -149,14 +149,14 @@ pub type Saved<N, T, const D: usize> = Bodies<N, T, (), D>;
 
 /// Room for a method to work in.
 #[derive(Debug, Clone)]
-pub(crate) struct Room<N: Count, T: Real, const D: usize> {
+pub(crate) struct Room<N: Count, T: Scalar, const D: usize> {
     /// For what is put aside.
     saved: Saved<N, T, D>,
     /// Whole sets of one vector per body.
     vectors: Vec<[T; D]>,
 }
 
-impl<N: Count, T: Real, X, const D: usize> Bodies<N, T, X, D> {
+impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     /// Bodies at these positions and momenta, in their order.
     ///
     /// # Panics

@@ -8,12 +8,12 @@ use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::Failure;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::array::from_fn;
 
 /// Rates of change, and projection onto the constraints in the metric of the masses. For systems with H = K(p) + U(q),
 /// whose momenta and forces are separate.
-pub trait Rates<N: Count, X, T: Real, const D: usize> {
+pub trait Rates<N: Count, X, T: Scalar, const D: usize> {
     /// Writes ṗ = f + Gᵀλ of each body, with λ such that g̈ = 0, at the present positions, from the normals and forces
     /// kept there. Positions and momenta may be a little off the constraints. Returns the power of moving constraints,
     /// −λᵀ ∂g/∂t. `witness` gets λ as that of the start of a step. Neither allocates nor panics.
@@ -46,7 +46,7 @@ pub trait Rates<N: Count, X, T: Real, const D: usize> {
 }
 
 /// Steps of collocation methods, whose inner stages are solved together.
-pub trait Collocation<N: Count, X, T: Real, const D: usize> {
+pub trait Collocation<N: Count, X, T: Scalar, const D: usize> {
     /// Allocates memory for a method of `stages` stages, so that steps need not.
     fn reserve(&self, bodies: &mut Bodies<N, T, X, D>, stages: usize);
 
@@ -66,7 +66,7 @@ pub trait Collocation<N: Count, X, T: Real, const D: usize> {
 }
 
 /// The motion as a power series in time.
-pub trait Series<N: Count, X, T: Real, const D: usize> {
+pub trait Series<N: Count, X, T: Scalar, const D: usize> {
     /// Allocates memory for `orders` coefficients, so that steps need not.
     fn reserve_series(&self, bodies: &mut Bodies<N, T, X, D>, orders: usize);
 
@@ -92,7 +92,7 @@ pub trait Series<N: Count, X, T: Real, const D: usize> {
 #[derive(Debug, Clone, Copy)]
 pub enum Never {}
 
-impl<N: Count, X, T: Real, const D: usize> Rates<N, X, T, D> for Never {
+impl<N: Count, X, T: Scalar, const D: usize> Rates<N, X, T, D> for Never {
     fn evaluate_rates<W: Witness<T>>(&self, _: &mut Bodies<N, T, X, D>, _: &mut [[T; D]], _: &mut W) -> T {
         match *self {}
     }
@@ -104,7 +104,7 @@ impl<N: Count, X, T: Real, const D: usize> Rates<N, X, T, D> for Never {
     }
 }
 
-impl<N: Count, X, T: Real, const D: usize> Collocation<N, X, T, D> for Never {
+impl<N: Count, X, T: Scalar, const D: usize> Collocation<N, X, T, D> for Never {
     fn reserve(&self, _: &mut Bodies<N, T, X, D>, _: usize) {
         match *self {}
     }
@@ -120,7 +120,7 @@ impl<N: Count, X, T: Real, const D: usize> Collocation<N, X, T, D> for Never {
     }
 }
 
-impl<N: Count, X, T: Real, const D: usize> Series<N, X, T, D> for Never {
+impl<N: Count, X, T: Scalar, const D: usize> Series<N, X, T, D> for Never {
     fn reserve_series(&self, _: &mut Bodies<N, T, X, D>, _: usize) {
         match *self {}
     }

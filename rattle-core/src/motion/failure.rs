@@ -5,7 +5,7 @@ use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EffectFailure, EquationAt, StepFailure};
 use crate::kernel::kinks::Kink;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::dot;
 
 /// Why a step failed, and for which body.
@@ -26,7 +26,7 @@ impl Failure {
     }
 
     /// Looks whether the forces on these bodies are numbers.
-    pub(crate) fn unless_finite<T: Real, F: Forces<T, D>, const D: usize>(
+    pub(crate) fn unless_finite<T: Scalar, F: Forces<T, D>, const D: usize>(
         effects: &F,
         at: Moment<'_, T, D>,
         forces: &[F::Force],
@@ -35,26 +35,23 @@ impl Failure {
         for body in bodies {
             let force = forces[body].components();
             let finite = dot(&force, &force).le(T::from_f64(f64::MAX));
-            if let Some(lane) = finite.lanes().position(|finite| !finite)
-                && let Some(failure) = Self::of_force(effects, at, [body], lane)
-            {
+            if !finite && let Some(failure) = Self::of_force(effects, at, [body]) {
                 return Err(failure);
             }
         }
         Ok(())
     }
 
-    /// The force on the first of these bodies where it is not finite, in this lane; none if all forces are.
+    /// The force on the first of these bodies where it is not finite; none if all forces are.
     #[cold]
-    pub(crate) fn of_force<T: Real, F: Forces<T, D>, const D: usize>(
+    pub(crate) fn of_force<T: Scalar, F: Forces<T, D>, const D: usize>(
         effects: &F,
         at: Moment<'_, T, D>,
         bodies: impl IntoIterator<Item = usize>,
-        lane: usize,
     ) -> Option<Self> {
         for body in bodies {
             if let Some((effect, force)) = effects.culprit(at, body) {
-                let (force, position) = (numbers(&force, lane), numbers(&at.positions[body], lane));
+                let (force, position) = (numbers(&force), numbers(&at.positions[body]));
                 return Some(Self {
                     body,
                     cause: EffectFailure::ForceNotFinite { effect, force, position }.into(),
@@ -65,8 +62,8 @@ impl Failure {
     }
 }
 
-/// Those of a lane.
+/// As `f64`.
 #[inline(never)]
-pub(crate) fn numbers<T: Real>(x: &[T], lane: usize) -> Vec<f64> {
-    x.iter().map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)).collect()
+pub(crate) fn numbers<T: Scalar>(x: &[T]) -> Vec<f64> {
+    x.iter().map(|&x| x.to_f64()).collect()
 }

@@ -9,7 +9,7 @@
 //! A guess changes how many evaluations a step takes; it changes the result in its last bits only. Where the guess is
 //! wrong by more than a hundredth of the length of the step's path, the step is repeated from [`FromState`].
 
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::fmt::Debug;
 
 /// A rule for the first guess of multipliers.
@@ -17,20 +17,20 @@ use std::fmt::Debug;
 #[doc(alias = "initial guess")]
 pub trait Guess: Copy + Debug + PartialEq + Send + Sync + 'static {
     /// The numbers kept from step to step.
-    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
+    type Memory<T: Scalar>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
     /// How many steps must precede the first guess; where more than one, they must have the same length.
     const STEPS: f64;
     /// How many numbers RATTLE keeps for each equation.
     const NUMBERS: usize;
 
     /// Memory for `count` numbers, all 0; empty where nothing is kept.
-    fn room<T: Real>(count: usize) -> Self::Memory<T>;
+    fn room<T: Scalar>(count: usize) -> Self::Memory<T>;
     /// The guess of λ of the next step.
-    fn guess<T: Real>(numbers: &[T]) -> T;
+    fn guess<T: Scalar>(numbers: &[T]) -> T;
     /// Stores λ of the position equation of a step.
-    fn note_position<T: Real>(_numbers: &mut [T], _lambda: T) {}
+    fn note_position<T: Scalar>(_numbers: &mut [T], _lambda: T) {}
     /// Stores μ of the momentum equation of a step.
-    fn note_momentum<T: Real>(_numbers: &mut [T], _mu: T) {}
+    fn note_momentum<T: Scalar>(_numbers: &mut [T], _mu: T) {}
 }
 
 /// λ from g̈ = 0 at the start of the step. Nothing is kept from earlier steps, so a step depends on the present state
@@ -52,50 +52,50 @@ pub struct LastMultiplier;
 pub struct Extrapolated;
 
 impl Guess for FromState {
-    type Memory<T: Real> = [T; 0];
+    type Memory<T: Scalar> = [T; 0];
     const STEPS: f64 = 0.0;
     const NUMBERS: usize = 0;
 
-    fn room<T: Real>(_: usize) -> [T; 0] {
+    fn room<T: Scalar>(_: usize) -> [T; 0] {
         []
     }
-    fn guess<T: Real>(_: &[T]) -> T {
+    fn guess<T: Scalar>(_: &[T]) -> T {
         T::from_f64(0.0)
     }
 }
 
 impl Guess for LastMultiplier {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     const STEPS: f64 = 1.0;
     const NUMBERS: usize = 1;
 
-    fn room<T: Real>(count: usize) -> Vec<T> {
+    fn room<T: Scalar>(count: usize) -> Vec<T> {
         vec![T::from_f64(0.0); count]
     }
     #[inline(always)]
-    fn guess<T: Real>(numbers: &[T]) -> T {
+    fn guess<T: Scalar>(numbers: &[T]) -> T {
         numbers[0]
     }
     #[inline(always)]
-    fn note_momentum<T: Real>(numbers: &mut [T], mu: T) {
+    fn note_momentum<T: Scalar>(numbers: &mut [T], mu: T) {
         numbers[0] = mu;
     }
 }
 
 impl Guess for Extrapolated {
-    type Memory<T: Real> = Vec<T>;
+    type Memory<T: Scalar> = Vec<T>;
     const STEPS: f64 = 3.0;
     const NUMBERS: usize = 3;
 
-    fn room<T: Real>(count: usize) -> Vec<T> {
+    fn room<T: Scalar>(count: usize) -> Vec<T> {
         vec![T::from_f64(0.0); count]
     }
     #[inline(always)]
-    fn guess<T: Real>(numbers: &[T]) -> T {
+    fn guess<T: Scalar>(numbers: &[T]) -> T {
         T::from_f64(3.0) * (numbers[0] - numbers[1]) + numbers[2]
     }
     #[inline(always)]
-    fn note_position<T: Real>(numbers: &mut [T], lambda: T) {
+    fn note_position<T: Scalar>(numbers: &mut [T], lambda: T) {
         (numbers[2], numbers[1], numbers[0]) = (numbers[1], numbers[0], lambda);
     }
 }

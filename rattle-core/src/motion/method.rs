@@ -25,7 +25,7 @@ use crate::motion::identity::Identity;
 use crate::motion::need::Need;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::fmt::Debug;
 
 /// A system as a step of the method sees it: the capabilities that the method [needs](Method::Need).
@@ -41,7 +41,7 @@ pub type View<'a, S, T, Y, const D: usize> = <<S as Method>::Need as Need>::Of<'
 #[doc(alias = "stepper")]
 pub trait Method: Clone + Send + Sync + 'static {
     /// The numbers carried from step to step: `[T; 0]` for a one-step method.
-    type Memory<T: Real>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
+    type Memory<T: Scalar>: AsRef<[T]> + AsMut<[T]> + Default + Clone + Debug + Send + Sync;
     /// The capabilities that the method needs: a type of [`need`](crate::motion::need), or a tuple of them. A system
     /// without them is refused before the run.
     type Need: Need;
@@ -138,7 +138,7 @@ pub trait Method: Clone + Send + Sync + 'static {
     }
 
     /// Allocates before a run the memory that steps work with, so that steps need not.
-    fn prepare<T: Real, Y: System<T, D>, const D: usize>(
+    fn prepare<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _system: View<'_, Self, T, Y, D>,
         _bodies: &mut BodiesOf<Y, T, D>,
@@ -146,7 +146,7 @@ pub trait Method: Clone + Send + Sync + 'static {
     }
 
     /// The memory at the start of a run, at its final size: no later step allocates.
-    fn memory<T: Real, Y: System<T, D>, const D: usize>(
+    fn memory<T: Scalar, Y: System<T, D>, const D: usize>(
         &self,
         _system: View<'_, Self, T, Y, D>,
         _bodies: &BodiesOf<Y, T, D>,
@@ -156,7 +156,7 @@ pub trait Method: Clone + Send + Sync + 'static {
 
     /// The length of the last step, from this memory; `None` if all steps have the step size, so that the time is steps
     /// × h.
-    fn time_taken<T: Real>(&self, _memory: &[T]) -> Option<T> {
+    fn time_taken<T: Scalar>(&self, _memory: &[T]) -> Option<T> {
         None
     }
 
@@ -172,7 +172,7 @@ pub trait Method: Clone + Send + Sync + 'static {
     ///
     /// # Errors
     /// Which body cannot be moved, and why; `bodies` and `memory` are then left unfinished.
-    fn step<T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+    fn step<T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,

@@ -19,10 +19,10 @@ pub mod table;
 mod tables;
 pub mod witness;
 
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real, const D: usize>() -> impl Copy {
+pub(crate) fn instances<T: Scalar, const D: usize>() -> impl Copy {
     [
         bodies::gathered::<T, D> as *const (),
         bodies::scatter::<T, D> as *const (),

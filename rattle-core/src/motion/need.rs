@@ -5,19 +5,19 @@
 
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::motion::system::System;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use std::marker::PhantomData;
 
 /// The capabilities that a method needs of a system.
 pub trait Need: 'static {
     /// What a step gets: a reference to the system, or to a capability of it.
-    type Of<'a, T: Real, Y: System<T, D>, const D: usize>: Copy;
+    type Of<'a, T: Scalar, Y: System<T, D>, const D: usize>: Copy;
 
     /// What a step gets of this system.
     ///
     /// # Errors
     /// Where the system lacks the capability: the kind of system, in words for the error message.
-    fn of<T: Real, Y: System<T, D>, const D: usize>(
+    fn of<T: Scalar, Y: System<T, D>, const D: usize>(
         system: &Y,
     ) -> Result<Self::Of<'_, T, Y, D>, &'static str>;
 }
@@ -53,10 +53,10 @@ pub struct WithSeries;
 macro_rules! need {
     ($need:ty $(, $X:ident)?: $of:ty, |$system:ident| $met:expr) => {
         impl$(<$X: Iteration>)? Need for $need {
-            type Of<'a, T: Real, Y: System<T, D>, const D: usize> = &'a $of;
+            type Of<'a, T: Scalar, Y: System<T, D>, const D: usize> = &'a $of;
 
             #[inline(always)]
-            fn of<T: Real, Y: System<T, D>, const D: usize>($system: &Y) -> Result<&$of, &'static str> {
+            fn of<T: Scalar, Y: System<T, D>, const D: usize>($system: &Y) -> Result<&$of, &'static str> {
                 $met
             }
         }
@@ -82,10 +82,10 @@ need!(WithCollocation: Y::Collocation, |system| system.collocation());
 need!(WithSeries: Y::Series, |system| system.series());
 
 impl<A: Need, B: Need> Need for (A, B) {
-    type Of<'a, T: Real, Y: System<T, D>, const D: usize> = (A::Of<'a, T, Y, D>, B::Of<'a, T, Y, D>);
+    type Of<'a, T: Scalar, Y: System<T, D>, const D: usize> = (A::Of<'a, T, Y, D>, B::Of<'a, T, Y, D>);
 
     #[inline(always)]
-    fn of<T: Real, Y: System<T, D>, const D: usize>(
+    fn of<T: Scalar, Y: System<T, D>, const D: usize>(
         system: &Y,
     ) -> Result<Self::Of<'_, T, Y, D>, &'static str> {
         Ok((A::of(system)?, B::of(system)?))
@@ -93,11 +93,11 @@ impl<A: Need, B: Need> Need for (A, B) {
 }
 
 impl<A: Need, B: Need, C: Need> Need for (A, B, C) {
-    type Of<'a, T: Real, Y: System<T, D>, const D: usize> =
+    type Of<'a, T: Scalar, Y: System<T, D>, const D: usize> =
         (A::Of<'a, T, Y, D>, B::Of<'a, T, Y, D>, C::Of<'a, T, Y, D>);
 
     #[inline(always)]
-    fn of<T: Real, Y: System<T, D>, const D: usize>(
+    fn of<T: Scalar, Y: System<T, D>, const D: usize>(
         system: &Y,
     ) -> Result<Self::Of<'_, T, Y, D>, &'static str> {
         Ok((A::of(system)?, B::of(system)?, C::of(system)?))

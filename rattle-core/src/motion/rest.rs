@@ -2,14 +2,14 @@
 
 use crate::motion::failure::Failure;
 use crate::motion::system::{BodiesOf, System};
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::add_scaled;
 
 /// Makes momenta those of motion along the constraints. The bodies stay; `aside` is room for two vectors of each.
 ///
 /// # Errors
 /// As [`settle`](System::settle).
-fn settled<T: Real, Y: System<T, D>, const D: usize>(
+fn settled<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
     momenta: &mut [[T; D]],
@@ -34,7 +34,7 @@ fn settled<T: Real, Y: System<T, D>, const D: usize>(
 ///
 /// # Errors
 /// As [`settle`](System::settle).
-pub(crate) fn imposed<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn imposed<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
     momenta: &mut [[T; D]],
@@ -49,7 +49,7 @@ pub(crate) fn imposed<T: Real, Y: System<T, D>, const D: usize>(
 ///
 /// # Errors
 /// As [`settle`](System::settle).
-pub(crate) fn along<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn along<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
     impulses: &mut [[T; D]],

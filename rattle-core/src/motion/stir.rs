@@ -15,7 +15,7 @@ use crate::motion::method::{Method, View};
 use crate::motion::rest::{along, imposed};
 use crate::motion::system::{BodiesOf, Given, System};
 use crate::motion::witness::Witness;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 
 /// A system with flows, as messages name it.
@@ -35,7 +35,7 @@ const SETTLED: f64 = 1e-8;
 
 /// One step of the method; of a system with flows between two halves of them, unless the method has them act itself.
 #[inline(always)]
-pub(crate) fn step<S: Method, T: Real, Y: System<T, D>, W: Witness<T>, const D: usize>(
+pub(crate) fn step<S: Method, T: Scalar, Y: System<T, D>, W: Witness<T>, const D: usize>(
     method: &S,
     seen: View<'_, S, T, Y, D>,
     system: &Y,
@@ -54,7 +54,7 @@ pub(crate) fn step<S: Method, T: Real, Y: System<T, D>, W: Witness<T>, const D: 
 
 /// Has all flows act for a time h, symmetrically: for a method that wants them in the middle of its step.
 #[inline(always)]
-pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn in_the_middle<T: Scalar, Y: System<T, D>, const D: usize>(
     h: f64,
     system: &Y,
     bodies: &mut BodiesOf<Y, T, D>,
@@ -71,18 +71,18 @@ pub(crate) fn in_the_middle<T: Real, Y: System<T, D>, const D: usize>(
 
 /// Whether flows that act in the middle of a step act all at once: the two halves of more than one, or of one that is
 /// no exact solution, would not commute.
-fn at_once<T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
+fn at_once<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
     Y::FLOWS == 1 && !Y::REMEMBERS && system.flow_manner(0).0.rule == Rule::Random
 }
 
 /// How often a step of the method has the flows act.
-pub(crate) fn times<S: Method, T: Real, Y: System<T, D>, const D: usize>(system: &Y) -> u32 {
+pub(crate) fn times<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> u32 {
     if S::STIRS && (S::FORGETS || at_once(system)) { 1 } else { 2 }
 }
 
 /// Has all flows act for a time h, one after the other, and take note of it. Positions, and what is kept there, stay.
 /// The change of kinetic energy counts as work.
-pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn stir<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,
     system: &Y,
@@ -100,7 +100,7 @@ pub(crate) fn stir<T: Real, Y: System<T, D>, const D: usize>(
 }
 
 /// Has all flows take note of a time h that passes.
-pub(crate) fn take_note<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn take_note<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,
     system: &Y,
@@ -115,7 +115,7 @@ pub(crate) fn take_note<T: Real, Y: System<T, D>, const D: usize>(
 }
 
 /// Has all flows act for a time h, one after the other.
-pub(crate) fn push<T: Real, Y: System<T, D>, const D: usize>(
+pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
     half: Half,
     h: f64,
     system: &Y,
@@ -163,7 +163,7 @@ struct Flowing<'a, T, Y, const D: usize> {
     low: &'a [[T; D]],
 }
 
-impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
+impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
     /// Writes what the momenta now would change by in a time h.
     fn ask(&mut self, h: f64, bodies: &mut BodiesOf<Y, T, D>) -> Result<(), Failure> {
         let (system, n) = (self.system, self.first.len());
@@ -298,10 +298,10 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
                 lack = lack.max(largest(&lacks[body]));
                 size = size.max(largest(p)).max(largest(change));
             }
-            if system.equations() == 0 || lack.le(T::from_f64(8.0 * f64::EPSILON) * size).all() {
+            if system.equations() == 0 || lack.le(T::from_f64(8.0 * f64::EPSILON) * size) {
                 return Ok(());
             }
-            if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(SETTLED) * size).all() {
+            if iteration + 1 == MOST_ITERATIONS && lack.le(T::from_f64(SETTLED) * size) {
                 return Ok(());
             }
             improve([impulses, lacks], [impulses_before, lacks_before], iteration > 0);
@@ -317,7 +317,7 @@ impl<T: Real, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
 
 /// The next impulses, N + r − γ (N − N₀ + r − r₀), with γ such that |r − γ (r − r₀)| is least; and what is there
 /// becomes what was before.
-fn improve<T: Real, const D: usize>(
+fn improve<T: Scalar, const D: usize>(
     [impulses, lacks]: [&mut [[T; D]]; 2],
     [impulses_before, lacks_before]: [&mut [[T; D]]; 2],
     both: bool,
@@ -344,12 +344,12 @@ fn improve<T: Real, const D: usize>(
     }
 }
 
-fn minus<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
+fn minus<T: Scalar, const D: usize>(a: &[T; D], b: &[T; D]) -> [T; D] {
     add_scaled(a, T::from_f64(-1.0), b)
 }
 
 /// Adds changes to the momenta.
-fn add<N: Count, T: Real, X, const D: usize>(changes: &[[T; D]], bodies: &mut Bodies<N, T, X, D>) {
+fn add<N: Count, T: Scalar, X, const D: usize>(changes: &[[T; D]], bodies: &mut Bodies<N, T, X, D>) {
     for ((p, low), change) in bodies.p.as_mut().iter_mut().zip(bodies.p_low.as_mut()).zip(changes) {
         (*p, *low) = two_sum(p, &sum(low, change));
     }

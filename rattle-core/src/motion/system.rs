@@ -21,7 +21,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Newton};
 use crate::motion::record::{Reading, Record};
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
 use std::fmt::Debug;
 
@@ -33,7 +33,7 @@ pub type BodiesOf<Y, T, const D: usize> = Bodies<<Y as System<T, D>>::Count, T, 
 /// ```text
 /// M q̈ = f(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   f = −∇U,   G = ∂g/∂q
 /// ```
-pub trait System<T: Real, const D: usize>: Clone + Send + Sync + 'static {
+pub trait System<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     /// How many bodies there are: one, or many.
     type Count: Count;
     /// The quantities kept from step to step: normals and matrix factors at the positions, and the last forces.
@@ -410,7 +410,7 @@ pub struct Given<'a, T, const D: usize> {
     pub noise: Noise,
 }
 
-impl<T: Real, const D: usize> Given<'_, T, D> {
+impl<T: Scalar, const D: usize> Given<'_, T, D> {
     /// For so long, before a step or after it, with nothing laid beside.
     pub(crate) fn of(h: f64, before: bool, noise: Noise) -> Self {
         let imposed = T::from_f64(0.0);
@@ -419,7 +419,7 @@ impl<T: Real, const D: usize> Given<'_, T, D> {
 }
 
 /// Writes ṗ of each body from the present state alone; returns the bodies with the forces there.
-fn rates_at<T: Real, Y: System<T, D>, const D: usize>(
+fn rates_at<T: Scalar, Y: System<T, D>, const D: usize>(
     system: &Y,
     bodies: &BodiesOf<Y, T, D>,
     rates: &mut [[T; D]],
@@ -435,7 +435,7 @@ fn rates_at<T: Real, Y: System<T, D>, const D: usize>(
 /// Writes down the multipliers that it is told.
 struct Told<'a, T>(&'a mut [T]);
 
-impl<T: Real> Witness<T> for Told<'_, T> {
+impl<T: Scalar> Witness<T> for Told<'_, T> {
     fn position_multiplier(&mut self, equation: usize, lambda: T) {
         self.0[equation] = lambda;
     }

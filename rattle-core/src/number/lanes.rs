@@ -29,14 +29,12 @@
 
 use crate::number::functions::{self, single};
 use crate::number::instructions::{InstructionSet, Work};
-use crate::number::real::{Mask, Real};
+use crate::number::real::{Mask, Real, Scalar};
 use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number of one lane: [`Fused`], or a plain float.
-pub trait Lane: Real<Mask = bool> + Default + PartialEq {
-    /// The nearest `f64`.
-    fn to_f64(self) -> f64;
+pub trait Lane: Scalar + Default + PartialEq {
     /// Runs work over such numbers, with this instruction set if it fuses multiply-adds as the numbers do.
     #[doc(hidden)]
     fn run<W: Work>(set: InstructionSet, work: W) -> W::Done;
@@ -203,7 +201,8 @@ macro_rules! fused_float {
             }
             #[inline(always)]
             fn lanes(self) -> impl Iterator<Item = f64> {
-                std::iter::once(self.to_f64())
+                #[allow(clippy::useless_conversion, reason = "of doubles")]
+                std::iter::once(f64::from(self.0))
             }
             #[inline(always)]
             fn lt(self, other: Self) -> bool {
@@ -232,9 +231,6 @@ macro_rules! fused_float {
 
         impl Lane for Fused<$float> {
             #[inline(always)]
-            fn to_f64(self) -> f64 {
-                self.0.into()
-            }
             fn run<W: Work>(set: InstructionSet, work: W) -> W::Done {
                 set.run(work)
             }
@@ -242,9 +238,6 @@ macro_rules! fused_float {
 
         impl Lane for $float {
             #[inline(always)]
-            fn to_f64(self) -> f64 {
-                self.into()
-            }
             fn run<W: Work>(_: InstructionSet, work: W) -> W::Done {
                 work.run() // not compiled for sets that fuse, where no plain numbers go
             }
@@ -275,7 +268,7 @@ impl<S: Lane, const L: usize> Real for Lanes<S, L> {
         Self(each(S::default(), |i| S::from_f64(lane(i))))
     }
     fn lanes(self) -> impl Iterator<Item = f64> {
-        self.0.into_iter().map(Lane::to_f64)
+        self.0.into_iter().map(S::to_f64)
     }
     #[inline(always)]
     fn lt(self, other: Self) -> Marks<L> {

@@ -1,8 +1,9 @@
-//! The scalar trait, in which kernels and methods are generic.
+//! The traits of numbers in which kernels, effects, systems and methods are generic.
 //!
 //! [`Real`] has the operations that generated kernels call. `f64` implements it; a block of SIMD lanes or a dual number
-//! can too. Comparisons give a [`Mask`], and branches are made by selection, so that lanes can take different branches
-//! in one instruction stream.
+//! can too. Comparisons give a [`Mask`], and kernels and effects branch by selection, so that lanes can take different
+//! branches in one instruction stream. Systems and methods move one trajectory: they are generic in a [`Scalar`], a
+//! single number.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -168,6 +169,17 @@ pub trait Real:
         Self::select(self.lt(other), other, self)
     }
 }
+
+/// A single real number: comparisons are true or false, so that code may branch. Systems and methods are generic in it.
+pub trait Scalar: Real<Mask = bool> {
+    /// The nearest `f64`.
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self.lanes().next().unwrap_or(f64::NAN)
+    }
+}
+
+impl<T: Real<Mask = bool>> Scalar for T {}
 
 macro_rules! real_float {
     ($float:ident, $erf:path $(, $doubles:ident)?) => {

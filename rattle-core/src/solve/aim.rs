@@ -16,7 +16,7 @@
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 
 /// A guess is off as usual if what it is off by differs from what the last two let expect by at most this part of
 /// the larger of them.
@@ -84,23 +84,23 @@ impl Pace {
 
     /// Writes the lengths of the last two steps, and what so many guesses were off by.
     #[inline(never)]
-    pub(crate) fn record<T: Real>(
+    pub(crate) fn record<T: Scalar>(
         &self,
         number: usize,
         aims: &mut dyn Iterator<Item = &Aim<T>>,
         to: &mut Record,
     ) {
         to.list("lengths of the last steps", &self.steps);
-        let (mut offs, nan) = (Vec::with_capacity(2 * number), f64::NAN);
+        let mut offs = Vec::with_capacity(2 * number);
         for aim in aims {
-            offs.extend([aim.last, aim.before].map(|off| off.lanes().next().unwrap_or(nan)));
+            offs.extend([aim.last, aim.before].map(|off| off.to_f64()));
         }
         to.numbers("guesses were off by", &[number, 2], offs);
     }
 
     /// Reads both.
     #[inline(never)]
-    pub(crate) fn recall<T: Real>(
+    pub(crate) fn recall<T: Scalar>(
         number: usize,
         aims: &mut dyn Iterator<Item = &mut Aim<T>>,
         from: &mut Reading<'_>,
@@ -135,7 +135,7 @@ pub(crate) struct Aim<T> {
     before: T,
 }
 
-impl<T: Real> Aim<T> {
+impl<T: Scalar> Aim<T> {
     /// Nothing is known: the next steps are looked at.
     pub(crate) fn unknown() -> Self {
         let nan = T::from_f64(f64::NAN);
@@ -144,18 +144,18 @@ impl<T: Real> Aim<T> {
 
     /// Whether the guess of this step was off as usual, with these [weights](Pace::weights).
     #[inline(always)]
-    pub(crate) fn is_usual(&self, off: T, weights: [f64; 2]) -> T::Mask {
+    pub(crate) fn is_usual(&self, off: T, weights: [f64; 2]) -> bool {
         let (change, most) = self.change(off, weights);
         change.abs().le(T::from_f64(CHANGE) * most)
     }
 
     /// The same, where the slope of g at the guess is not known, and the normal turns by an angle of this square.
     #[inline(always)]
-    pub(crate) fn is_usual_after_turn(&self, off: T, weights: [f64; 2], angle_square: T) -> T::Mask {
+    pub(crate) fn is_usual_after_turn(&self, off: T, weights: [f64; 2], angle_square: T) -> bool {
         let (change, most) = self.change(off, weights);
         let most = T::from_f64(CHANGE_BY_TURN) * most;
         let is_short = angle_square.le(T::from_f64(MOST_TURN * MOST_TURN));
-        self.is_usual(off, weights).and(is_short).and((angle_square * change * change).le(most * most))
+        self.is_usual(off, weights) & is_short & (angle_square * change * change).le(most * most)
     }
 
     /// By how much what a guess was off by differs from what is expected, and the larger one of the two before.
@@ -176,9 +176,9 @@ impl<T: Real> Aim<T> {
 /// end and that grows
 /// with a power of s between these; give or take `rounding`.
 #[inline(always)]
-pub(crate) fn grows_to<T: Real>(inside: T, end: T, s: f64, [least, most]: [u32; 2], rounding: T) -> T::Mask {
+pub(crate) fn grows_to<T: Scalar>(inside: T, end: T, s: f64, [least, most]: [u32; 2], rounding: T) -> bool {
     let (inside, size) = (T::select(end.lt(T::from_f64(0.0)), -inside, inside), end.abs());
     let power = |n: u32| (0..n).fold(1.0, |product, _| product * s);
     let [low, high] = [power(most) / TIMES, power(least) * TIMES].map(T::from_f64);
-    (low * size - rounding).le(inside).and(inside.le(high * size + rounding))
+    (low * size - rounding).le(inside) & inside.le(high * size + rounding)
 }

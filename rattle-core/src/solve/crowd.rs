@@ -12,7 +12,7 @@
 //! crosses between two samplings, are not found.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
 
 /// After so many steps it is asked again.
@@ -41,7 +41,7 @@ pub(crate) const PATH: f64 = 0.05;
 /// How far it is asked: `back`, as far as the constraint takes a body back in a step, but no farther than `along`, the
 /// part [`PATH`] of the path, then that part, and as far as forces push. The first and last are [`REACH`] times that.
 #[inline(always)]
-pub(crate) fn furthest<T: Real>(back: T, along: T, pushed: T) -> T {
+pub(crate) fn furthest<T: Scalar>(back: T, along: T, pushed: T) -> T {
     back.min(along) + along + pushed
 }
 
@@ -56,14 +56,14 @@ pub(crate) const OF_RADIUS: f64 = 0.1;
 
 /// How far it is asked after a step that may have led so far astray, where it was asked so far before.
 #[inline(always)]
-pub(crate) fn reach<T: Real>(astray: T, asked: T) -> T {
+pub(crate) fn reach<T: Scalar>(astray: T, asked: T) -> T {
     let [farther, half] = [FARTHER, 0.5].map(T::from_f64);
     (farther * astray).max(half * asked)
 }
 
 /// How many normals that is, of a normal with this square, where a path of this squared speed is bent so.
 #[inline(always)]
-pub(crate) fn shift<T: Real>(reach: T, square: T, speed_square: T, bend: T) -> T {
+pub(crate) fn shift<T: Scalar>(reach: T, square: T, speed_square: T, bend: T) -> T {
     let (shift, most) = (reach / square.sqrt(), T::from_f64(OF_RADIUS) * speed_square / bend.abs());
     T::select(most.le(shift), most, shift) // not where the path is straight, or none
 }
@@ -97,7 +97,7 @@ const fn mixed(n: u64) -> u64 {
 #[inline(always)]
 pub(crate) fn rises<S, K, const D: usize>(constraint: &K, q: &[S; D], n: &[S; D], square: S, shift: S) -> S
 where
-    S: Real,
+    S: Scalar,
     K: ConstraintKernel<S, D, 1>,
 {
     let (_, [gradient]) = constraint.value_and_jacobian(&add_scaled(q, shift, n));

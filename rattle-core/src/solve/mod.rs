@@ -7,9 +7,9 @@ pub(crate) mod nearing;
 pub(crate) mod root;
 pub(crate) mod stop;
 
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real>() -> impl Copy {
+pub(crate) fn instances<T: Scalar>() -> impl Copy {
     [aim::Pace::record::<T> as *const (), aim::Pace::recall::<T> as *const ()]
 }

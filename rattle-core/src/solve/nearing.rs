@@ -5,7 +5,7 @@
 //! rounding of the coordinates, or where a small distance is no longer halved: then it is the rounding of g itself. It
 //! has failed where a distance that is not small shrinks by too little.
 
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 
 /// The distance that the last Newton step began at.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +14,7 @@ pub(crate) struct Nearing<T> {
     part: T,
 }
 
-impl<T: Real> Nearing<T> {
+impl<T: Scalar> Nearing<T> {
     /// An iteration whose steps must leave less than this part of the distance: infinite where they only are counted.
     #[inline(always)]
     pub(crate) fn leaving(part: f64) -> Self {
@@ -24,10 +24,10 @@ impl<T: Real> Nearing<T> {
     /// Whether the iteration has arrived, and whether it is lost. `there` says that the distance is at the rounding of
     /// the coordinates, `near` that it may be the rounding of g.
     #[inline(always)]
-    pub(crate) fn look(&mut self, distance: T, there: T::Mask, near: T::Mask) -> (T::Mask, T::Mask) {
-        let arrived = there.or(near.and(self.last.le(distance + distance)));
-        let nearer = near.or(distance.lt(self.part * self.last)); // false for NaN
+    pub(crate) fn look(&mut self, distance: T, there: bool, near: bool) -> (bool, bool) {
+        let arrived = there | (near & self.last.le(distance + distance));
+        let nearer = near | distance.lt(self.part * self.last); // false for NaN
         self.last = distance;
-        (arrived, arrived.or(nearer).not())
+        (arrived, !(arrived | nearer))
     }
 }

@@ -13,7 +13,7 @@
 //! sharply to be followed. `optimised/tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces,
 //! and `optimised/tests/linked_roots.rs` of double pendulums: none ends on another root.
 
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 
 /// A first correction longer than this part of the path is too far …
 pub(crate) const FAR_GUESS: f64 = 0.02;
@@ -38,14 +38,14 @@ const SMALLEST_PART: f64 = 1.0 / 4096.0;
 const MAX_PARTS: usize = 200;
 
 /// A relative change of normals below this is none: 1e-7, or what is well above rounding where that is coarser.
-pub(crate) const fn straight<T: Real>() -> f64 {
+pub(crate) const fn straight<T: Scalar>() -> f64 {
     if STRAIGHT > 64.0 * T::EPSILON { STRAIGHT } else { 64.0 * T::EPSILON }
 }
 
 /// Whether a slope is that of a surface upright, and no other surface altogether than where it was `square`.
 #[inline(always)]
-pub(crate) fn is_upright<T: Real>(slope: T, square: T) -> T::Mask {
-    (T::from_f64(1.0 / ALIKE) * square).lt(slope).and(slope.le(T::from_f64(ALIKE) * square))
+pub(crate) fn is_upright<T: Scalar>(slope: T, square: T) -> bool {
+    (T::from_f64(1.0 / ALIKE) * square).lt(slope) & slope.le(T::from_f64(ALIKE) * square)
 }
 
 /// Whether the root found along a line is trusted, from the slopes g′ = ∇g·∇g(q) where the step began, at the first
@@ -54,57 +54,54 @@ pub(crate) fn is_upright<T: Real>(slope: T, square: T) -> T::Mask {
 /// `off_square` is the square of the first correction, `path_square` that of the path, both lengths; `far` is
 /// [`FAR_GUESS`] or [`FAR_EXTRAPOLATION`].
 #[inline(always)]
-pub(crate) fn is_the_root<T: Real>(
+pub(crate) fn is_the_root<T: Scalar>(
     off_square: T,
     [square, first, slope]: [T; 3],
     path_square: T,
     far: f64,
-) -> T::Mask {
+) -> bool {
     let change = (slope - first) / slope; // of no unit: g may be scaled by any number
     let change_square = change * change;
     let near_guess = off_square.le(T::from_f64(far * far) * path_square);
     let short_path = (change_square * path_square).le(T::from_f64(SHORT_PATH * SHORT_PATH) * off_square);
     let straight = change_square.le(T::from_f64(straight::<T>() * straight::<T>()));
-    is_upright(slope, square).and(straight.or(near_guess.and(short_path)))
+    is_upright(slope, square) & (straight | (near_guess & short_path))
 }
 
-/// A part of a step, from one share of the step to another; in each lane its own.
+/// A part of a step, from one share of the step to another.
 #[derive(Clone, Copy)]
-pub(crate) struct Part<T: Real> {
+pub(crate) struct Part<T> {
     /// The share of the step where the part ends: s in q + s·drift + s²·push.
     pub(crate) end: T,
     /// How much of the step the part is.
     pub(crate) length: T,
-    /// Where the root is still being followed; other lanes wait.
-    pub(crate) going: T::Mask,
 }
 
-impl<T: Real> Part<T> {
+impl<T: Scalar> Part<T> {
     /// The first share of it.
     #[inline(always)]
     pub(crate) fn until(&self, share: f64) -> Self {
         let length = T::from_f64(share) * self.length;
-        Self { end: self.end - self.length + length, length, ..*self }
+        Self { end: self.end - self.length + length, length }
     }
 }
 
-/// Follows a root from h = 0 to the end of the step. `attempt` solves for one part, remembers what it finds where it
-/// trusts that and the part is `going`, and says where it does. True where the end is reached.
-///
-/// Every lane takes its own parts, so lanes do not influence each other.
+/// Follows a root from h = 0 to the end of the step. `attempt` solves for one part, and remembers what it finds if it
+/// trusts that, which it says. True if the end is reached.
 #[inline(always)]
-pub(crate) fn follow<T: Real>(mut attempt: impl FnMut(&Part<T>) -> T::Mask) -> T::Mask {
+pub(crate) fn follow<T: Scalar>(mut attempt: impl FnMut(&Part<T>) -> bool) -> bool {
     let (zero, one, half) = (T::from_f64(0.0), T::from_f64(1.0), T::from_f64(0.5));
     let (mut s, mut part) = (zero, half);
     for _ in 0..MAX_PARTS {
-        let going = s.lt(one).and(T::from_f64(SMALLEST_PART).le(part));
-        if going.not().all() {
+        if one.le(s) || part.lt(T::from_f64(SMALLEST_PART)) {
             break;
         }
         let end = (s + part).min(one);
-        let trusted = going.and(attempt(&Part { end, length: end - s, going }));
-        s = T::select(trusted, end, s);
-        part = T::select(trusted, part + part, T::select(going, half * part, part));
+        if attempt(&Part { end, length: end - s }) {
+            (s, part) = (end, part + part);
+        } else {
+            part = half * part;
+        }
     }
     one.le(s)
 }
@@ -116,7 +113,7 @@ pub(crate) struct Course<T> {
     rate: T,
 }
 
-impl<T: Real> Course<T> {
+impl<T: Scalar> Course<T> {
     /// Before the first part: the excess is 0 and stays so.
     pub(crate) fn start() -> Self {
         Self { excess: T::from_f64(0.0), rate: T::from_f64(0.0) }
@@ -127,10 +124,10 @@ impl<T: Real> Course<T> {
         guess * part.end * part.end + self.excess + self.rate * part.length
     }
 
-    /// Notes what was found there, where that is trusted.
-    pub(crate) fn note(&mut self, trusted: T::Mask, guess: T, part: &Part<T>, found: T) {
+    /// Notes what was found there.
+    pub(crate) fn note(&mut self, guess: T, part: &Part<T>, found: T) {
         let excess = found - guess * part.end * part.end;
-        self.rate = T::select(trusted, (excess - self.excess) / part.length, self.rate);
-        self.excess = T::select(trusted, excess, self.excess);
+        self.rate = (excess - self.excess) / part.length;
+        self.excess = excess;
     }
 }

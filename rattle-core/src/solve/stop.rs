@@ -20,7 +20,7 @@
 //! needed anyway, tells what is left; without it some steps ended 60 and 190 ε off, with 1/256 as with 1/16. In
 //! networks the slower of the last two contractions is taken; with the last one some steps ended 9 ε off instead of 3.
 
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 /// What may be left of a correction when a solve ends without another evaluation, in units of the rounding floor.
 pub(crate) const SPARE: f64 = 1.0 / 16.0;
@@ -38,7 +38,7 @@ pub(crate) struct Shrinking<T> {
     contraction: T,
 }
 
-impl<T: Real> Shrinking<T> {
+impl<T: Scalar> Shrinking<T> {
     /// Before the first correction.
     #[inline(always)]
     pub(crate) fn start() -> Self {

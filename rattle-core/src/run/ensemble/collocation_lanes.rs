@@ -94,7 +94,7 @@ where
     }
 
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
-        vec![self.row.body(lane).map(Lane::to_f64)]
+        vec![self.row.body(lane).map(S::to_f64)]
     }
 
     fn by_itself(
@@ -113,7 +113,7 @@ where
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
             system.check_sheets(number, *h, &start, &mut bodies)?;
         }
-        Ok(vec![bodies.body(0).map(Lane::to_f64)])
+        Ok(vec![bodies.body(0).map(S::to_f64)])
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -219,7 +219,7 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
             }
             if let Some(written) = written {
                 let (q, p) = (&row.q, &row.p);
-                written.fill(L, |lane| at(q, lane).map(Lane::to_f64), |lane| at(p, lane).map(Lane::to_f64));
+                written.fill(L, |lane| at(q, lane).map(S::to_f64), |lane| at(p, lane).map(S::to_f64));
             }
         }
         Ok(desk.row)

@@ -38,8 +38,8 @@ pub(super) fn kink<S: Lane, const D: usize>(
     to: [S; D],
     otherwise: Result<(), Stuck>,
 ) -> Result<(), Stuck> {
-    let [from, to] = [from, to].map(|q| q.map(Lane::to_f64));
-    match first_kink::<S, _, D, 1>(laws.constraint(lane).borrow(), 0, &from, &to) {
+    let [from, to] = [from, to].map(|q| q.map(S::to_f64));
+    match first_kink::<S, _, D, 1>(laws.constraint(lane).borrow(), &from, &to) {
         Some(kink) => Err(Stuck { lane, failure: Some(Failure::of_kink(kink, 0, None)) }),
         None => otherwise,
     }

@@ -118,7 +118,7 @@ where
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let ([q, q_low], [p, p_low]) =
             (self.block.position(lane), self.block.momentum(lane, &self.laws, &self.parts));
-        vec![Body { q, q_low, p, p_low }.map(Lane::to_f64)]
+        vec![Body { q, q_low, p, p_low }.map(S::to_f64)]
     }
 
     fn by_itself(
@@ -218,7 +218,7 @@ pub(super) fn in_lanes<S: Lane, const D: usize>(bodies: &[Body<f64, D>]) -> Vec<
 /// And back.
 #[inline(never)]
 pub(super) fn out_of_lanes<S: Lane, const D: usize>(bodies: &[Body<S, D>]) -> Vec<Body<f64, D>> {
-    bodies.iter().map(|body| body.map(Lane::to_f64)).collect()
+    bodies.iter().map(|body| body.map(S::to_f64)).collect()
 }
 
 /// A block on a tour.
@@ -262,7 +262,7 @@ where
             }
             if let Some(written) = written {
                 let (q, p) = desk.block.all(&laws, parts);
-                written.fill(L, |lane| at(&q, lane).map(Lane::to_f64), |lane| at(&p, lane).map(Lane::to_f64));
+                written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
         Ok(desk.block)

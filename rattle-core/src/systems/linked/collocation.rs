@@ -248,7 +248,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                     let q = &stages.q[stage * n..][..n];
                     let reached = q.iter().flatten().all(|q| q.is_finite());
                     let at = Moment { time: bodies.time + h * table.nodes[stage], positions: q };
-                    if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, 0..n, 0)) {
+                    if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, 0..n)) {
                         return Err(failure);
                     }
                 }

@@ -140,7 +140,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let q = bodies.q.as_ref();
         let at = Moment { time: bodies.time, positions: q };
         // Links hand a force that is none on to other bodies.
-        if let Some(failure) = Failure::of_force(&self.effects, at, self.free(), 0) {
+        if let Some(failure) = Failure::of_force(&self.effects, at, self.free()) {
             return failure;
         }
         let (p, position) = (&bodies.p.as_ref()[body], q[body].to_vec());

@@ -411,8 +411,10 @@ impl<const D: usize> Flight<'_, D> {
             let trusted = self.trusts(&landing, far, solver, part.end, room)
                 && (!room.suspects_any(m)
                     || self.part_looks_right(part, &landing, path, solver, room, counts));
-            for i in 0..m {
-                room.course[i].note(trusted, room.guess[i], part, room.y[i]);
+            if trusted {
+                for i in 0..m {
+                    room.course[i].note(room.guess[i], part, room.y[i]);
+                }
             }
             trusted
         });

@@ -220,7 +220,7 @@ where
             }
             if trusted {
                 for j in 0..M {
-                    course[j].note(true, self.guess[j], part, part.end * landing.sigma[j]);
+                    course[j].note(self.guess[j], part, part.end * landing.sigma[j]);
                 }
                 if let Some([_, last]) = landing.slopes {
                     before = last.map(|row| row.map(|x| x / (part.end * self.h)));
@@ -234,4 +234,4 @@ where
 }
 
 /// All of a step.
-const WHOLE: Part<f64> = Part { end: 1.0, length: 1.0, going: true };
+const WHOLE: Part<f64> = Part { end: 1.0, length: 1.0 };

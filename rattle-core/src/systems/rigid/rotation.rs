@@ -13,7 +13,7 @@
 //! whose moments are the inverses of the rounded 1/(2J).
 
 use crate::error::{Passing, RigidFailure, StepFailure};
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use nalgebra::Vector3;
 use std::array::from_fn;
@@ -29,14 +29,14 @@ pub(crate) const LEFT: f64 = f64::EPSILON / 16.0;
 
 /// a × b.
 #[inline(always)]
-pub(super) fn cross<T: Real>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
+pub(super) fn cross<T: Scalar>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
     let component = |i: usize, j: usize| a[i].multiply_add(b[j], -(a[j] * b[i]));
     [component(1, 2), component(2, 0), component(0, 1)]
 }
 
 /// The vector of QᵀX − XᵀQ, of matrices by rows: minus the sum of the cross products of their rows.
 #[inline(always)]
-pub(crate) fn turning<T: Real>(q: &[T; 9], x: &[T; 9]) -> [T; 3] {
+pub(crate) fn turning<T: Scalar>(q: &[T; 9], x: &[T; 9]) -> [T; 3] {
     let row = |matrix: &[T; 9], i: usize| -> [T; 3] { from_fn(|j| matrix[3 * i + j]) };
     let [a, b, c] = from_fn(|i| cross(&row(x, i), &row(q, i)));
     from_fn(|i| a[i] + b[i] + c[i])
@@ -44,7 +44,7 @@ pub(crate) fn turning<T: Real>(q: &[T; 9], x: &[T; 9]) -> [T; 3] {
 
 /// A product of matrices by rows.
 #[inline(always)]
-pub(crate) fn product<T: Real>(a: &[T; 9], b: &[T; 9]) -> [T; 9] {
+pub(crate) fn product<T: Scalar>(a: &[T; 9], b: &[T; 9]) -> [T; 9] {
     from_fn(|k| {
         let (i, j) = (k - k % 3, k % 3);
         a[i + 2].multiply_add(b[6 + j], a[i + 1].multiply_add(b[3 + j], a[i] * b[j]))
@@ -80,7 +80,7 @@ pub(crate) fn one_over(h: f64) -> [f64; 2] {
 
 /// 1 − QᵀQ, by rows.
 #[inline(always)]
-pub(crate) fn deviation<T: Real>(q: &[T; 9]) -> [T; 9] {
+pub(crate) fn deviation<T: Scalar>(q: &[T; 9]) -> [T; 9] {
     let off = |i: usize, j: usize, of: T| {
         let product = |row: usize, rest: T| (-q[3 * row + i]).multiply_add(q[3 * row + j], rest);
         product(2, product(1, product(0, of)))
@@ -155,7 +155,7 @@ impl<T: Copy> Moments<T> {
     }
 }
 
-impl<T: Real> Moments<T> {
+impl<T: Scalar> Moments<T> {
     /// v, from the momentum times h.
     #[inline(always)]
     pub(crate) fn ahead(&self, way: &[T; 3]) -> [T; 3] {
@@ -200,7 +200,7 @@ pub(crate) struct Inverse<T> {
     pub(crate) over: T,
 }
 
-impl<T: Real> Inverse<T> {
+impl<T: Scalar> Inverse<T> {
     #[inline(always)]
     pub(crate) fn at(Moments { bend: [bend, _], .. }: &Moments<T>, v: &[T; 3], x: &[T; 3]) -> Self {
         let (one, twice) = (T::from_f64(1.0), scaled(T::from_f64(-2.0), v));
@@ -223,13 +223,13 @@ impl<T: Real> Inverse<T> {
 
 /// s.
 #[inline(always)]
-pub(crate) fn share<T: Real>(x: &[T; 3]) -> T {
+pub(crate) fn share<T: Scalar>(x: &[T; 3]) -> T {
     T::from_f64(2.0) / (T::from_f64(1.0) + dot(x, x))
 }
 
 /// s (x̂ + x̂²), by rows.
 #[inline(always)]
-pub(crate) fn turn<T: Real>(x: &[T; 3], s: T) -> [T; 9] {
+pub(crate) fn turn<T: Scalar>(x: &[T; 3], s: T) -> [T; 9] {
     let [a, b, c] = scaled(s, x);
     let [x, y, z] = *x;
     let (xx, yy, zz) = (a * x, b * y, c * z);

@@ -197,7 +197,7 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
                 let cause = StepFailure::MomentumNotFinite { position: q[number].to_vec() };
                 let momentum = Failure { body: number, cause };
                 let at = Moment { time: bodies.time, positions: q };
-                return Err(Failure::of_force(&self.effects, at, [number], 0).unwrap_or(momentum));
+                return Err(Failure::of_force(&self.effects, at, [number]).unwrap_or(momentum));
             }
         }
         Ok(())

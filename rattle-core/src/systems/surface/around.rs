@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::kernel::functions::ConstraintKernel;
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
-use crate::number::real::Real;
+use crate::number::real::{Real, Scalar};
 use crate::number::vector::largest;
 use crate::number::vectors::{LANES, at};
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3, rises, shares};
@@ -20,7 +20,7 @@ pub(super) struct Around<'a, T, K, F, const D: usize> {
     pub(super) turn: u64,
 }
 
-impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
+impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
     for Around<'_, T, K, F, D>
 {
     /// A bit for each body in a crowd.
@@ -73,7 +73,7 @@ mod tests {
         bend: f64,
     }
 
-    impl<T: Real> ConstraintKernel<T, 2, 1> for Sheets {
+    impl<T: Scalar> ConstraintKernel<T, 2, 1> for Sheets {
         fn value(&self, q: &[T; 2]) -> [T; 1] {
             self.value_and_jacobian(q).0
         }

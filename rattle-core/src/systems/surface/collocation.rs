@@ -23,7 +23,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
@@ -55,7 +55,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         witness: &mut W,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Forces<T, D>,
@@ -95,7 +95,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         stages: &mut Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Forces<T, D>,
@@ -123,7 +123,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         bodies: &BodiesOf<N, T, F, D>,
         stages: &mut Stages<T, F, D>,
     ) where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
@@ -143,14 +143,14 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         stages: &mut Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Forces<T, D>,
     {
         self.begin::<T, D, S>(bodies, stages);
         if let Some((filled, past)) = memory.split_first()
-            && filled.lanes().all(|filled| filled == 1.0)
+            && filled.to_f64() == 1.0
         {
             stages.extrapolate(table, past);
             if self.solve(table, h, bodies, stages, FAR_GUESS).is_ok() {
@@ -176,7 +176,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         far_guess: f64,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
@@ -220,15 +220,14 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                     &mut stages.inverse[body * S * S..][..S * S],
                     renew,
                 );
-                if iteration == 0 && far_guess < 1.0 && !moved.le(T::from_f64(far_guess) * far).all() {
-                    return Err(FailureAt::of(body, false).unsolved(h, S, 1, f64::NAN));
+                if iteration == 0 && far_guess < 1.0 && !moved.le(T::from_f64(far_guess) * far) {
+                    return Err(FailureAt::of(body).unsolved(h, S, 1, f64::NAN));
                 }
                 let size = largest(&bodies.q.as_ref()[body]).max(far);
                 let ratio = moved / (size * T::from_f64(T::EPSILON));
-                for lane in T::select(moved.le(zero), zero, ratio).lanes() {
-                    if lane > worst || lane.is_nan() {
-                        (worst, slowest) = (lane, body);
-                    }
+                let ratio = if moved.le(zero) { 0.0 } else { ratio.to_f64() };
+                if ratio > worst || ratio.is_nan() {
+                    (worst, slowest) = (ratio, body);
                 }
             }
             if !worst.is_finite() {
@@ -240,7 +239,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                 return self.upright::<T, D, S>(h, stages);
             }
             if iteration + 1 == MAX_ITERATIONS {
-                return Err(FailureAt::of(slowest, false).unsolved(h, S, MAX_ITERATIONS, worst));
+                return Err(FailureAt::of(slowest).unsolved(h, S, MAX_ITERATIONS, worst));
             }
             (last, last_contraction) = (worst, contraction);
         }
@@ -255,15 +254,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         stages: &Stages<T, F, D>,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         F: Forces<T, D>,
     {
         for body in 0..self.count.number() {
             let normal: &[[T; D]; S] = part(&stages.normal, body);
             let products = (1..S).map(|i| dot(&normal[i], &normal[i - 1]));
             let upright = products.fold(T::from_f64(f64::INFINITY), T::min);
-            if !T::from_f64(0.0).lt(upright).all() {
-                return Err(FailureAt::of(body, false).turned_over(h, S));
+            if !T::from_f64(0.0).lt(upright) {
+                return Err(FailureAt::of(body).turned_over(h, S));
             }
         }
         Ok(())
@@ -282,19 +281,19 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         iterations: usize,
     ) -> Failure
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
         let n = self.count.number();
         for stage in 1..count {
             let at = Moment { time: times(stage), positions: &stages.q[stage * n..][..n] };
-            let reached = at.positions[body].iter().all(|q| q.lanes().all(f64::is_finite));
-            if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, [body], 0)) {
+            let reached = at.positions[body].iter().all(|q| q.to_f64().is_finite());
+            if let (true, Some(failure)) = (reached, Failure::of_force(&self.effects, at, [body])) {
                 return failure;
             }
         }
-        FailureAt::of(body, false).unsolved(h, count, iterations, f64::NAN)
+        FailureAt::of(body).unsolved(h, count, iterations, f64::NAN)
     }
 
     /// Takes the bodies to the end of the step, their momenta without the last kick.
@@ -307,7 +306,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         stages: &Stages<T, F, D>,
         witness: &mut W,
     ) where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         L: ConstraintKernel<Fused<f64>, D, 1>,
         F: Forces<T, D>,
@@ -367,7 +366,7 @@ fn improve<T, K, F, const D: usize, const S: usize>(
     renew: bool,
 ) -> (T, T)
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Force<T, D>,
 {
@@ -424,7 +423,7 @@ where
 
 /// The larger one, NaN if one is.
 #[inline(always)]
-fn select_larger<T: Real>(a: T, b: T) -> T {
+fn select_larger<T: Scalar>(a: T, b: T) -> T {
     T::select(b.le(a), a, b)
 }
 
@@ -444,7 +443,7 @@ fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
 
 /// Qᵢ − q of one body: drift and the sum over the stages.
 #[inline(always)]
-fn increment<T: Real, const D: usize, const S: usize>(
+fn increment<T: Scalar, const D: usize, const S: usize>(
     row: &[(T, T); S],
     (drift, rest): (T, T),
     velocity: &[T; D],
@@ -457,7 +456,7 @@ fn increment<T: Real, const D: usize, const S: usize>(
 /// The sum over all stages but the last, and by itself that of what rounding took from the weights: added one by one to
 /// the larger numbers it would be lost each time, and energy would drift.
 #[inline(always)]
-fn weighted<T: Real, const D: usize, const S: usize>(
+fn weighted<T: Scalar, const D: usize, const S: usize>(
     weights: &[(T, T); S],
     total: &[[T; D]; S],
 ) -> ([T; D], [T; D]) {
@@ -468,7 +467,7 @@ fn weighted<T: Real, const D: usize, const S: usize>(
 }
 
 #[inline(always)]
-fn pair<T: Real>((high, low): (f64, f64)) -> (T, T) {
+fn pair<T: Scalar>((high, low): (f64, f64)) -> (T, T) {
     (T::from_f64(high), T::from_f64(low))
 }
 
@@ -476,7 +475,7 @@ fn pair<T: Real>((high, low): (f64, f64)) -> (T, T) {
 /// minors of the tables are positive, and normals of successive stages do not turn over. Row i + 1, column j is then
 /// that of unknown i and equation j + 1. (With rows from 0 on the compiler makes it slower by a quarter of a step.)
 #[inline(always)]
-fn invert<T: Real, const S: usize>(a: &mut [T]) {
+fn invert<T: Scalar, const S: usize>(a: &mut [T]) {
     for k in 0..S - 1 {
         let pivot = T::from_f64(1.0) / a[(k + 1) * S + k];
         a[(k + 1) * S + k] = T::from_f64(1.0);

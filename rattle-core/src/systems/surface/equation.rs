@@ -1,7 +1,7 @@
 //! The equation of one body, as the solver sees it.
 
 use crate::kernel::functions::ConstraintKernel;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
 use crate::solve::aim::SHIFTS;
 
@@ -19,7 +19,7 @@ pub(crate) trait Equation<T, const D: usize> {
     fn bend(&self, q: &[T; D], p: &[T; D]) -> T;
 }
 
-impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K {
+impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K {
     #[inline(always)]
     fn value(&self, q: &[T; D]) -> T {
         let [g] = ConstraintKernel::value(self, q);
@@ -49,7 +49,7 @@ impl<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for K
 /// where the place is moved by some roundings of this size.
 #[cold]
 #[inline(never)]
-pub(crate) fn rounding_of<T: Real, const D: usize>(
+pub(crate) fn rounding_of<T: Scalar, const D: usize>(
     equation: &dyn Equation<T, D>,
     q: &[T; D],
     n: &[T; D],

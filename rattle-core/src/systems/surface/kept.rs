@@ -4,7 +4,7 @@ use crate::effect::list::Forces;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::lanes::Fused;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::in_lanes::InLanes;
@@ -36,7 +36,7 @@ impl<K, F, N, L> OnSurface<K, F, N, L> {
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Books the work of a kick by potentials that change with time.
     #[inline(always)]
-    pub(super) fn book<T: Real, const D: usize>(&self, kick: f64, bodies: &mut BodiesOf<N, T, F, D>)
+    pub(super) fn book<T: Scalar, const D: usize>(&self, kick: f64, bodies: &mut BodiesOf<N, T, F, D>)
     where
         F: Forces<T, D>,
     {
@@ -47,7 +47,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 
     /// Lets time pass, if anything looks at it.
     #[inline(always)]
-    pub(super) fn pass<T: Real, const D: usize>(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>)
+    pub(super) fn pass<T: Scalar, const D: usize>(&self, h: f64, bodies: &mut BodiesOf<N, T, F, D>)
     where
         F: Forces<T, D>,
     {
@@ -84,7 +84,7 @@ impl<const D: usize> ConstraintKernel<Fused<f64>, D, 1> for OneByOne {
 
 /// The quantities kept from step to step.
 #[derive(Clone)]
-pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
+pub struct Kept<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> {
     /// Normals at the positions.
     pub normal: N::Of<Normal<T, D>>,
     /// The last forces; of size zero where no effect acts.
@@ -109,7 +109,7 @@ pub struct Kept<N: Count, T: Real, F: Forces<T, D>, const D: usize> {
 
 pub(crate) type BodiesOf<N, T, F, const D: usize> = Bodies<N, T, Kept<N, T, F, D>, D>;
 
-impl<N: Count, T: Real, F: Forces<T, D>, const D: usize> fmt::Debug for Kept<N, T, F, D> {
+impl<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> fmt::Debug for Kept<N, T, F, D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Kept");
         debug.field("normal", &self.normal).field("force", &self.force).finish_non_exhaustive()

@@ -6,7 +6,7 @@
 
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::{Aim, GROWTH, INSIDE, INSIDE_PARTS, LITTLE, NOISY, ROUNDINGS, grows_to};
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, is_upright};
@@ -22,18 +22,18 @@ const STEADY: f64 = 2.0;
 
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
-pub(crate) struct Attempt<T: Real, const D: usize> {
+pub(crate) struct Attempt<T: Scalar, const D: usize> {
     pub(crate) landing: Landing<T, D>,
     /// The first guess of Λ, and pᵀ∇²g p.
     pub(crate) guess: T,
     pub(crate) bend: T,
-    /// Where nothing in the two ends of the step speaks against it.
-    pub(crate) trusted: T::Mask,
-    /// Where it is the right one.
-    pub(crate) certain: T::Mask,
+    /// Whether nothing in the two ends of the step speaks against it.
+    pub(crate) trusted: bool,
+    /// Whether it is the right one.
+    pub(crate) certain: bool,
 }
 
-impl<T: Real, const D: usize> Departure<'_, T, D> {
+impl<T: Scalar, const D: usize> Departure<'_, T, D> {
     /// The square of the way of a step, as far as it is not the constraint's.
     #[inline(always)]
     fn path_square(&self) -> T {
@@ -43,13 +43,13 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
     /// Whether h·κ·|v| ≤ 1 / `times`.
     #[inline(always)]
-    fn turns_little(&self, times: f64) -> T::Mask {
+    fn turns_little(&self, times: f64) -> bool {
         let step = T::from_f64(times * self.h);
         (step * step * self.bend * self.bend * self.normal.inverse_square).le(dot(self.p, self.p))
     }
 
-    /// Where the body lands by this iteration; and in which lanes that is good enough to tell that the root is the
-    /// right one.
+    /// Where the body lands by this iteration; and whether that is good enough to tell that the root is the right
+    /// one.
     #[inline(always)]
     pub(crate) fn attempt<X: Iteration>(
         &self,
@@ -67,7 +67,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
                 self.trusts_without_slope(&landing, self.path_square(), FAR_GUESS)
             }
         };
-        let trusted = self.turns_little(2.0).and(trusted);
+        let trusted = self.turns_little(2.0) & trusted;
         let off = landing.multiplier - self.guess;
         let usual = match X::KIND {
             Kind::Newton | Kind::Symmetric => aim.is_usual(off, weights),
@@ -77,43 +77,41 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             }
         };
         let rounding = landing.first_correction.le(T::from_f64(ROUNDINGS) * landing.floor);
-        let certain = trusted.and(usual.or(rounding));
+        let certain = trusted & (usual | rounding);
         Attempt { landing, guess: self.guess, bend: self.bend, trusted, certain }
     }
 
     /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another
-    /// root; and where the
-    /// root had to be followed.
+    /// root; and whether
+    /// the root had to be followed.
     #[inline(never)]
     pub(crate) fn look_again(
         &self,
         equation: &dyn Equation<T, D>,
         attempt: &Attempt<T, D>,
-    ) -> Result<(Landing<T, D>, T::Mask), Failure> {
+    ) -> Result<(Landing<T, D>, bool), Failure> {
         let Attempt { landing, trusted, certain, .. } = *attempt;
-        let within_reach = self.turns_little(1.0).or(certain);
-        if !within_reach.all() {
-            return Err(FailureAt::of(self.body, within_reach).too_long(self));
+        if certain {
+            return Ok((landing, false));
         }
-        let steady = trusted.and(is_steady(landing.slopes[1], self.square()));
+        if !self.turns_little(1.0) {
+            return Err(FailureAt::of(self.body).too_long(self));
+        }
+        let steady = trusted && is_steady(landing.slopes[1], self.square());
         let look =
-            |rounding| steady.and(self.confirms(equation, landing.multiplier, landing.slopes[0], rounding));
+            |rounding| steady && self.confirms(equation, landing.multiplier, landing.slopes[0], rounding);
         let mut rounding = self.rounding();
-        let mut certain = certain.or(look(rounding));
-        if !certain.all() {
-            rounding = self.with_noise(rounding, equation, landing.multiplier);
-            certain = certain.or(look(rounding));
+        if look(rounding) {
+            return Ok((landing, false));
         }
-        if certain.all() {
-            return Ok((landing, certain.not()));
+        rounding = self.with_noise(rounding, equation, landing.multiplier);
+        if look(rounding) {
+            return Ok((landing, false));
         }
-        let followed = self.follow(equation, rounding);
-        let certain = certain.or(trusted.and(is_same(&followed, landing.multiplier, rounding)));
-        let landing = landing.or(certain, followed);
-        if landing.converged.all() {
-            Ok((landing, certain.not()))
-        } else {
-            Err(FailureAt::of(self.body, landing.converged).lost(equation, self))
+        match self.follow(equation, rounding) {
+            Some(found) if trusted && is_same(&found, landing.multiplier, rounding) => Ok((landing, false)),
+            Some(found) => Ok((found, true)),
+            None => Err(FailureAt::of(self.body).lost(equation, self)),
         }
     }
 
@@ -126,32 +124,33 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     }
 
     /// Where the body lands after an attempt from another guess or by another iteration, with the slope at the guess
-    /// or not, that may
-    /// have found another root; and where it had.
+    /// or not, that may have found another root; and whether it had.
     #[inline(never)]
     pub(crate) fn land_instead(
         &self,
         equation: &dyn Equation<T, D>,
         attempt: &Attempt<T, D>,
         with_slope: bool,
-    ) -> Result<(Landing<T, D>, T::Mask), Failure> {
-        let Attempt { landing, trusted, mut certain, .. } = *attempt;
+    ) -> Result<(Landing<T, D>, bool), Failure> {
+        let Attempt { landing, trusted, certain, .. } = *attempt;
+        if certain {
+            return Ok((landing, false));
+        }
         // Without the slope at the guess too little is known of g there: another sheet would be trusted as often as
         // not.
         if with_slope {
             let [slope, _] = landing.slopes;
-            let confirmed = self.confirms(equation, landing.multiplier, slope, self.rounding());
-            certain = certain.or(trusted.and(is_steady(landing.slopes[1], self.square())).and(confirmed));
+            if trusted
+                && is_steady(landing.slopes[1], self.square())
+                && self.confirms(equation, landing.multiplier, slope, self.rounding())
+            {
+                return Ok((landing, false));
+            }
         }
-        if certain.all() {
-            return Ok((landing, certain.not()));
-        }
-        let mut own = self.attempt::<Newton>(equation, &Aim::unknown(), [f64::NAN; 2]);
-        own.certain = own.certain.or(certain);
-        let (found, _) = self.look_again(equation, &own)?;
+        let found = self.land(equation)?;
         let rounding = self.with_noise(self.rounding(), equation, landing.multiplier);
-        let certain = certain.or(trusted.and(is_same(&found, landing.multiplier, rounding)));
-        Ok((landing.or(certain, found), certain.not()))
+        let is_found = trusted && is_same(&found, landing.multiplier, rounding);
+        Ok(if is_found { (landing, false) } else { (found, true) })
     }
 
     /// The square of ∇g(q′) − ∇g(q).
@@ -182,7 +181,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
     /// rounding of g is by
     /// how much it is no straight line across the surface at the start.
     fn with_noise(&self, rounding: T, equation: &dyn Equation<T, D>, multiplier: T) -> T {
-        if (T::from_f64(LITTLE) * rounding).le((multiplier - self.guess).abs()).all() {
+        if (T::from_f64(LITTLE) * rounding).le((multiplier - self.guess).abs()) {
             return rounding;
         }
         let size = largest(self.q).max(largest(&self.free));
@@ -198,7 +197,7 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
     /// Whether guesses inside the step, of this Λ at its end and s² times the first guess on the way, are off by
     /// what they should be.
-    fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, rounding: T) -> T::Mask {
+    fn confirms(&self, equation: &dyn Equation<T, D>, multiplier: T, slope: T, rounding: T) -> bool {
         let end = multiplier - self.guess;
         let look = |s: f64| {
             let share = T::from_f64(s);
@@ -206,75 +205,72 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             grows_to(inside, end, s, GROWTH, rounding)
         };
         let [first, second] = INSIDE;
-        look(first).and(look(second))
+        look(first) && look(second)
     }
 
     /// The landing that is reached from h = 0 without leaving the root, of the position equation with `path` s and
-    /// `push` s² for s = 0 … 1. Not converged where there is none.
-    fn follow(&self, equation: &dyn Equation<T, D>, rounding: T) -> Landing<T, D> {
+    /// `push` s² for s = 0 … 1.
+    fn follow(&self, equation: &dyn Equation<T, D>, rounding: T) -> Option<Landing<T, D>> {
         let (path, push) = (&self.path, &self.push);
         let path_and_push = dot(path, path) + dot(push, push);
         let mut course = Course::start();
-        let (mut arrived, mut slope_before): (Option<Landing<T, D>>, T) = (None, self.square());
+        let (mut arrived, mut slope_before) = (None, self.square());
         let reached = follow(|part| {
             let (s, length) = (part.end, part.length);
             let free = add_scaled(&scaled(s, path), s * s, push);
             let on_the_way = Self { free, guess: course.ahead(self.guess, part), ..*self };
             let landing = on_the_way.solve(equation, |_| ());
             let path_square = length * length * path_and_push;
-            let mut trusted = part.going.and(on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION));
+            let mut trusted = on_the_way.trusts(&landing, path_square, FAR_EXTRAPOLATION);
             let (end, [slope, last]) = (landing.multiplier - on_the_way.guess, landing.slopes);
-            trusted = trusted.and(is_steady(last, slope_before));
+            trusted &= is_steady(last, slope_before);
             for (share, powers) in INSIDE_PARTS {
                 let inner = part.until(share);
                 let guess = course.ahead(self.guess, &inner);
                 let inside = self.off_inside(equation, inner.end, guess, slope);
-                trusted = trusted.and(grows_to(inside, end, share, powers, rounding));
+                trusted &= grows_to(inside, end, share, powers, rounding);
             }
-            course.note(trusted, self.guess, part, landing.multiplier);
-            slope_before = T::select(trusted, last, slope_before);
-            arrived = Some(match arrived.take() {
-                Some(before) => landing.or(trusted, before),
-                None => landing,
-            });
+            if trusted {
+                course.note(self.guess, part, landing.multiplier);
+                slope_before = last;
+                arrived = Some(landing);
+            }
             trusted
         });
-        let mut landing = arrived.unwrap_or_else(|| self.solve(equation, |_| ()));
-        landing.converged = reached;
-        landing
+        arrived.filter(|_| reached)
     }
 
     /// Whether the root found is taken for the one that the motion continues on, after a path of this length, if a
     /// guess that was off by `far` of it is too far.
     #[inline(always)]
-    fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+    fn trusts(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> bool {
         let [first, slope] = landing.slopes;
         let off_square = landing.first_correction * landing.first_correction;
         let slopes = [self.square(), first, slope];
-        landing.converged.and(is_the_root(off_square, slopes, path_square, far))
+        landing.converged & is_the_root(off_square, slopes, path_square, far)
     }
 
     /// The same for a landing by [`chords`](Self::chords) with the slope of the start, where that at the guess is
     /// not known.
     #[inline(always)]
-    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> T::Mask {
+    fn trusts_without_slope(&self, landing: &Landing<T, D>, path_square: T, far: f64) -> bool {
         let square = self.square();
         let off_square = landing.first_correction * landing.first_correction;
         let near_guess = off_square.le(T::from_f64(far * far) * path_square);
         let short_path = self.turned_square(landing).le(T::from_f64(SHORT_PATH * SHORT_PATH) * square);
         let upright = is_upright(landing.slopes[1], square);
-        landing.converged.and(upright).and(near_guess).and(short_path)
+        landing.converged & upright & near_guess & short_path
     }
 }
 
 /// Whether a slope differs by less than a factor from that where a way began: on its way to the next root it turns
 /// over.
-fn is_steady<T: Real>(slope: T, before: T) -> T::Mask {
+fn is_steady<T: Scalar>(slope: T, before: T) -> bool {
     let most = T::from_f64(STEADY);
-    slope.le(most * before).and(before.le(most * slope))
+    slope.le(most * before) & before.le(most * slope)
 }
 
 /// Whether another solve found the same root, but for rounding.
-fn is_same<T: Real, const D: usize>(landing: &Landing<T, D>, multiplier: T, rounding: T) -> T::Mask {
-    landing.converged.and((landing.multiplier - multiplier).abs().le(rounding))
+fn is_same<T: Scalar, const D: usize>(landing: &Landing<T, D>, multiplier: T, rounding: T) -> bool {
+    (landing.multiplier - multiplier).abs().le(rounding)
 }

@@ -1,8 +1,7 @@
 //! Bodies each on a surface of its own, g(q) = 0: one equation for one unknown number, λ, per body.
 //!
-//! Masses are 1. The code is generic in the scalar, so that several trajectories can be computed in lanes: by
-//! [`Scene::lanes`](crate::scene::Scene::lanes), in tests, and for single lanes of an ensemble.
-//! [Ensembles](crate::run::ensemble) and tiles of bodies normally have steps of their own.
+//! Masses are 1. [Ensembles](crate::run::ensemble) and tiles of bodies have steps of their own, in loops over lanes; a
+//! single lane of an ensemble comes back here.
 
 mod around;
 pub(crate) mod collocation;
@@ -25,13 +24,13 @@ mod system;
 mod tile;
 pub(crate) mod tiles;
 
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 
 pub use kept::{Kept, OnSurface, OneByOne};
 pub use normal::Normal;
 
 /// Functions that are compiled in this crate, see [`crate::instances`].
-pub(crate) fn instances<T: Real, const D: usize>() -> impl Copy {
+pub(crate) fn instances<T: Scalar, const D: usize>() -> impl Copy {
     [
         position::Departure::<T, D>::land as *const (),
         position::Departure::<T, D>::look_again as *const (),

@@ -1,7 +1,7 @@
 //! The normal at a body's position, and quantities that follow from it alone.
 
 use crate::effect::interval::Normals;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{dot, scaled};
 
 /// ∇g and 1/|∇g|² at a body's position.
@@ -13,7 +13,7 @@ pub struct Normal<T, const D: usize> {
     pub inverse_square: T,
 }
 
-impl<T: Real, const D: usize> Normal<T, D> {
+impl<T: Scalar, const D: usize> Normal<T, D> {
     /// The normal with gradient ∇g.
     #[inline(always)]
     pub(crate) fn new(gradient: [T; D]) -> Self {
@@ -28,7 +28,7 @@ impl<T: Real, const D: usize> Normal<T, D> {
     }
 }
 
-impl<T: Real, const D: usize> Normals<T, D> for &[Normal<T, D>] {
+impl<T: Scalar, const D: usize> Normals<T, D> for &[Normal<T, D>] {
     fn normal(&self, body: usize) -> [T; D] {
         let Normal { gradient, inverse_square } = &self[body];
         scaled(inverse_square.sqrt(), gradient)
@@ -37,7 +37,7 @@ impl<T: Real, const D: usize> Normals<T, D> for &[Normal<T, D>] {
 
 /// λ from the second derivative of g along the motion, g̈ = vᵀ∇²g v + ∇g·q̈ = 0 with q̈ = f + ∇g λ.
 #[inline(always)]
-pub(crate) fn multiplier_from_curvature<T: Real, const D: usize>(
+pub(crate) fn multiplier_from_curvature<T: Scalar, const D: usize>(
     bend: T,
     force_along_normal: T,
     normal: &Normal<T, D>,

@@ -8,51 +8,54 @@
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
-use crate::motion::failure::Failure;
-use crate::number::real::Real;
+use crate::motion::failure::{Failure, numbers};
+use crate::number::real::Scalar;
 use crate::number::vector::dot;
 use std::array::from_fn;
 
 /// Halvings of a step: a singular point is passed within a sixteenth of it. A strip may twist four times in one.
 const HALVINGS: usize = 4;
 
-/// Looks for a singular point between two places of a body in a lane, a time h apart, at which normals are opposed.
+/// Looks for a singular point between two places of a body, a time h apart, at which normals are opposed.
 #[cold]
 #[inline(never)]
-pub(super) fn check<T: Real, K: ConstraintKernel<T, D, 1>, const D: usize>(
+pub(super) fn check<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize>(
     constraint: &K,
-    lane: usize,
     h: f64,
     body: usize,
-    ends: [Body<T, D>; 2],
+    [from, to]: [&Body<T, D>; 2],
 ) -> Result<(), Failure> {
-    let number = |x: T| x.lanes().nth(lane).unwrap_or(f64::NAN);
-    let [from, to] = ends.map(|body| body.map(number));
-    let place = |s: f64| between(h, &from, &to, s);
+    let zero = T::from_f64(0.0);
+    let place = |s: f64| between(h, from, to, s);
     let normal = |s: f64| {
-        let [gradient] = constraint.jacobian(&place(s).map(T::from_f64));
-        gradient.map(number)
+        let [gradient] = constraint.jacobian(&place(s));
+        gradient
     };
     let (mut start, mut end) = ((0.0, normal(0.0)), (1.0, normal(1.0)));
     for _ in 0..HALVINGS {
         let middle = 0.5 * (start.0 + end.0);
         let there = (middle, normal(middle));
-        if dot(&start.1, &there.1) <= 0.0 {
+        if dot(&start.1, &there.1).le(zero) {
             end = there;
-        } else if dot(&there.1, &end.1) <= 0.0 {
+        } else if dot(&there.1, &end.1).le(zero) {
             start = there;
         } else {
             return Ok(());
         }
     }
-    let (share, gradient) = if dot(&start.1, &start.1) < dot(&end.1, &end.1) { start } else { end };
-    let position = place(share).to_vec();
-    Err(Failure { body, cause: StepFailure::NoNormal { position, gradient: gradient.to_vec() } })
+    let (share, gradient) = if dot(&start.1, &start.1).lt(dot(&end.1, &end.1)) { start } else { end };
+    let (position, gradient) = (numbers(&place(share)), numbers(&gradient));
+    Err(Failure { body, cause: StepFailure::NoNormal { position, gradient } })
 }
 
 /// Hermite's cubic through places and momenta at the two ends of a step.
 #[inline(always)]
-pub(super) fn between<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>, s: f64) -> [T; D] {
+pub(super) fn between<T: Scalar, const D: usize>(
+    h: f64,
+    from: &Body<T, D>,
+    to: &Body<T, D>,
+    s: f64,
+) -> [T; D] {
     let r = 1.0 - s;
     let [a, b, c, d] =
         [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r), h * s * r * r, -h * r * s * s].map(T::from_f64);

@@ -31,13 +31,12 @@
 //! **Which root**: see [`crate::systems::surface::landing`].
 
 use crate::motion::iteration::{Iteration, Kind};
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::root::straight;
 use crate::solve::stop::SPARE;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::normal::Normal;
-use std::array::from_fn;
 
 /// Corrections with a slope that is not the newest are given up where they do not shrink by half, at the latest here.
 const MAX_CHORDS: usize = 60;
@@ -69,7 +68,7 @@ pub(crate) struct Departure<'a, T, const D: usize> {
 
 /// Where the body lands on the constraint.
 #[derive(Clone, Copy)]
-pub(crate) struct Landing<T: Real, const D: usize> {
+pub(crate) struct Landing<T: Scalar, const D: usize> {
     /// q′ − q.
     pub(crate) increment: [T; D],
     /// Λ.
@@ -83,10 +82,10 @@ pub(crate) struct Landing<T: Real, const D: usize> {
     /// Corrections at or below this length count as converged.
     pub(crate) floor: T,
     /// Whether the equation was solved to the floor.
-    pub(crate) converged: T::Mask,
+    pub(crate) converged: bool,
 }
 
-impl<'a, T: Real, const D: usize> Departure<'a, T, D> {
+impl<'a, T: Scalar, const D: usize> Departure<'a, T, D> {
     /// Without a force, and with the guess from g̈ = 0.
     pub(crate) fn coasting(
         equation: &(impl Equation<T, D> + ?Sized),
@@ -115,7 +114,7 @@ impl<'a, T: Real, const D: usize> Departure<'a, T, D> {
     }
 }
 
-impl<T: Real, const D: usize> Departure<'_, T, D> {
+impl<T: Scalar, const D: usize> Departure<'_, T, D> {
     #[inline(always)]
     fn increment(&self, multiplier: T) -> [T; D] {
         add_scaled(&self.free, multiplier, &self.normal.gradient)
@@ -140,10 +139,10 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
 
         let mut multiplier = self.guess;
         let (mut last, mut last_slope) = (T::from_f64(f64::INFINITY), zero);
-        let mut converged = zero.lt(zero);
+        let mut converged = false;
         let (mut gradient, mut slope) = (*n, zero);
         let mut first_cycle = None;
-        for cycle in 1..=MAX_CYCLES {
+        for _ in 0..MAX_CYCLES {
             let (g, at_point) = equation.value_and_gradient(&self.point(multiplier));
             gradient = at_point;
             slope = dot(&gradient, n);
@@ -152,45 +151,42 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
             correction(first);
             first_cycle.get_or_insert((first, slope));
             let mut stalled = (half * last).le(first);
-            if !stalled.not().all() {
+            if stalled {
                 let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
                 let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
-                stalled = stalled.and(straight).and(small);
+                stalled = straight & small;
             }
             last_slope = slope;
-            converged = converged.or(first.le(floor)).or(stalled);
-            if converged.all() {
+            converged = first.le(floor) | stalled;
+            if converged {
                 break;
             }
-            multiplier = multiplier + T::select(converged, zero, newton);
+            multiplier = multiplier + newton;
 
             let g_next = equation.value(&self.point(multiplier));
             let ratio = g_next / g;
             let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
             let bend = T::from_f64(1.0) - T::from_f64(2.0) * ratio;
-            let share = T::select(near.and(converged.not()), ratio / bend, zero); // of Newton's step
+            let share = T::select(near, ratio / bend, zero); // of Newton's step
             multiplier = multiplier + share * newton;
             let second = share.abs() * first;
             correction(second);
             let next = share * share * second;
-            let spare = near.and((T::from_f64(1.0 / SPARE) * next).le(floor));
-            if !spare.not().all() {
+            let spare = near & (T::from_f64(1.0 / SPARE) * next).le(floor);
+            if spare {
                 gradient = equation.gradient(&self.point(multiplier));
                 let of_parabola = slope * (bend - T::from_f64(2.0) * ratio * (T::from_f64(1.0) - ratio));
                 slope = dot(&gradient, n);
                 let found = bend * slope; // as much larger as that of the parabola
                 let left = (found - of_parabola).abs() * second;
-                let known = (T::from_f64(1.0 / SPARE) * left).le(floor * found.abs());
-                converged = converged.or(spare.and(known));
-                if converged.all() {
+                converged = (T::from_f64(1.0 / SPARE) * left).le(floor * found.abs());
+                if converged {
                     break;
                 }
             }
             last = first;
-            let hopeless = first.le(T::from_f64(f64::MAX)).not(); // NaN or infinite: no cycle can mend it
-            if converged.or(hopeless).all() || cycle == MAX_CYCLES {
-                gradient = equation.gradient(&self.point(multiplier)); // for the lanes that did converge
-                slope = dot(&gradient, n);
+            let hopeless = !first.le(T::from_f64(f64::MAX)); // NaN or infinite: no cycle can mend it
+            if hopeless {
                 break;
             }
         }
@@ -219,57 +215,40 @@ impl<T: Real, const D: usize> Departure<'_, T, D> {
         };
         let mut slope = first_slope;
         let (mut first_correction, mut before, mut last) = (zero, zero, zero);
-        let (mut converged, mut going) = (zero.lt(zero), zero.le(zero));
+        let mut converged = false;
         let mut at_end = None;
         for step in 0..MAX_CHORDS {
             let chord = -g / slope;
             let size = chord.abs() * length;
             let shrinks = if step == 0 { size.lt(T::from_f64(f64::INFINITY)) } else { size.le(half * last) };
             let mut arrived = size.le(floor);
-            going = going.and(shrinks.or(arrived));
-            let chord = T::select(going, chord, zero);
+            if !(shrinks | arrived) {
+                break;
+            }
             multiplier = multiplier + chord;
             first_correction = if step == 0 { size } else { first_correction };
             let earlier = if X::KIND == Kind::Broyden { before } else { last };
             let next = size * size / earlier; // none without an earlier one: 1/0, or 0/0
-            let spare = going.and(next.le(T::from_f64(SPARE) * floor));
             at_end = None;
-            if !spare.not().all() {
+            if next.le(T::from_f64(SPARE) * floor) {
                 let gradient = equation.gradient(&self.point(multiplier));
                 let left = (T::from_f64(1.0) - dot(&gradient, n) / slope).abs() * size;
-                arrived = arrived.or(spare.and(left.le(T::from_f64(SPARE) * floor)));
+                arrived |= left.le(T::from_f64(SPARE) * floor);
                 at_end = Some(gradient);
             }
-            converged = converged.or(going.and(arrived));
-            going = going.and(arrived.not());
-            if going.not().all() {
+            converged = arrived;
+            if converged {
                 break;
             }
             (before, last) = (last, size);
             let g_before = g;
             g = equation.value(&self.point(multiplier));
             if X::KIND == Kind::Broyden {
-                slope = T::select(going, (g - g_before) / chord, slope);
+                slope = (g - g_before) / chord;
             }
         }
         let gradient = at_end.unwrap_or_else(|| equation.gradient(&self.point(multiplier)));
         let (increment, slopes) = (self.increment(multiplier), [first_slope, dot(&gradient, n)]);
         Landing { increment, multiplier, gradient, first_correction, slopes, floor, converged }
-    }
-}
-
-impl<T: Real, const D: usize> Landing<T, D> {
-    /// This landing where the mask is true, `other` elsewhere.
-    pub(crate) fn or(self, mask: T::Mask, other: Self) -> Self {
-        let choose = |a: T, b: T| T::select(mask, a, b);
-        Self {
-            increment: from_fn(|i| choose(self.increment[i], other.increment[i])),
-            multiplier: choose(self.multiplier, other.multiplier),
-            gradient: from_fn(|i| choose(self.gradient[i], other.gradient[i])),
-            first_correction: choose(self.first_correction, other.first_correction),
-            slopes: from_fn(|i| choose(self.slopes[i], other.slopes[i])),
-            floor: self.floor,
-            converged: mask.or(other.converged), // who is chosen has converged
-        }
     }
 }

@@ -3,14 +3,14 @@
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::motion::table::Table;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, scaled};
 
 use crate::kernel::series::Products;
 
 /// Room for the stages of all bodies: positions and forces stage by stage, the rest body by body.
 #[derive(Clone)]
-pub(crate) struct Stages<T: Real, F: Forces<T, D>, const D: usize> {
+pub(crate) struct Stages<T: Scalar, F: Forces<T, D>, const D: usize> {
     pub(super) q: Vec<[T; D]>,
     pub(super) force: Vec<F::Force>,
     /// Room of the effects, for places away from those of the bodies.
@@ -25,7 +25,7 @@ pub(crate) struct Stages<T: Real, F: Forces<T, D>, const D: usize> {
     pub(super) inverse: Vec<T>,
 }
 
-impl<T: Real, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
+impl<T: Scalar, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
     pub(super) fn new(stages: usize, bodies: usize, effects: &F) -> Self {
         let (n, zero) = (stages * bodies, T::from_f64(0.0));
         Self {

@@ -13,7 +13,7 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::series::{Products, blocks};
 use crate::motion::bodies::Count;
 use crate::motion::witness::Witness;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vector::{dot, scaled, sum};
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::room::SeriesRoom;
@@ -21,7 +21,7 @@ use std::array::from_fn;
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Room for so many coefficients of functions that all have series.
-    pub(super) fn room_for_series<T: Real, const D: usize>(&self, orders: usize) -> Box<SeriesRoom<T, D>>
+    pub(super) fn room_for_series<T: Scalar, const D: usize>(&self, orders: usize) -> Box<SeriesRoom<T, D>>
     where
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
@@ -40,7 +40,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         series: &mut [[T; D]],
         witness: &mut W,
     ) where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
         W: Witness<T>,

@@ -16,8 +16,8 @@ use crate::effect::list::Forces;
 use crate::error::StepFailure;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, Count, Saved};
-use crate::motion::failure::Failure;
-use crate::number::real::{Mask, Real};
+use crate::motion::failure::{Failure, numbers};
+use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, EVERY_ALONE, FARTHER, THERE, reach, rises, shares, shift};
@@ -57,7 +57,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         now: &mut BodiesOf<N, T, F, D>,
     ) -> Result<(), Failure>
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
@@ -91,7 +91,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         now: &BodiesOf<N, T, F, D>,
     ) -> bool
     where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
@@ -104,7 +104,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             !INSIDE.iter().all(|&s| {
                 let share = T::from_f64(s * s * (1.0 - s) * (1.0 - s));
                 let [g] = self.constraint.value(&add_scaled(&between(h, from, to, s), share, bump));
-                g.abs().le(most).all()
+                g.abs().le(most)
             })
         };
         is_off(&[T::from_f64(0.0); D]) && {
@@ -128,7 +128,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         before: &Saved<N, T, D>,
         now: &mut BodiesOf<N, T, F, D>,
     ) where
-        T: Real,
+        T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
@@ -139,7 +139,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             let shift = shift(T::from_f64(reach), square, dot(p, p), bend);
             let plain = |share: f64| {
                 let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
-                T::from_f64(0.0).le(rises).all()
+                T::from_f64(0.0).le(rises)
             };
             !shares(steps * (EVERY / EVERY_ALONE)).all(plain)
         };
@@ -152,7 +152,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 /// say. Of a right step the first is some part of h³; a sheet that was passed over makes it as large as the sheets are
 /// apart.
 #[inline(always)]
-fn off_path<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> [[T; D]; 2] {
+fn off_path<T: Scalar, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> [[T; D]; 2] {
     let path = scaled(T::from_f64(0.5 * h), &sum(&before.p, &now.p));
     let way = add_scaled(&now.q, T::from_f64(-1.0), &before.q);
     [add_scaled(&way, T::from_f64(-1.0), &path), path]
@@ -160,23 +160,23 @@ fn off_path<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, 
 
 /// The largest coordinate of that.
 #[inline(always)]
-fn astray<T: Real, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> f64 {
+fn astray<T: Scalar, const D: usize>(h: f64, before: &Body<T, D>, now: &Body<T, D>) -> f64 {
     let [off, _] = off_path(h, before, now);
-    off.iter().flat_map(|x| x.lanes()).fold(0.0, |most, x| if x.abs() <= most { most } else { x.abs() })
+    off.iter().map(|x| x.to_f64().abs()).fold(0.0, |most, x| if x <= most { most } else { x })
 }
 
 /// Whether a step led astray by more than [`BOLD`] of its path: farther than any sign reaches.
 #[inline(always)]
-fn is_bold<T: Real, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>) -> bool {
+fn is_bold<T: Scalar, const D: usize>(h: f64, from: &Body<T, D>, to: &Body<T, D>) -> bool {
     let [off, path] = off_path(h, from, to);
-    !dot(&off, &off).le(T::from_f64(BOLD * BOLD) * dot(&path, &path)).all()
+    !dot(&off, &off).le(T::from_f64(BOLD * BOLD) * dot(&path, &path))
 }
 
 /// Walks from one place towards another, by way of what places and momenta at both say. An error where that is not
 /// reached.
 #[cold]
 #[inline(never)]
-pub(super) fn check_walk<T: Real, const D: usize>(
+pub(super) fn check_walk<T: Scalar, const D: usize>(
     equation: &dyn Equation<T, D>,
     body: usize,
     h: f64,
@@ -191,18 +191,14 @@ pub(super) fn check_walk<T: Real, const D: usize>(
     }
     let off = walk(equation, body, &mut q, to);
     let size = largest(&from.q).max(largest(to));
-    if off.le(T::from_f64(THERE * T::EPSILON) * size).all() {
+    if off.le(T::from_f64(THERE * T::EPSILON) * size) {
         return Ok(());
     }
-    let number = |x: T| x.lanes().next().unwrap_or(f64::NAN);
-    Err(Failure {
-        body,
-        cause: StepFailure::OtherSheet { h, off: number(off), position: to.map(number).to_vec() },
-    })
+    Err(Failure { body, cause: StepFailure::OtherSheet { h, off: off.to_f64(), position: numbers(to) } })
 }
 
 /// Walks as near to a place as a surface leads. Returns how far off that is.
-fn walk<T: Real, const D: usize>(
+fn walk<T: Scalar, const D: usize>(
     equation: &dyn Equation<T, D>,
     body: usize,
     q: &mut [T; D],
@@ -215,7 +211,7 @@ fn walk<T: Real, const D: usize>(
         let normal = Normal::new(equation.gradient(q));
         let (_, back) = normal.projection(&way);
         let along = sum(&way, &back);
-        if !(T::from_f64(ACROSS * ACROSS) * off * off).lt(dot(&along, &along)).all() {
+        if !(T::from_f64(ACROSS * ACROSS) * off * off).lt(dot(&along, &along)) {
             break;
         }
         let path = scaled(T::from_f64(share), &along);

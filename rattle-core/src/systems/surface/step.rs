@@ -8,7 +8,7 @@ use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind};
 use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::witness::Witness;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
 use crate::solve::stop::NOISE;
@@ -31,7 +31,7 @@ fn departure<'a, T, F, N, const D: usize>(
     body: usize,
 ) -> Departure<'a, T, D>
 where
-    T: Real,
+    T: Scalar,
     F: Forces<T, D>,
     N: Count,
 {
@@ -81,7 +81,7 @@ pub(crate) fn drift<X, T, K, F, N, W, const D: usize>(
 ) -> Result<(), Failure>
 where
     X: Iteration,
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -90,7 +90,7 @@ where
     let departure = departure(kick, h, lambda, constraint, bodies, body);
     let aim = &bodies.kept.aim.as_ref()[body];
     let attempt = departure.attempt::<X>(constraint, aim, weights);
-    if !attempt.certain.all() {
+    if !attempt.certain {
         let way = (X::KIND, lambda.is_none());
         let copy = attempt; // what is given away by reference would else be kept in memory by all steps
         return drift_rarely(kick, h, constraint, bodies, body, &copy, way, witness);
@@ -115,7 +115,7 @@ fn drift_rarely<T, F, N, W, const D: usize>(
     witness: &mut W,
 ) -> Result<(), Failure>
 where
-    T: Real,
+    T: Scalar,
     F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
@@ -131,7 +131,7 @@ where
     } else {
         departure.land_instead(equation, attempt, matches!(kind, Kind::Newton | Kind::Symmetric))?
     };
-    let off = T::select(other, T::from_f64(f64::NAN), landing.multiplier - attempt.guess);
+    let off = if other { T::from_f64(f64::NAN) } else { landing.multiplier - attempt.guess };
     arrive(kick, h, bodies, body, &landing, off, witness);
     Ok(())
 }
@@ -147,7 +147,7 @@ pub(crate) fn arrive<T, F, N, W, const D: usize>(
     off: T,
     witness: &mut W,
 ) where
-    T: Real,
+    T: Scalar,
     F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
@@ -172,9 +172,9 @@ pub(crate) fn settle<T, F, N, W, const D: usize>(
     bodies: &mut Bodies<N, T, Kept<N, T, F, D>, D>,
     body: usize,
     witness: &mut W,
-) -> T::Mask
+) -> bool
 where
-    T: Real,
+    T: Scalar,
     F: Forces<T, D>,
     N: Count,
     W: Witness<T>,
@@ -190,7 +190,7 @@ where
 
 /// Whether a momentum, and what is made of its square, is a number.
 #[inline(always)]
-pub(crate) fn is_finite<T: Real, const D: usize>(p: &[T; D]) -> T::Mask {
+pub(crate) fn is_finite<T: Scalar, const D: usize>(p: &[T; D]) -> bool {
     dot(p, p).le(T::from_f64(f64::MAX))
 }
 
@@ -202,7 +202,7 @@ pub(crate) fn pull<T, K, F, N, const D: usize>(
     body: usize,
 ) -> (T, [T; D])
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -215,7 +215,7 @@ where
     (lambda, force.add_to(normal.gradient.map(|n| lambda * n), T::from_f64(1.0)))
 }
 
-/// Newton's iteration q ← q − ∇g g/|∇g|² until it no longer gets nearer; lanes that are there wait for the others.
+/// Newton's iteration q ← q − ∇g g/|∇g|² until it no longer gets nearer.
 #[inline(always)]
 pub(crate) fn project<T, K, F, N, const D: usize>(
     h: f64,
@@ -224,7 +224,7 @@ pub(crate) fn project<T, K, F, N, const D: usize>(
     body: usize,
 ) -> Result<(), Failure>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -241,16 +241,15 @@ where
         let distance = dot(&shift, &shift).sqrt();
         let near = distance.le(T::from_f64(NOISE) * rounding);
         let (arrived, lost) = nearing.look(distance, distance.le(rounding), near);
-        if arrived.all() {
+        if arrived {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());
         }
-        if !lost.not().all() {
-            return Err(FailureAt::of(body, lost.not()).not_projected(distance, &path, q));
+        if lost {
+            return Err(FailureAt::of(body).not_projected(distance, &path, q));
         }
-        let shift = shift.map(|shift| T::select(arrived, zero, shift));
         (*q, *q_low) = two_sum(q, &sum(q_low, &shift));
         left = distance;
     }
-    Err(FailureAt::of(body, false).not_projected(left, &path, q))
+    Err(FailureAt::of(body).not_projected(left, &path, q))
 }

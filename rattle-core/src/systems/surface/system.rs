@@ -1,7 +1,7 @@
 //! The operations of a [`System`] for bodies each on a surface of its own, g(q) = 0: one equation for one number per
 //! body.
 //!
-//! Generic in the scalar, so that several trajectories can be computed in lanes. Masses are 1.
+//! Masses are 1.
 
 use crate::effect::force::Force;
 use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};
@@ -20,7 +20,7 @@ use crate::motion::system::{Given, System};
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
-use crate::number::real::{Mask, Real};
+use crate::number::real::Scalar;
 use crate::number::vector::{dot, scaled};
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
@@ -40,7 +40,7 @@ use crate::systems::surface::tiles::{entry, may_go_in_tiles, tiles_of};
 
 impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -173,10 +173,10 @@ where
         }
         for body in 0..bodies.q.as_ref().len() {
             let finite = settle(kick, h, bodies, body, witness);
-            if !finite.all() {
+            if !finite {
                 let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
                 let normals = bodies.kept.normal.as_ref();
-                return Err(FailureAt::of(body, finite).not_finite(&self.effects, at, normals));
+                return Err(FailureAt::of(body).not_finite(&self.effects, at, normals));
             }
         }
         Ok(())
@@ -243,12 +243,10 @@ where
             return Ok(());
         }
         for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
-            let changes = sign_changes(&self.constraint, from, to);
-            for (lane, _) in changes.lanes().enumerate().filter(|&(_, changes)| changes) {
-                let [from, to] = [from, to].map(|q| q.map(|x| x.lanes().nth(lane).unwrap_or(f64::NAN)));
-                if let Some(kink) = first_kink(&self.constraint, lane, &from, &to) {
-                    return Err(Failure::of_kink(kink, body, None));
-                }
+            if sign_changes(&self.constraint, from, to)
+                && let Some(kink) = first_kink(&self.constraint, &from.map(T::to_f64), &to.map(T::to_f64))
+            {
+                return Err(Failure::of_kink(kink, body, None));
             }
         }
         Ok(())
@@ -266,13 +264,13 @@ where
         before: &Saved<N, T, D>,
         now: &BodiesOf<N, T, F, D>,
     ) -> Result<(), Failure> {
+        let zero = T::from_f64(0.0);
         for body in 0..self.count.number() {
             let (from, to) = (before.body(body), now.body(body));
             let [gradient] = self.constraint.jacobian(&from.q);
             let along = dot(&gradient, &now.kept.normal.as_ref()[body].gradient);
-            let suspect = along.lt(T::from_f64(0.0)).and(T::from_f64(0.0).lt(dot(&from.p, &to.p)));
-            for (lane, _) in suspect.lanes().enumerate().filter(|&(_, suspect)| suspect) {
-                passage::check(&self.constraint, lane, h, body, [from, to])?;
+            if along.lt(zero) & zero.lt(dot(&from.p, &to.p)) {
+                passage::check(&self.constraint, h, body, [&from, &to])?;
             }
         }
         Ok(())
@@ -330,7 +328,7 @@ where
 
 impl<T, K, F, N, L, const D: usize> Rates<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -368,7 +366,7 @@ where
 
 impl<T, K, F, N, L, const D: usize> Collocation<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -393,7 +391,7 @@ where
 
 impl<T, K, F, N, L, const D: usize> Series<N, Kept<N, T, F, D>, T, D> for OnSurface<K, F, N, L>
 where
-    T: Real,
+    T: Scalar,
     K: ConstraintKernel<T, D, 1>,
     F: Forces<T, D>,
     N: Count,
@@ -415,7 +413,7 @@ where
 
 impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Has the effects look at the bodies: at what they remember, and their room.
-    fn shown<T: Real, R, const D: usize>(
+    fn shown<T: Scalar, R, const D: usize>(
         &self,
         given: Given<'_, T, D>,
         bodies: &mut BodiesOf<N, T, F, D>,

@@ -4,7 +4,7 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
-use crate::number::real::Real;
+use crate::number::real::Scalar;
 use crate::number::vectors::Chunks;
 use crate::systems::surface::in_lanes::{InEach, InLanes, Number};
 use crate::systems::surface::kept::BodiesOf;
@@ -24,7 +24,7 @@ pub(super) struct Tile<'a, T, F, const D: usize> {
     pub(super) chunks: Chunks,
 }
 
-impl<'a, T: Real, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
+impl<'a, T: Scalar, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
     #[inline(always)]
     pub(super) fn of<N: Count, E: Forces<T, D, Force = F>>(
         bodies: &'a mut BodiesOf<N, T, E, D>,
@@ -118,11 +118,11 @@ fn rows<const D: usize>(lanes: &mut InEach<D>, begin: usize, length: usize) -> [
 }
 
 #[inline(always)]
-pub(super) fn fused<T: Real>(x: T) -> Number {
-    Fused(x.lanes().next().unwrap_or(f64::NAN))
+pub(super) fn fused<T: Scalar>(x: T) -> Number {
+    Fused(x.to_f64())
 }
 
 #[inline(always)]
-pub(super) fn plain<T: Real>(x: Number) -> T {
+pub(super) fn plain<T: Scalar>(x: Number) -> T {
     T::from_f64(x.0)
 }

@@ -24,7 +24,7 @@ use crate::motion::iteration::Newton;
 use crate::motion::witness::Witness;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
-use crate::number::real::{Mask, Real};
+use crate::number::real::{Real, Scalar};
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{CHUNK, LANES, MOST_COORDINATES, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
@@ -56,7 +56,7 @@ pub(super) const fn may_go_in_tiles<N: Count, const D: usize>() -> bool {
 
 /// Instructions for so many bodies at a time, if there are any: with fused multiply-add, for doubles.
 #[inline(always)]
-pub(super) fn entry<T: Real, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
+pub(super) fn entry<T: Scalar, L: 'static, N: Count, const D: usize>(number: N) -> Option<Fusing> {
     if TypeId::of::<L>() != TypeId::of::<OneByOne>()
         && number.number() >= MANY
         && T::doubles::<D>(&[]).is_some()
@@ -71,7 +71,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// The first half of a step of all bodies.
     #[inline(always)]
     #[allow(clippy::too_many_arguments, reason = "what a step knows when it departs")]
-    pub(super) fn drift_in_tiles<T: Real, W: Witness<T>, const D: usize>(
+    pub(super) fn drift_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
         &self,
         set: Fusing,
         kick: f64,
@@ -132,7 +132,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 
     /// The second half of a step of all bodies.
     #[inline(always)]
-    pub(super) fn settle_in_tiles<T: Real, W: Witness<T>, const D: usize>(
+    pub(super) fn settle_in_tiles<T: Scalar, W: Witness<T>, const D: usize>(
         &self,
         set: Fusing,
         kick: f64,
@@ -148,8 +148,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             if !set.run(Settle { kick, h, bodies: of_tile }) {
                 let (p, kept) = (&bodies.p.as_ref()[tile.clone()], &bodies.kept);
                 let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-                let infinite = p.iter().position(|p| !is_finite(p).all()).unwrap_or(0);
-                let failure = FailureAt::of(tile.start + infinite, false);
+                let infinite = p.iter().position(|p| !is_finite(p)).unwrap_or(0);
+                let failure = FailureAt::of(tile.start + infinite);
                 return Err(failure.not_finite(&self.effects, at, kept.normal.as_ref()));
             }
             if W::LISTENS {
@@ -165,7 +165,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     /// Evaluates all normals if bodies go in tiles, and says whether they do: what is kept must be a function of the
     /// positions, to the bit, also after steps that move them one by one.
     #[inline(always)]
-    pub(super) fn fuse_normals<T: Real, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>) -> bool
+    pub(super) fn fuse_normals<T: Scalar, const D: usize>(&self, bodies: &mut BodiesOf<N, T, F, D>) -> bool
     where
         L: ConstraintKernel<Number, D, 1>,
         F: Forces<T, D>,
@@ -181,7 +181,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
 }
 
 /// The normal with products that are not rounded.
-fn fused_normal<T: Real, K: ConstraintKernel<Number, D, 1>, const D: usize>(
+fn fused_normal<T: Scalar, K: ConstraintKernel<Number, D, 1>, const D: usize>(
     constraint: &K,
     q: &[T; D],
 ) -> Normal<T, D> {
@@ -262,7 +262,7 @@ struct Drift<'a, T, K, F, const D: usize> {
     bodies: Tile<'a, T, F, D>,
 }
 
-impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
+impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Work
     for Drift<'_, T, K, F, D>
 {
     /// A bit for each body that has been left where it was.
@@ -278,7 +278,7 @@ impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize>
     }
 }
 
-impl<T: Real, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
+impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usize> Drift<'_, T, K, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> u64 {
         let Self { constraint, kick, h, guess, crowd, mut bodies } = self;
@@ -420,7 +420,7 @@ struct Settle<'a, T, F, const D: usize> {
     bodies: Tile<'a, T, F, D>,
 }
 
-impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
+impl<T: Scalar, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
     /// Whether all momenta are numbers.
     type Done = bool;
 
@@ -434,7 +434,7 @@ impl<T: Real, F: Force<T, D>, const D: usize> Work for Settle<'_, T, F, D> {
     }
 }
 
-impl<T: Real, F: Force<T, D>, const D: usize> Settle<'_, T, F, D> {
+impl<T: Scalar, F: Force<T, D>, const D: usize> Settle<'_, T, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> bool {
         let Self { kick, h, mut bodies } = self;
