@@ -38,14 +38,47 @@ fn derivatives_by_component() {
     }
 }
 
-/// The page of `constraint!` lists every function of the table.
+/// A list of functions: a file, its text, where in it the list begins and ends, and which ones it leaves out.
+struct List {
+    file: &'static str,
+    text: &'static str,
+    ends: [&'static str; 2],
+    without: &'static [&'static str],
+}
+
+macro_rules! lists {
+    ($($file:literal $begin:literal $end:literal, without $without:expr;)*) => {
+        [$(List {
+            file: $file,
+            text: include_str!(concat!("../../", $file)),
+            ends: [$begin, $end],
+            without: &$without,
+        }),*]
+    };
+}
+
+/// Pages that list the functions of the table, and tests that ask each one.
+const LISTS: [List; 8] = lists! {
+    "rattle-macros/src/lib.rs"   "functions    "       "also as methods", without [];
+    "docs/guide/constraints.md"  "functions    "       "also as methods", without [];
+    "benches/kernels.rs"         "    each_of! {"      "\n    }",        without ["abs", "sign", "floor"];
+    "tests/derivatives.rs"       "    functions! {\n" "\n    }",        without [];
+    "tests/functions.rs"         "= rows! {"           "\n}",            without ["sqrt", "abs", "sign", "floor"];
+    "tests/functions.rs"         "of_one!(exp"         ");",             without ["sign"];
+    "tests/series.rs"            "\nfunctions! {"      "\n}",            without [];
+    "tests/taylor.rs"            "\nfunctions! {"      "\n}",            without [];
+};
+
 #[test]
 fn every_function_is_listed() {
-    let page = include_str!("../../rattle-macros/src/lib.rs");
-    let (_, list) = page.split_once("functions    ").expect("the list of functions");
-    let (list, _) = list.split_once("also as methods").expect("its end");
-    let listed: Vec<&str> = list.split_whitespace().filter(|word| *word != "///").collect();
-    for function in Function::ALL {
-        assert!(listed.contains(&function.name()), "`{}` is missing among {listed:?}", function.name());
+    let mut missing = Vec::new();
+    for List { file, text, ends: [begin, end], without } in LISTS {
+        let list = text.find(begin).map(|at| &text[at..]).unwrap_or_else(|| panic!("{file}: no `{begin}`"));
+        let list = list.find(end).map(|at| &list[..at]).unwrap_or_else(|| panic!("{file}: no `{end}`"));
+        let words: Vec<&str> = list.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+        let names = Function::ALL.iter().map(|function| function.name());
+        let lost = names.filter(|name| !words.contains(name) && !without.contains(name));
+        missing.extend(lost.map(|name| format!("{file}, after `{begin}`: `{name}`")));
     }
+    assert!(missing.is_empty(), "functions that lists lack: {missing:#?}");
 }
