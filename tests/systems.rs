@@ -141,3 +141,35 @@ fn the_table_of_methods_and_systems() {
     }
     assert!(told > 5, "{told}");
 }
+
+/// Methods that are made of others, and so have no row of their own.
+const OF_OTHERS: [&str; 2] = ["Composition", "Variable"];
+
+/// Every method of the core is exported, in the prelude, and in a row of the table, which the test above holds.
+#[test]
+fn every_method_has_its_row() {
+    let (exports, prelude) = include_str!("../src/lib.rs").split_once("pub mod prelude").unwrap();
+    let table = include_str!("../docs/guide/methods.md");
+    let mut seen = 0;
+    for file in std::fs::read_dir("rattle-core/src/methods").unwrap() {
+        let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
+        for method in text.lines().filter_map(made_here) {
+            assert!(exports.contains(&format!("::{method};")), "src/lib.rs does not export `{method}`");
+            let mut names = prelude.split(|letter: char| !letter.is_alphanumeric());
+            assert!(names.any(|name| name == method), "the prelude lacks `{method}`");
+            let quoted = format!("`{method}`");
+            let row = table.lines().any(|line| line.starts_with("| `") && line.contains(&quoted));
+            assert!(row != OF_OTHERS.contains(&method), "docs/guide/methods.md: the row of {quoted}");
+            seen += 1;
+        }
+    }
+    assert!(seen > 14, "{seen}");
+}
+
+/// The method that a line makes: a type with a constant step, or one that says itself what a method is.
+fn made_here(line: &str) -> Option<&str> {
+    let fixed = line.strip_prefix("pub type ").filter(|rest| rest.contains("= Fixed<"));
+    let own = || line.starts_with("impl").then(|| line.split_once(" Method for "))?.map(|(_, name)| name);
+    let name = fixed.or_else(own)?.split(|letter: char| !letter.is_alphanumeric()).next()?;
+    (name != "Fixed").then_some(name)
+}

@@ -42,40 +42,25 @@ pub(crate) fn view<'a, S: Method, Y: System<f64, D>, const D: usize>(
 fn refused<Y: System<f64, D>, const D: usize>(method: &'static str, kind: &'static str, system: &Y) -> Error {
     let whole = Y::FLOWS == 0;
     let able = [
-        moves::<Rattle, Y, D>(system),
-        moves::<Baoab, Y, D>(system),
-        moves::<NoseHoover, Y, D>(system) && whole,
-        moves::<Brownian, Y, D>(system) && Y::PUSHES,
-        moves::<Geodesic, Y, D>(system),
-        moves::<PositionVerlet, Y, D>(system),
-        moves::<Shake, Y, D>(system) && whole,
-        moves::<SymplecticEuler, Y, D>(system) && whole,
-        moves::<Leapfrog, Y, D>(system) && system.equations() == 0 && whole,
-        moves::<Lobatto<2>, Y, D>(system),
-        moves::<Dop853, Y, D>(system) && whole,
-        moves::<Taylor, Y, D>(system) && whole,
-        moves::<Bdf2, Y, D>(system) && whole,
+        ("Rattle", moves::<Rattle, Y, D>(system)),
+        ("Baoab", moves::<Baoab, Y, D>(system)),
+        ("NoseHoover", moves::<NoseHoover, Y, D>(system) && whole),
+        ("Brownian", moves::<Brownian, Y, D>(system) && Y::PUSHES),
+        ("Geodesic", moves::<Geodesic, Y, D>(system)),
+        ("PositionVerlet", moves::<PositionVerlet, Y, D>(system)),
+        ("Shake", moves::<Shake, Y, D>(system) && whole),
+        ("SymplecticEuler", moves::<SymplecticEuler, Y, D>(system) && whole),
+        ("Leapfrog", moves::<Leapfrog, Y, D>(system) && system.equations() == 0 && whole),
+        ("Lobatto", moves::<Lobatto<2>, Y, D>(system)),
+        ("Dop853", moves::<Dop853, Y, D>(system) && whole),
+        ("Taylor", moves::<Taylor, Y, D>(system) && whole),
+        ("Bdf2", moves::<Bdf2, Y, D>(system) && whole),
     ];
-    cannot_move(method, kind, able)
+    cannot_move(method, kind, &able)
 }
 
-fn cannot_move(method: &'static str, kind: &'static str, able: [bool; 13]) -> Error {
-    let names = [
-        "Rattle",
-        "Baoab",
-        "NoseHoover",
-        "Brownian",
-        "Geodesic",
-        "PositionVerlet",
-        "Shake",
-        "SymplecticEuler",
-        "Leapfrog",
-        "Lobatto",
-        "Dop853",
-        "Taylor",
-        "Bdf2",
-    ];
-    let others = names.into_iter().zip(able).filter_map(|(name, able)| able.then_some(name)).collect();
+fn cannot_move(method: &'static str, kind: &'static str, able: &[(&'static str, bool)]) -> Error {
+    let others = able.iter().filter_map(|&(name, able)| able.then_some(name)).collect();
     Error::CannotMove { method, system: kind, others }
 }
 
