@@ -33,6 +33,15 @@ pub type BodiesOf<Y, T, const D: usize> = Bodies<<Y as System<T, D>>::Count, T, 
 /// ```text
 /// M q̈ = f(q) + G(q, t)ᵀ λ,   g(q, t) = 0,   f = −∇U,   G = ∂g/∂q
 /// ```
+///
+/// **Effects.** A system keeps the [forces](crate::effect::Forces) of its scene and answers for them. The defaults of
+/// this trait are those of a system without effects. A system with effects takes [`EFFECTS`](Self::EFFECTS),
+/// [`FLOWS`](Self::FLOWS), [`REMEMBERS`](Self::REMEMBERS) and [`PUSHES`](Self::PUSHES) from its forces, and a
+/// simulation does not compile where it does not. It also implements [`moves_with_time`](Self::moves_with_time),
+/// [`set_time`](Self::set_time), [`check_forces`](Self::check_forces), [`force`](Self::force), [`flow`](Self::flow),
+/// [`flow_manner`](Self::flow_manner), [`first_marks`](Self::first_marks), [`take_note`](Self::take_note),
+/// [`add_force_alone`](Self::add_force_alone) and [`effect_energies`](Self::effect_energies), and adds kick · ∂U/∂t to
+/// the work in each kick. Nothing tells where one of these is missing.
 pub trait System<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     /// How many bodies there are: one, or many.
     type Count: Count;

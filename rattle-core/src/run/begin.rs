@@ -117,6 +117,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         method: S,
         trajectory: u64,
     ) -> Result<Simulation<C::System<E, N>, S, D>, Error> {
+        const { assert!(counts_all::<C::System<E, N>, E, D>(), "a system passes over effects of its scene") };
         let mut bodies = bodies_at(&system, start);
         method.prepare(view(&method, &system)?, &mut bodies);
         Simulation::new(system, bodies, start, method, trajectory)
@@ -152,4 +153,13 @@ pub(in crate::run) fn bodies_at<Y: System<f64, D>, const D: usize>(
         bodies.make_room(stir::ROOM);
     }
     bodies
+}
+
+/// Whether a system counts all effects of its scene, as what they are: one that it leaves out would be passed over in
+/// silence.
+const fn counts_all<Y: System<f64, D>, E: Effects<D>, const D: usize>() -> bool {
+    Y::EFFECTS == E::Forces::<f64>::EFFECTS
+        && Y::FLOWS == E::Forces::<f64>::FLOWS
+        && Y::REMEMBERS == E::Forces::<f64>::REMEMBERS
+        && Y::PUSHES == E::Forces::<f64>::PUSHES
 }
