@@ -23,9 +23,9 @@ pub(super) fn check<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize>(
     constraint: &K,
     h: f64,
     body: usize,
-    [from, to]: [&Body<T, D>; 2],
+    ends: [Body<T, D>; 2],
 ) -> Result<(), Failure> {
-    let zero = T::from_f64(0.0);
+    let ([from, to], zero) = (&ends, T::from_f64(0.0));
     let place = |s: f64| between(h, from, to, s);
     let normal = |s: f64| {
         let [gradient] = constraint.jacobian(&place(s));

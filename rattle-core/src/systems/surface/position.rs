@@ -150,8 +150,8 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
             let first = newton.abs() * length;
             correction(first);
             first_cycle.get_or_insert((first, slope));
-            let mut stalled = (half * last).le(first);
-            if stalled {
+            let mut stalled = false;
+            if (half * last).le(first) {
                 let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
                 let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
                 stalled = straight & small;
@@ -167,7 +167,7 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
             let ratio = g_next / g;
             let near = ratio.abs().lt(T::from_f64(0.25)); // else the parabola says nothing yet
             let bend = T::from_f64(1.0) - T::from_f64(2.0) * ratio;
-            let share = T::select(near, ratio / bend, zero); // of Newton's step
+            let share = if near { ratio / bend } else { zero }; // of Newton's step
             multiplier = multiplier + share * newton;
             let second = share.abs() * first;
             correction(second);
@@ -185,9 +185,8 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
                 }
             }
             last = first;
-            let hopeless = !first.le(T::from_f64(f64::MAX)); // NaN or infinite: no cycle can mend it
-            if hopeless {
-                break;
+            if !first.le(T::from_f64(f64::MAX)) {
+                break; // NaN or infinite: no cycle can mend it
             }
         }
         let (first_correction, first_slope) = first_cycle.unwrap_or((zero, zero));

@@ -270,7 +270,7 @@ where
             let [gradient] = self.constraint.jacobian(&from.q);
             let along = dot(&gradient, &now.kept.normal.as_ref()[body].gradient);
             if along.lt(zero) & zero.lt(dot(&from.p, &to.p)) {
-                passage::check(&self.constraint, h, body, [&from, &to])?;
+                passage::check(&self.constraint, h, body, [from, to])?;
             }
         }
         Ok(())
