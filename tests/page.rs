@@ -453,6 +453,43 @@ fn settled(page: &mut Browser) -> Vec<[u8; 3]> {
     panic!("the picture does not come to rest");
 }
 
+fn ball(r: f64) -> Mesh {
+    let g = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z - r * r, [2.0 * x, 2.0 * y, 2.0 * z]);
+    Mesh::of(g, [-1.1; 3], [1.1; 3], 40).unwrap()
+}
+
+/// Each mesh is shown from its time on: a ball of twice the radius covers four times as many pixels.
+#[test]
+#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+fn a_moving_surface_moves() {
+    let Some(chromium) = browser::find() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("ball.html");
+    let scene =
+        Scene3::new("ball").times(&[0.0, 1.0, 2.0]).moving_surface(&[(0.0, ball(0.5)), (1.5, ball(1.0))]);
+    Page::new("Ball").scene(scene).write(&file).unwrap();
+    let mut page = Browser::start(&chromium, &[]);
+    page.resize(1120, 720, false);
+    page.open(&file);
+    page.wait("window.rattle !== undefined");
+    page.evaluate("rattle.pause()");
+    let mut covered = |frame: u32| {
+        page.evaluate(&format!("rattle.seek({frame}); rattle.draw()"));
+        let across = "(() => { const w = canvas.clientWidth, h = canvas.clientHeight; rattle.draw(); \
+                      const copy = document.createElement('canvas'); \
+                      [copy.width, copy.height] = [canvas.width, canvas.height]; const pen = copy.getContext('2d'); \
+                      pen.drawImage(canvas, 0, 0); const all = pen.getImageData(0, 0, canvas.width, canvas.height).data; \
+                      let n = 0; for (let i = 3; i < all.length; i += 4) n += all[i] > 230; return n })()";
+        let pixels = page.evaluate(across).as_f64().unwrap();
+        keep(&mut page, &format!("ball {frame}"));
+        pixels
+    };
+    let [first, second, last] = [0, 1, 2].map(&mut covered);
+    println!("{first} {second} {last}");
+    assert!(first > 1000.0 && (second / first - 1.0).abs() < 0.01, "{first} {second}");
+    assert!((last / first - 4.0).abs() < 0.6, "{first} {last}");
+}
+
 #[test]
 fn scenes_that_cannot_be_drawn_are_errors() {
     let path = [[0.0; 3], [1.0; 3]];
@@ -481,6 +518,7 @@ fn scenes_that_cannot_be_drawn_are_errors() {
         ("chart",     flight().chart("Energy", [("E", [1.0])]),                 "E: 1 for 2 times"),
         ("mirror",    flight().turning_box([1.0; 3], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]]), "box 0 at time 0 are no rotation"),
         ("thin box",  flight().turning_box([1.0, 0.0, 1.0], &[[0.0; 3]], &[[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]), "side of a box 0"),
+        ("late",      flight().moving_surface(&[(1.0, ball(1.0)), (0.5, ball(1.0))]), "come after the one before, at time 0.5"),
         ("too far",   scene(&[0.0, 1.0], &[far]),                               "1e39"),
     ];
     for (name, scene, words) in cases {

@@ -91,6 +91,34 @@ fn wishes_are_met() {
     all_hold(&list);
 }
 
+/// The mean height of a pendulum over forty time units, by a series with the same steps. Along the way errors of
+/// positions grow, and those of an average do not: it is reached by longer steps.
+#[test]
+fn a_wish_for_an_average_is_met() {
+    const WISH: f64 = 1e-6;
+    let scene = Counting { duration: 40.0, ..pendulum() };
+    let height = |now: &BoxedSimulation<2>| now.positions().nth(1).unwrap().y;
+    let within = || scene.scene.within(WISH).budget(BUDGET).clock(scene.clock());
+    let planned = within().in_average("height", height).simulate(&scene.start, scene.duration).unwrap();
+    let mean = |mut simulation: BoxedSimulation<2>| {
+        let mut sum = 0.0;
+        simulation.run_with(planned.steps, |now| sum += height(now)).unwrap();
+        sum / planned.steps as f64
+    };
+    let h = planned.simulation.step_size();
+    let exact =
+        mean(scene.scene.simulate(scene.start.clone(), Taylor::adaptive(26, h, 1e-18)).unwrap().boxed());
+    let found = mean(planned.simulation.clone());
+    println!("{planned}: {found}, exact {exact}");
+    assert!((found - exact).abs() <= WISH, "{planned}: {found}, exact {exact}");
+    let told = &planned.prices.averages[0];
+    assert_eq!(told.name, "height");
+    assert!((told.mean - exact).abs() <= 4.0 * told.uncertainty, "{told:?}, exact {exact}");
+    let places = within().simulate(&scene.start, scene.duration).unwrap();
+    println!("{places}");
+    assert!(planned.seconds < places.seconds, "{planned}; {places}");
+}
+
 #[test]
 fn a_forecast_from_a_pilot_holds() {
     let scene = Counting { duration: 200.0, ..pendulum() };
