@@ -116,7 +116,7 @@ fn a_wish_for_an_average_is_met() {
     assert!((told.mean - exact).abs() <= 4.0 * told.uncertainty, "{told:?}, exact {exact}");
     let places = within().simulate(&scene.start, scene.duration).unwrap();
     println!("{places}");
-    assert!(planned.seconds < places.seconds, "{planned}; {places}");
+    assert!(planned.seconds < 0.9 * places.seconds, "{planned}; {places}");
 }
 
 #[test]
