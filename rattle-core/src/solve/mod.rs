@@ -3,6 +3,7 @@
 
 pub(crate) mod aim;
 pub(crate) mod crowd;
+pub(crate) mod curve;
 pub(crate) mod nearing;
 pub(crate) mod root;
 pub(crate) mod stop;

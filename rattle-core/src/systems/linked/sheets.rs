@@ -19,6 +19,7 @@ use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, EVERY_ALONE, OF_RADIUS, RISES, THERE, reach, shares};
+use crate::solve::curve::quartic;
 use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
 
@@ -233,16 +234,7 @@ fn most(numbers: impl Iterator<Item = f64>) -> f64 {
 
 /// Where a body is after the share s of a step of length h, on the curve of its places and velocities at both ends, and
 /// of `lift`.
-fn between<const D: usize>(
-    h: f64,
-    s: f64,
-    [from, to]: [&[f64; D]; 2],
-    room: &Room<D>,
-    body: usize,
-) -> [f64; D] {
-    let r = 1.0 - s;
-    let [a, b] = [r * r * (1.0 + 2.0 * s), s * s * (1.0 + 2.0 * r)];
-    let [c, d, bump] = [h * s * r * r, -h * r * s * s, s * s * r * r];
-    let (v, w, lift) = (&room.drift[body], &room.velocity[body], &room.lift[body]);
-    from_fn(|i| a * from[i] + b * to[i] + c * v[i] + d * w[i] + bump * lift[i])
+fn between<const D: usize>(h: f64, s: f64, ends: [&[f64; D]; 2], room: &Room<D>, body: usize) -> [f64; D] {
+    let Room { drift: v, velocity: w, lift, .. } = room;
+    quartic(h, s, ends, [&v[body], &w[body]], &lift[body])
 }

@@ -21,10 +21,10 @@ use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{EVERY, EVERY_ALONE, FARTHER, THERE, reach, rises, shares, shift};
+use crate::solve::curve::{cubic, quartic};
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
-use crate::systems::surface::passage::between;
 use crate::systems::surface::position::Departure;
 use crate::systems::surface::step::pull;
 use std::array::from_fn;
@@ -100,10 +100,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         let rounding = T::from_f64(ROUNDINGS * T::EPSILON) * largest(&from.q).max(largest(&to.q));
         let most = (T::from_f64(most) + rounding) * dot(n, n).sqrt();
         let half = T::from_f64(0.5);
-        let is_off = |bump: &[T; D]| {
+        let is_off = |lift: &[T; D]| {
             !INSIDE.iter().all(|&s| {
-                let share = T::from_f64(s * s * (1.0 - s) * (1.0 - s));
-                let [g] = self.constraint.value(&add_scaled(&between(h, from, to, s), share, bump));
+                let [g] = self.constraint.value(&quartic(h, s, [&from.q, &to.q], [&from.p, &to.p], lift));
                 g.abs().le(most)
             })
         };
@@ -183,7 +182,7 @@ pub(super) fn check_walk<T: Scalar, const D: usize>(
     from: &Body<T, D>,
     to: &Body<T, D>,
 ) -> Result<(), Failure> {
-    let place = |s: f64| between(h, from, to, s);
+    let place = |s: f64| cubic(h, s, [&from.q, &to.q], [&from.p, &to.p]);
     let (mut q, to) = (from.q, &to.q);
     for part in 1..BENDS {
         let towards = place(f64::from(part) / f64::from(BENDS));
