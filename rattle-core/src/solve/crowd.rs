@@ -54,6 +54,28 @@ pub(crate) const FARTHER: f64 = 4.0;
 /// … and no farther than this part of the radius in which a path is bent, where any surface turns.
 pub(crate) const OF_RADIUS: f64 = 0.1;
 
+/// Of steps that do not follow their root: how far it was last asked, as a length, and whether a sheet was near.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Asked {
+    pub(crate) reach: f64,
+    pub(crate) near: bool,
+}
+
+impl Asked {
+    /// After so many steps, the last of which may have led so far astray: the turn of [`shares`], if it is time to ask.
+    /// It is that of the first time for a sheet that was passed over, where the step may have led `times` as far astray
+    /// as was asked; and to be clear of one that was near, which a few places may all miss.
+    pub(crate) fn turn(&mut self, steps: u64, astray: f64, times: f64) -> Option<u64> {
+        let within = |times: f64| astray <= times * self.reach; // not where it is no number
+        if within(1.0) && !steps.is_multiple_of(EVERY_ALONE) {
+            return None;
+        }
+        let turn = if within(times) && !self.near { steps * (EVERY / EVERY_ALONE) } else { 0 };
+        self.reach = reach(astray, self.reach);
+        Some(turn)
+    }
+}
+
 /// How far it is asked after a step that may have led so far astray, where it was asked so far before.
 #[inline(always)]
 pub(crate) fn reach<T: Scalar>(astray: T, asked: T) -> T {
@@ -104,6 +126,25 @@ where
     dot(&gradient, n) - S::from_f64(RISES) * square
 }
 
+/// Whether no other sheet is near a body: g rises along the normal n at all shares of a turn of so many normals.
+#[inline(always)]
+pub(crate) fn is_alone<S, K, const D: usize>(
+    constraint: &K,
+    turn: u64,
+    [q, n]: [&[S; D]; 2],
+    square: S,
+    furthest: S,
+) -> bool
+where
+    S: Scalar,
+    K: ConstraintKernel<S, D, 1>,
+{
+    shares(turn).all(|share| {
+        let rises = rises(constraint, q, n, square, S::from_f64(share) * furthest);
+        S::from_f64(0.0).le(rises)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +168,18 @@ mod tests {
                 assert!((share - expected).abs() <= 1e-15, "after {steps} steps number {n} is {share}");
             }
         }
+    }
+
+    #[test]
+    fn it_is_asked_now_and_then_and_after_steps_that_lead_farther() {
+        let ask = |near: bool, steps, astray| {
+            let mut asked = Asked { reach: 2.0, near };
+            (asked.turn(steps, astray, 3.0), asked.reach)
+        };
+        assert_eq!([ask(false, 15, 2.0), ask(true, 17, 0.0)], [(None, 2.0); 2]);
+        assert_eq!([ask(false, 32, 0.5), ask(true, 32, 0.5)], [(Some(128), 2.0), (Some(0), 2.0)]);
+        assert_eq!([ask(false, 15, 6.0), ask(false, 15, 6.5)], [(Some(60), 24.0), (Some(0), 26.0)]);
+        assert_eq!(ask(false, 15, f64::NAN).0, Some(0));
     }
 
     #[test]

@@ -189,11 +189,7 @@ impl Part {
         let guess = -S::from_f64(0.5).multiply_add(bend, dot(&normal, &path)) / square;
         let pushed = laws.kick(lane, &q, self.push(), [S::default(); D]);
         let furthest = self.furthest(guess.abs(), &way, &pushed, &normal, square, 0.0);
-        let rises = |share: f64| {
-            let shift = S::from_f64(share) * furthest;
-            S::default().le(crowd::rises(constraint.borrow(), &q, &normal, square, shift))
-        };
-        (guess, !crowd::shares(0).all(rises))
+        (guess, !crowd::is_alone(constraint.borrow(), 0, [&q, &normal], square, furthest))
     }
 
     /// What the kick before it makes of something, if there is one; this way or that.

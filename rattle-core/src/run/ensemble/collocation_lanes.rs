@@ -20,7 +20,7 @@ use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
-use crate::solve::crowd::{EVERY, FARTHER, reach, rises, shares, shift};
+use crate::solve::crowd::{EVERY, FARTHER, is_alone, reach, shift};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::any::Any;
 use std::borrow::Borrow;
@@ -262,13 +262,13 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
     let mut memory = vec![S::default(); 1 + N * (D + 1)];
     let mut bodies = system.bodies(&[row.body(lane)], 0.0);
-    bodies.kept.crowd.asked = row.asked[lane].to_f64();
+    bodies.kept.crowd.asked.reach = row.asked[lane].to_f64();
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     let start = apart(&system, table, h, 1, &mut bodies, &mut memory).map_err(stuck)?;
     if !row.land(lane, laws, S::from_f64(h), &bodies.body(0), &memory, end) {
         system.check_sheets(number, h, &start, &mut bodies).map_err(stuck)?;
     }
-    if bodies.kept.crowd.near { Err(Stuck { lane, failure: None }) } else { Ok(()) }
+    if bodies.kept.crowd.asked.near { Err(Stuck { lane, failure: None }) } else { Ok(()) }
 }
 
 /// Looks for other sheets where the step leads a lane that has gone farther astray than it was looked before.
@@ -287,11 +287,6 @@ fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     let (asked, square) = (S::from_f64(FARTHER) * strays, dot(&normal, &normal));
     let furthest = shift(asked, square, dot(&p, &p), dot(&normal, &pull));
     row.asked[lane] = asked;
-    for share in shares(0) {
-        let shift = S::from_f64(share) * furthest;
-        if !S::default().le(rises(laws.constraint(lane).borrow(), &q, &normal, square, shift)) {
-            return Err(Stuck { lane, failure: None });
-        }
-    }
-    Ok(())
+    let alone = is_alone(laws.constraint(lane).borrow(), 0, [&q, &normal], square, furthest);
+    if alone { Ok(()) } else { Err(Stuck { lane, failure: None }) }
 }

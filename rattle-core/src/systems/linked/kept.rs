@@ -6,6 +6,7 @@ use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
 use crate::number::vector::{dot, largest, sum};
 use crate::solve::aim::{Aim, Pace};
+use crate::solve::crowd::Asked;
 use crate::solve::root::Course;
 use crate::systems::linked::in_rows::InRows;
 use crate::systems::linked::room::SeriesRoom;
@@ -57,17 +58,9 @@ pub(crate) struct Tied<Fo, const D: usize> {
     /// What guesses were off by in the last steps, by row of all components.
     pub(super) aims: Vec<Aim<f64>>,
     pub(super) pace: Pace,
-    pub(super) crowd: Crowd,
+    pub(super) asked: Asked,
     pub(super) in_rows: InRows,
     pub(super) room: Room<D>,
-}
-
-/// After steps that did not follow their root: how far it was last asked whether other roots are near, and whether one
-/// was.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Crowd {
-    pub(super) asked: f64,
-    pub(super) near: bool,
 }
 
 /// The cost of the position equations since the start of a simulation.
@@ -232,7 +225,7 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
             counts: Counts::default(),
             aims: vec![Aim::unknown(); shape.equations],
             pace: Pace::unknown(),
-            crowd: Crowd::default(),
+            asked: Asked::default(),
             in_rows: InRows::new(shape),
             room: Room::new(shape, n),
         }

@@ -18,7 +18,7 @@ use crate::motion::failure::Failure;
 use crate::motion::system::System;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY, EVERY_ALONE, OF_RADIUS, RISES, THERE, reach, shares};
+use crate::solve::crowd::{OF_RADIUS, RISES, THERE, shares};
 use crate::solve::curve::quartic;
 use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
@@ -47,7 +47,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now.kept.tied.room.lift.fill([0.0; D]);
         self.take_ends(h, before, now);
         self.ask(steps, before, now);
-        if now.kept.tied.crowd.near {
+        if now.kept.tied.asked.near {
             return self.go_there(h, before, now);
         }
         if !self.is_off_inside(h, false, before, now) {
@@ -83,29 +83,23 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// near.
     fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
         let astray = most(now.kept.tied.room.push.iter().map(largest));
-        let asked = now.kept.tied.crowd.asked;
-        if !steps.is_multiple_of(EVERY_ALONE) && astray <= asked {
-            return;
-        }
-        // At as many places as at first for a root that was passed over, and to be clear of one that was near.
-        let steps = if astray <= asked && !now.kept.tied.crowd.near { steps } else { 0 };
+        let Some(turn) = now.kept.tied.asked.turn(steps, astray, 1.0) else { return };
         let ways = now.q.as_ref().iter().zip(before.q.as_ref());
         let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));
         let radius = path * (path / (12.0 * astray)).sqrt(); // as on a circle; none where nothing is led astray
-        let reach = reach(astray, asked);
-        now.kept.tied.crowd.asked = reach;
-        now.kept.tied.crowd.near = self.others_are_near(steps, (OF_RADIUS * radius).min(reach), now);
+        let reach = (OF_RADIUS * radius).min(now.kept.tied.asked.reach);
+        now.kept.tied.asked.near = self.others_are_near(turn, reach, now);
     }
 
     /// Whether an equation's gradient, where bodies are moved along gradients up to this far, is less than half of what
     /// it was.
     #[cold]
     #[inline(never)]
-    fn others_are_near(&self, steps: u64, reach: f64, now: &mut BodiesOf<F, N, D>) -> bool {
+    fn others_are_near(&self, turn: u64, reach: f64, now: &mut BodiesOf<F, N, D>) -> bool {
         let shape = &*self.shape;
         let (q, time) = (now.q.as_ref(), now.time);
         let Tied { room, blocks, .. } = &mut now.kept.tied;
-        shares(steps * (EVERY / EVERY_ALONE)).any(|share| {
+        shares(turn).any(|share| {
             shape.components.iter().enumerate().any(|(c, component)| {
                 let (rows, (_, first)) = (&component.rows, component.first);
                 let here = &blocks[first..first + rows.blocks()];

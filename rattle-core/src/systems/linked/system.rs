@@ -17,8 +17,9 @@ use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::add_scaled;
 use crate::solve::aim::{Aim, Pace};
+use crate::solve::crowd::Asked;
 use crate::systems::linked::diagnosis::{gradient, kinked};
-use crate::systems::linked::kept::{BodiesOf, Counts, Crowd, Kept, Linked, Tied, along};
+use crate::systems::linked::kept::{BodiesOf, Counts, Kept, Linked, Tied, along};
 use crate::systems::linked::moving::Moving;
 use crate::systems::linked::room::Stages;
 
@@ -70,12 +71,12 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
     }
 
     fn record(&self, bodies: &BodiesOf<F, N, D>, to: &mut Record) {
-        let Tied { aims, pace, counts, crowd, .. } = &bodies.kept.tied;
+        let Tied { aims, pace, counts, asked, .. } = &bodies.kept.tied;
         let Counts { solves, corrections, values, gradients, followed } = *counts;
         to.counts("counts", [solves, corrections, values, gradients, followed]);
         pace.record(aims.len(), &mut aims.iter(), to);
-        to.numbers("crowd looked at", &[1], [crowd.asked]);
-        to.counts("crowd", [u64::from(crowd.near)]);
+        to.numbers("crowd looked at", &[1], [asked.reach]);
+        to.counts("crowd", [u64::from(asked.near)]);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
@@ -83,8 +84,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies.kept.tied.counts = Counts { solves, corrections, values, gradients, followed };
         let aims = &mut bodies.kept.tied.aims;
         bodies.kept.tied.pace = Pace::recall(aims.len(), &mut aims.iter_mut(), from)?;
-        let ([asked], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
-        bodies.kept.tied.crowd = Crowd { asked, near: near != 0 };
+        let ([reach], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
+        bodies.kept.tied.asked = Asked { reach, near: near != 0 };
         Ok(())
     }
 

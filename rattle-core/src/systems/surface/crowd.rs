@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use crate::motion::record::{Reading, Record};
-use crate::solve::crowd::{EVERY, EVERY_ALONE};
+use crate::solve::crowd::{Asked, EVERY, EVERY_ALONE};
 
 /// It is asked for steps so much longer than the longest one.
 const LONGER: f64 = 1.25;
@@ -14,15 +14,13 @@ pub(crate) struct Crowd {
     tiles: Vec<u64>,
     drifts: u64,
     longest: f64,
-    /// How far it was last asked after a step that did not follow its root, and whether a sheet was near.
-    pub(crate) asked: f64,
-    pub(crate) near: bool,
+    pub(crate) asked: Asked,
 }
 
 impl Crowd {
     /// Room for so many tiles, of which nothing is known.
     pub(super) fn of(tiles: usize) -> Self {
-        Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, asked: 0.0, near: false }
+        Self { tiles: vec![0; tiles], drifts: 0, longest: 0.0, asked: Asked::default() }
     }
 
     /// Before a drift of length h: if it is time to ask, after how many steps of [`shares`], and for which length.
@@ -38,15 +36,15 @@ impl Crowd {
 
     pub(super) fn record(&self, to: &mut Record) {
         to.counts("crowded tiles", self.tiles.iter().copied());
-        to.counts("crowd", [self.drifts, u64::from(self.near)]);
-        to.numbers("crowd looked at", &[2], [self.longest, self.asked]);
+        to.counts("crowd", [self.drifts, u64::from(self.asked.near)]);
+        to.numbers("crowd looked at", &[2], [self.longest, self.asked.reach]);
     }
 
     pub(super) fn recalled(from: &mut Reading<'_>, tiles: usize) -> Result<Self, Error> {
         let found = from.counts("crowded tiles")?;
         let [drifts, near] = from.counted("crowd")?;
-        let [longest, asked] = from.array("crowd looked at")?;
-        let mut crowd = Self { drifts, longest, asked, near: near != 0, ..Self::of(tiles) };
+        let [longest, reach] = from.array("crowd looked at")?;
+        let mut crowd = Self { drifts, longest, asked: Asked { reach, near: near != 0 }, ..Self::of(tiles) };
         crowd.tiles.iter_mut().zip(found).for_each(|(tile, &bits)| *tile = bits);
         Ok(crowd)
     }

@@ -20,7 +20,7 @@ use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
-use crate::solve::crowd::{EVERY, EVERY_ALONE, FARTHER, THERE, reach, rises, shares, shift};
+use crate::solve::crowd::{FARTHER, THERE, is_alone, shift};
 use crate::solve::curve::{cubic, quartic};
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -63,13 +63,10 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
-        let (asked, was_near) = (now.kept.crowd.asked, now.kept.crowd.near);
-        if steps.is_multiple_of(EVERY_ALONE) || astray > asked || astray.is_nan() {
-            // For a sheet that was passed over; and to be clear of one that was near, which a few places may all miss.
-            let as_at_first = was_near || astray > FARTHER * asked;
-            self.ask(if as_at_first { 0 } else { steps }, reach(astray, asked), before, now);
+        if let Some(turn) = now.kept.crowd.asked.turn(steps, astray, FARTHER) {
+            self.ask(turn, before, now);
         }
-        let near = now.kept.crowd.near;
+        let near = now.kept.crowd.asked.near;
         for body in 0..self.count.number() {
             let (from, to) = (before.body(body), now.body(body));
             if near || is_bold(h, &from, &to) || self.is_off_inside(h, body, &from, &to, now) {
@@ -117,33 +114,23 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         }
     }
 
-    /// Notes whether other sheets are as near as this to a body where the step began.
+    /// Notes whether other sheets are as near to a body where the step began as it is to be asked.
     #[cold]
     #[inline(never)]
-    fn ask<T, const D: usize>(
-        &self,
-        steps: u64,
-        reach: f64,
-        before: &Saved<N, T, D>,
-        now: &mut BodiesOf<N, T, F, D>,
-    ) where
+    fn ask<T, const D: usize>(&self, turn: u64, before: &Saved<N, T, D>, now: &mut BodiesOf<N, T, F, D>)
+    where
         T: Scalar,
         K: ConstraintKernel<T, D, 1>,
         F: Forces<T, D>,
     {
+        let reach = T::from_f64(now.kept.crowd.asked.reach);
         let is_near = |(q, p): (&[T; D], &[T; D])| {
             let ([_], [n]) = self.constraint.value_and_jacobian(q);
             let [bend] = self.constraint.jet(q, p).2;
             let square = dot(&n, &n);
-            let shift = shift(T::from_f64(reach), square, dot(p, p), bend);
-            let plain = |share: f64| {
-                let rises = rises(&self.constraint, q, &n, square, T::from_f64(share) * shift);
-                T::from_f64(0.0).le(rises)
-            };
-            !shares(steps * (EVERY / EVERY_ALONE)).all(plain)
+            !is_alone(&self.constraint, turn, [q, &n], square, shift(reach, square, dot(p, p), bend))
         };
-        now.kept.crowd.near = before.q.as_ref().iter().zip(before.p.as_ref()).any(is_near);
-        now.kept.crowd.asked = reach;
+        now.kept.crowd.asked.near = before.q.as_ref().iter().zip(before.p.as_ref()).any(is_near);
     }
 }
 
