@@ -13,7 +13,6 @@ use crate::kernel::series::Order;
 use crate::kernel::within::Within;
 use crate::number::real::Real;
 use nalgebra::{SMatrix, SVector};
-use std::array::from_fn;
 
 /// M equations g(q) = 0 between D coordinates, with derivatives. Written by `constraint!`.
 ///
@@ -97,25 +96,6 @@ pub trait ConstraintKernel<T: Real, const D: usize, const M: usize>: Clone + Sen
     }
     /// g and ∂g/∂q.
     fn value_and_jacobian(&self, q: &[T; D]) -> ([T; M], [[T; D]; M]);
-    /// g and ∂g/∂q at L positions at once: the coordinates of position l are `q[0][l]`, `q[1][l]`, … A kernel that is
-    /// interpreted instead of compiled can run its program once for the whole block.
-    #[inline(always)]
-    fn value_and_jacobian_block<const L: usize>(
-        &self,
-        q: &[[T; L]; D],
-        values: &mut [[T; L]; M],
-        jacobians: &mut [[[T; L]; D]; M],
-    ) {
-        for l in 0..L {
-            let (value, jacobian) = self.value_and_jacobian(&from_fn(|d| q[d][l]));
-            for i in 0..M {
-                values[i][l] = value[i];
-                for d in 0..D {
-                    jacobians[i][d][l] = jacobian[i][d];
-                }
-            }
-        }
-    }
     /// Row i is vᵀ∇²gᵢ.
     fn hessian_vector(&self, q: &[T; D], v: &[T; D]) -> [[T; D]; M];
     /// g, G v and vᵀ∇²g v.
@@ -234,16 +214,6 @@ pub trait PotentialKernel<T: Real, const D: usize>: Clone + Send + Sync + 'stati
     fn value(&self, q: &[T; D]) -> T;
     /// ∇U(q).
     fn gradient(&self, q: &[T; D]) -> [T; D];
-    /// ∇U at L positions at once, in the layout of [`ConstraintKernel::value_and_jacobian_block`].
-    #[inline(always)]
-    fn gradient_block<const L: usize>(&self, q: &[[T; L]; D], gradients: &mut [[T; L]; D]) {
-        for l in 0..L {
-            let gradient = self.gradient(&from_fn(|d| q[d][l]));
-            for d in 0..D {
-                gradients[d][l] = gradient[d];
-            }
-        }
-    }
 
     /// The number of blocks of [products](crate::kernel::series) that [`gradient_series`](Self::gradient_series) needs;
     /// `None` without a series.
