@@ -11,12 +11,12 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, two_sum};
 use crate::run::ensemble::linked_pulls::Pulling;
-use crate::run::ensemble::linked_row::{CLEAR, Course, TURN, Which, any};
+use crate::run::ensemble::linked_row::{CLEAR, Course, TURN};
 use crate::run::ensemble::plan::Places;
 use crate::systems::network::few_in_lanes::{
-    Normals, by_coordinate, factor, lifted, of_few, of_lane, of_size, sized, solve, sum_of,
+    Normals, by_coordinate, factor, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
-use crate::systems::network::in_lanes::{Number, Numbers, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, Which, any, at, put, zeros};
 use std::array::from_fn;
 
 /// Numbers of M equations and K coordinates.
@@ -225,10 +225,8 @@ fn leave<const M: usize, const K: usize, const W: usize, const S: bool>(
     trial: &mut [Numbers<W>; K],
 ) {
     for l in 0..W {
-        let place = start.place(l, &start.lifted(l), &of_lane(guess, l));
-        for k in 0..K {
-            trial[k].0[l] = place[k];
-        }
+        let place = start.place(l, &start.lifted(l), &at(guess, l));
+        put(trial, l, place);
     }
 }
 
@@ -245,8 +243,8 @@ fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
 ) {
     for l in 0..W {
         let lifted = start.lifted(l);
-        let (factored, slopes) = factor(&from_fn(|i| from_fn(|k| normals[i][k].0[l])), &lifted);
-        let x = solve(&factored, of_lane(g, l));
+        let (factored, slopes) = factor(&grid(normals, l), &lifted);
+        let x = solve(&factored, at(g, l));
         let mut clear = true;
         for i in 0..M {
             let (slope, inverse, square) = (slopes[i].0, factored[i][i].0, square[i].0[l].0);
@@ -256,9 +254,7 @@ fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
         astray[l] = if clear { 0 } else { 1 };
         let corrected = from_fn(|i| guess[i].0[l] - x[i]);
         let place = start.place(l, &lifted, &corrected);
-        for k in 0..K {
-            trial[k].0[l] = place[k];
-        }
+        put(trial, l, place);
         for i in 0..M {
             lambda[i].0[l] = corrected[i];
             for j in 0..M {
@@ -278,7 +274,7 @@ fn correct_again<const M: usize, const W: usize>(
 ) -> Which<W> {
     let mut unrest = *astray;
     for l in 0..W {
-        let x = solve(&from_fn(|i| of_lane(&matrix[i], l)), of_lane(g, l));
+        let x = solve(&from_fn(|i| at(&matrix[i], l)), at(g, l));
         for i in 0..M {
             unrest[l] = if g[i].0[l].0.abs() <= rest[i].0[l].0 { unrest[l] } else { 1 };
             found[i].0[l] = lambda[i].0[l] - x[i];
@@ -299,7 +295,7 @@ fn move_on<const M: usize, const K: usize, const W: usize, const S: bool>(
     way_low: &mut [Numbers<W>; K],
 ) {
     for l in 0..W {
-        let (lifted, lambda) = (lifted(normals, over, l), of_lane(found, l));
+        let (lifted, lambda) = (lifted(normals, over, l), at(found, l));
         for k in 0..K {
             let moved = sum_of(Fused(0.0), &lifted, &lambda, k);
             if S {
@@ -325,9 +321,9 @@ fn project<const M: usize, const K: usize, const W: usize, const S: bool>(
     way_low: &mut [Numbers<W>; K],
 ) {
     for l in 0..W {
-        let (normal, lifted) = (from_fn(|i| from_fn(|k| normals[i][k].0[l])), lifted(normals, over, l));
+        let (normal, lifted) = (grid(normals, l), lifted(normals, over, l));
         let (matrix, _) = factor(&normal, &lifted);
-        let high = of_lane(way, l);
+        let high = at(way, l);
         let all: [Number; K] = from_fn(|k| if S { high[k] + way_low[k].0[l] } else { high[k] });
         let off = solve(&matrix, from_fn(|i| dot(&normal[i], &all)));
         for k in 0..K {

@@ -25,7 +25,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_pulls::Pulling;
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
-use crate::systems::network::in_lanes::{Number, Numbers, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
 /// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
@@ -37,7 +37,7 @@ const AT_REST: f64 = 16.0;
 /// a normal may turn on a path that is [short](crate::solve::root).
 pub(super) const TURN: f64 = 8.0;
 
-/// Corrections after which a lane goes apart.
+/// Further corrections after which a lane goes apart.
 const CORRECTIONS: usize = 5;
 
 /// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits
@@ -67,15 +67,6 @@ pub(super) struct Course<'a, const W: usize> {
     /// Whether sums are compensated.
     pub(super) sums: bool,
     pub(super) set: Fusing,
-}
-
-/// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
-pub(super) type Which<const W: usize> = [u64; W];
-
-/// Whether there is one among them.
-#[inline(always)]
-pub(super) fn any<const W: usize>(which: &Which<W>) -> bool {
-    which.iter().fold(0, |any, which| any | which) != 0
 }
 
 /// Writes `f` of each lane of these numbers.

@@ -12,15 +12,13 @@ use crate::number::lanes::{Fused, Lanes};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::linked_going::Width;
-use crate::run::ensemble::rigid_row::{
-    Course, Inertia, Rotor, Steps, Three, Torquing, Turns, Weights, at, push, put,
-};
+use crate::run::ensemble::rigid_row::{Course, Inertia, Rotor, Steps, Three, Torquing, Turns, Weights, push};
 use crate::run::ensemble::rigid_torque::Torques;
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
 use crate::run::readings::as_shown;
 use crate::run::watch::sight::{Sight, Source};
-use crate::systems::network::in_lanes::zeros;
+use crate::systems::network::in_lanes::{at, put, zeros};
 use crate::systems::rigid::Rigid;
 use nalgebra::SVector;
 use std::any::Any;

@@ -16,7 +16,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_going::Width;
 use crate::solve::crowd::EVERY;
-use crate::systems::network::in_lanes::{FEW, Number, Numbers, ROW, zeros};
+use crate::systems::network::in_lanes::{FEW, Number, Numbers, ROW, at, put, zeros};
 use crate::systems::rigid::rotation::{Inverse, LEFT, Moments, deviation, product, share, too_fast, turn};
 use std::array::from_fn;
 
@@ -91,30 +91,16 @@ impl<const W: usize> Inertia<W> {
     }
 }
 
-/// The vector in a lane.
-#[inline(always)]
-pub(super) fn at<const W: usize, const D: usize>(rows: &[Numbers<W>; D], l: usize) -> [Number; D] {
-    from_fn(|d| rows[d].0[l])
-}
-
-/// Puts a vector into a lane.
-#[inline(always)]
-pub(super) fn put<const W: usize, const D: usize>(rows: &mut [Numbers<W>; D], l: usize, x: [Number; D]) {
-    for d in 0..D {
-        rows[d].0[l] = x[d];
-    }
-}
-
 /// Numbers of one step, which need no keeping.
 struct Scratch<const W: usize> {
     rest: Three<W>,
     x: Three<W>,
-    state: Which<W>,
+    state: States<W>,
 }
 
 /// For each lane whether it is at [rest](RESTS), [goes](GOES) on, or goes [apart](APART); as wide as what is compared,
 /// so that comparing is done side by side.
-type Which<const W: usize> = [u64; W];
+type States<const W: usize> = [u64; W];
 
 const RESTS: u64 = 0;
 const GOES: u64 = 1;
@@ -276,7 +262,7 @@ fn solve<const W: usize>(
     guess: &Three<W>,
     to: &mut Three<W>,
     turned: &mut Three<W>,
-    state: &mut Which<W>,
+    state: &mut States<W>,
 ) {
     let [far, steep, left] = [FAR * FAR, STEEP, LEFT * LEFT / 16.0].map(Fused);
     let minus = Fused(-1.0);

@@ -7,8 +7,8 @@ use crate::effect::swept::Swept;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::ensemble::laws::Alike;
-use crate::run::ensemble::rigid_row::{Nine, Rotor, Three, Torquing, at, put};
-use crate::systems::network::in_lanes::{FEW, Number, Numbers, zeros};
+use crate::run::ensemble::rigid_row::{Nine, Rotor, Three, Torquing};
+use crate::systems::network::in_lanes::{FEW, Number, Numbers, at, put, zeros};
 use crate::systems::rigid::rotation::turning;
 use std::array::from_fn;
 

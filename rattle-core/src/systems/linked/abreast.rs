@@ -10,10 +10,9 @@ use crate::number::real::Real;
 use crate::number::vector::two_sum;
 use crate::systems::network::alike::AlikeLinks;
 use crate::systems::network::dense::MOST;
-use crate::systems::network::few_in_lanes::{Normals, by_coordinate, factor, lifted, of_few, of_lane, sized};
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, zeros};
+use crate::systems::network::few_in_lanes::{Normals, by_coordinate, factor, grid, lifted, of_few, sized};
+use crate::systems::network::in_lanes::{Numbers, ROW, Which, at, put, zeros};
 use crate::systems::network::solver::CLEARLY;
-use std::array::from_fn;
 
 /// Coordinates of the bodies of a component at most.
 const COORDINATES: usize = 3 * MOST;
@@ -22,9 +21,6 @@ const COORDINATES: usize = 3 * MOST;
 pub(super) const fn are_rows(dimension: usize) -> bool {
     dimension == 2 || dimension == 3
 }
-
-/// For each lane 1 or 0; as wide as what is compared.
-pub(super) type Which = [u64; ROW];
 
 /// Rows of coordinates.
 pub(super) type Coordinates = [Numbers<ROW>; COORDINATES];
@@ -68,12 +64,12 @@ pub(super) struct Lanes {
     /// The residuals of the guess, as lengths; and in roundings.
     pub(super) off: [Numbers<ROW>; MOST],
     pub(super) roundings: [Numbers<ROW>; MOST],
-    pub(super) going: Which,
+    pub(super) going: Which<ROW>,
     /// Whether nothing speaks against a lane's root.
-    pub(super) plain: Which,
+    pub(super) plain: Which<ROW>,
     /// Whether its new normals are clearly independent.
-    pub(super) clear: Which,
-    pub(super) corrections: Which,
+    pub(super) clear: Which<ROW>,
+    pub(super) corrections: Which<ROW>,
 }
 
 impl Lanes {
@@ -162,15 +158,6 @@ pub(super) fn square_mut<const M: usize>(rows: &mut [Numbers<ROW>]) -> &mut [[Nu
     rows.as_chunks_mut().0.first_chunk_mut().expect("as many as there are")
 }
 
-/// The numbers of a lane, by equation and coordinate.
-#[inline(always)]
-pub(super) fn grid<const M: usize, const K: usize>(
-    normals: &Normals<M, K, ROW>,
-    l: usize,
-) -> [[Number; K]; M] {
-    from_fn(|i| from_fn(|k| normals[i][k].0[l]))
-}
-
 struct Evaluate<'a, 'b, const M: usize, const K: usize> {
     row: &'a mut Row<'b>,
 }
@@ -197,20 +184,18 @@ pub(super) fn factor_rows<const CLEAR: bool, const M: usize, const K: usize>(
     of: &Normals<M, K, ROW>,
     over: &[Numbers<ROW>; K],
     matrix: &mut [[Numbers<ROW>; M]; M],
-    clear: &mut Which,
+    clear: &mut Which<ROW>,
 ) {
     const LEAST: f64 = CLEARLY * CLEARLY;
     for l in 0..ROW {
-        let (factored, slopes) = factor(&grid(normals, l), &lifted(of, &of_lane(over, l), l));
+        let (factored, slopes) = factor(&grid(normals, l), &lifted(of, &at(over, l), l));
         let mut is_clear = true;
         for i in 0..M {
             is_clear &= Fused(0.0).lt(factored[i][i]);
             if CLEAR {
                 is_clear &= (Fused(LEAST) * slopes[i] * factored[i][i]).lt(Fused(1.0));
             }
-            for j in 0..M {
-                matrix[i][j].0[l] = factored[i][j];
-            }
+            put(&mut matrix[i], l, factored[i]);
         }
         clear[l] = if is_clear { 1 } else { 0 };
     }
@@ -219,7 +204,7 @@ pub(super) fn factor_rows<const CLEAR: bool, const M: usize, const K: usize>(
 /// Adds to numbers of these lanes what they change by, their low digits with it.
 #[inline(always)]
 pub(super) fn add_up<const K: usize>(
-    which: &Which,
+    which: &Which<ROW>,
     change: &[Numbers<ROW>; K],
     high: &mut [Numbers<ROW>; K],
     low: &mut [Numbers<ROW>; K],

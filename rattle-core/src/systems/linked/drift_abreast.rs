@@ -11,13 +11,11 @@ use crate::number::real::Real;
 use crate::number::vector::dot;
 use crate::solve::aim::SMOOTH;
 use crate::solve::root::FAR_GUESS;
-use crate::systems::linked::abreast::{
-    KeptRow, Lanes, Row, Which, add_up, factor_rows, grid, places, square, square_mut,
-};
+use crate::systems::linked::abreast::{KeptRow, Lanes, Row, add_up, factor_rows, places, square, square_mut};
 use crate::systems::network::few_in_lanes::{
-    Normals, by_coordinate, lifted, of_few, of_lane, of_size, sized, solve, sum_of,
+    Normals, by_coordinate, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, ROW, Which, any, at, put, zeros};
 use std::array::from_fn;
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction, which takes all but a
@@ -64,7 +62,7 @@ impl<const M: usize, const K: usize> Start<'_, M, K> {
     /// M⁻¹Gᵀ of a lane.
     #[inline(always)]
     fn lifted(&self, l: usize) -> [[Number; K]; M] {
-        lifted(self.normals, &of_lane(self.over, l), l)
+        lifted(self.normals, &at(self.over, l), l)
     }
 
     /// Where multipliers lead.
@@ -102,8 +100,8 @@ impl<const M: usize, const K: usize> Work for Find<'_, '_, M, K> {
         let (q, q_low) = (of_few::<K, ROW>(q), of_few::<K, ROW>(q_low));
         let (free, trial) = (of_size::<K, ROW>(free), of_size::<K, ROW>(trial));
         let (velocity, push, sizes) = (of_size(velocity), of_size(push), of_size(sizes));
-        let at = [q, of_few(p), of_few(p_low), of_few(force), over];
-        set_out(at, [h, kick], velocity, push, free, sizes, path);
+        let begin = [q, of_few(p), of_few(p_low), of_few(force), over];
+        set_out(begin, [h, kick], velocity, push, free, sizes, path);
         links.bends(set, [q, velocity], bends, turns);
         let start = Start { normals: &old, over, q, q_low, free };
         let x = of_size::<M, ROW>(x);
@@ -121,7 +119,7 @@ impl<const M: usize, const K: usize> Work for Find<'_, '_, M, K> {
         (*going, *corrections) = ([1; ROW], [0; ROW]);
         correct::<true, M, K>(start, matrix, [of_few(g), scale], path, x, trial, going, corrections, plain);
         for _ in 1..CORRECTIONS {
-            if going.iter().fold(0, |any, going| any | going) == 0 {
+            if !any(going) {
                 break;
             }
             links.gradients(set, trial, g, gradients);
@@ -181,25 +179,21 @@ fn leave<const M: usize, const K: usize>(
     [bends, turns]: [&[Numbers<ROW>; M]; 2],
     x: &mut [Numbers<ROW>; M],
     trial: &mut [Numbers<ROW>; K],
-    plain: &mut Which,
+    plain: &mut Which<ROW>,
 ) {
     let half_square = Fused(0.5) * h * h;
     for l in 0..ROW {
-        let (normals, push) = (grid(start.normals, l), of_lane(push, l));
+        let (normals, push) = (grid(start.normals, l), at(push, l));
         let (mut smooth, mut needed) = (true, [Fused(0.0); M]);
         for i in 0..M {
             let turn = h * h * turns[i].0[l];
             smooth &= turn.le(Fused(SMOOTH * SMOOTH) * dot(&normals[i], &normals[i]));
             needed[i] = -half_square * bends[i].0[l] - dot(&normals[i], &push);
         }
-        let guess = solve(&from_fn(|i| of_lane(&at_start[i], l)), needed);
+        let guess = solve(&from_fn(|i| at(&at_start[i], l)), needed);
         let place = start.place(l, &start.lifted(l), &guess);
-        for k in 0..K {
-            trial[k].0[l] = place[k];
-        }
-        for i in 0..M {
-            x[i].0[l] = guess[i];
-        }
+        put(trial, l, place);
+        put(x, l, guess);
         plain[l] = if smooth { 1 } else { 0 };
     }
 }
@@ -246,25 +240,21 @@ fn correct<const FIRST: bool, const M: usize, const K: usize>(
     path: &Numbers<ROW>,
     x: &mut [Numbers<ROW>; M],
     trial: &mut [Numbers<ROW>; K],
-    going: &mut Which,
-    corrections: &mut Which,
-    plain: &mut Which,
+    going: &mut Which<ROW>,
+    corrections: &mut Which<ROW>,
+    plain: &mut Which<ROW>,
 ) {
     for l in 0..ROW {
-        let by = solve(&from_fn(|i| of_lane(&matrix[i], l)), of_lane(g, l));
-        let (goes, mut rests, mut corrected) = (going[l] != 0, true, of_lane(x, l));
+        let by = solve(&from_fn(|i| at(&matrix[i], l)), at(g, l));
+        let (goes, mut rests, mut corrected) = (going[l] != 0, true, at(x, l));
         for i in 0..M {
             rests &= (g[i].0[l].abs() * scale[i].0[l]).le(Fused(REST));
             corrected[i] = Real::select(goes, corrected[i] - by[i], corrected[i]);
         }
         let lifted = start.lifted(l);
         let place = start.place(l, &lifted, &corrected);
-        for k in 0..K {
-            trial[k].0[l] = place[k];
-        }
-        for i in 0..M {
-            x[i].0[l] = corrected[i];
-        }
+        put(trial, l, place);
+        put(x, l, corrected);
         corrections[l] += going[l];
         going[l] = if goes & !rests { 1 } else { 0 };
         if FIRST {
@@ -315,7 +305,7 @@ impl<const M: usize, const K: usize> Work for MoveOn<'_, '_, M, K> {
 
 /// Takes new numbers over in these lanes.
 #[inline(always)]
-fn renew(which: &Which, new: &Numbers<ROW>, numbers: &mut Numbers<ROW>) {
+fn renew(which: &Which<ROW>, new: &Numbers<ROW>, numbers: &mut Numbers<ROW>) {
     for l in 0..ROW {
         numbers.0[l] = Real::select(which[l] != 0, new.0[l], numbers.0[l]);
     }
@@ -333,8 +323,8 @@ fn advance<const M: usize, const K: usize>(
     change: &mut [Numbers<ROW>; K],
 ) {
     for l in 0..ROW {
-        let (normals, lifted) = (grid(normals, l), lifted(normals, &of_lane(over, l), l));
-        let x = of_lane(x, l);
+        let (normals, lifted) = (grid(normals, l), lifted(normals, &at(over, l), l));
+        let x = at(x, l);
         let impulses: [Number; M] = from_fn(|i| Fused(x[i].0 / h.0));
         for k in 0..K {
             lift[k].0[l] = q_low[k].0[l] + sum_of(free[k].0[l], &lifted, &x, k);

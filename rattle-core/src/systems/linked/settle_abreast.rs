@@ -3,11 +3,11 @@
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::linked::abreast::{Lanes, Row, add_up, grid, places, square};
+use crate::systems::linked::abreast::{Lanes, Row, add_up, places, square};
 use crate::systems::network::few_in_lanes::{
-    Normals, by_coordinate, lifted, of_few, of_lane, of_size, sized, solve, sum_of,
+    Normals, by_coordinate, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
-use crate::systems::network::in_lanes::{Number, Numbers, ROW, zeros};
+use crate::systems::network::in_lanes::{Number, Numbers, ROW, at, zeros};
 use std::array::from_fn;
 
 impl Row<'_> {
@@ -84,7 +84,7 @@ fn make_tangent<const AGAIN: bool, const M: usize, const K: usize>(
     x: &mut [Numbers<ROW>; M],
 ) {
     for l in 0..ROW {
-        let (normals, lifted) = (grid(normals, l), lifted(normals, &of_lane(over, l), l));
+        let (normals, lifted) = (grid(normals, l), lifted(normals, &at(over, l), l));
         let (mut small, mut needed) = (AGAIN, [Fused(0.0); M]);
         for i in 0..M {
             let (mut rate, mut size) = (Fused(0.0), Fused(0.0));
@@ -100,7 +100,7 @@ fn make_tangent<const AGAIN: bool, const M: usize, const K: usize>(
             }
             needed[i] = -rate;
         }
-        let mut by = solve(&from_fn(|i| of_lane(&matrix[i], l)), needed);
+        let mut by = solve(&from_fn(|i| at(&matrix[i], l)), needed);
         for i in 0..M {
             by[i] = Real::select(small, Fused(0.0), by[i]);
             x[i].0[l] = if AGAIN { x[i].0[l] + by[i] } else { by[i] };

@@ -58,6 +58,15 @@ pub(crate) fn by_coordinate<'a, const M: usize, const K: usize, const W: usize>(
     normals
 }
 
+/// G of a lane.
+#[inline(always)]
+pub(crate) fn grid<const M: usize, const K: usize, const W: usize>(
+    normals: &Normals<M, K, W>,
+    l: usize,
+) -> [[Number; K]; M] {
+    from_fn(|i| from_fn(|k| normals[i][k].0[l]))
+}
+
 /// M⁻¹Gᵀ of a lane.
 #[inline(always)]
 pub(crate) fn lifted<const M: usize, const K: usize, const W: usize>(
@@ -77,12 +86,6 @@ pub(crate) fn sum_of<const M: usize, const K: usize>(
     k: usize,
 ) -> Number {
     (0..M).fold(first, |sum, i| lifted[i][k].multiply_add(lambda[i], sum))
-}
-
-/// Numbers of a lane.
-#[inline(always)]
-pub(crate) fn of_lane<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usize) -> [Number; N] {
-    from_fn(|n| rows[n].0[l])
 }
 
 /// A matrix G′M⁻¹Gᵀ with L below the diagonal, U above it, and on it the inverse pivots; and its diagonal. (Loops with

@@ -28,6 +28,29 @@ pub(crate) const fn zeros<const W: usize>() -> Numbers<W> {
     Lanes([Fused(0.0); W])
 }
 
+/// For each lane 1 or 0; as wide as what is compared, so that comparing is done side by side.
+pub(crate) type Which<const W: usize> = [u64; W];
+
+/// Whether there is one among them.
+#[inline(always)]
+pub(crate) fn any<const W: usize>(which: &Which<W>) -> bool {
+    which.iter().fold(0, |any, which| any | which) != 0
+}
+
+/// The numbers of a lane.
+#[inline(always)]
+pub(crate) fn at<const N: usize, const W: usize>(rows: &[Numbers<W>; N], l: usize) -> [Number; N] {
+    from_fn(|n| rows[n].0[l])
+}
+
+/// Puts numbers into a lane.
+#[inline(always)]
+pub(crate) fn put<const N: usize, const W: usize>(rows: &mut [Numbers<W>; N], l: usize, x: [Number; N]) {
+    for n in 0..N {
+        rows[n].0[l] = x[n];
+    }
+}
+
 /// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
 /// and coordinate of the link's bodies, are written one after the other.
 pub(crate) trait InLanes<const W: usize>: Send + Sync {
