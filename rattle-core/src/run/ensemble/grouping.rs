@@ -33,7 +33,7 @@ pub(super) type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
 
 /// How trajectories go in lanes.
 #[derive(Debug)]
-pub(super) struct InLanes {
+pub(super) struct HowInLanes {
     /// The stages of a step, of a splitting.
     pub(super) stages: Vec<Stage>,
     /// The step.
@@ -46,7 +46,7 @@ pub(super) struct InLanes {
     pub(super) first: usize,
 }
 
-impl InLanes {
+impl HowInLanes {
     /// By this method with this instruction set; none where the instructions do not fuse, steps are too short, or the
     /// method is neither a splitting nor a collocation.
     pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Option<Self> {
@@ -66,7 +66,7 @@ pub(super) struct Alike<'a, W, E, const D: usize>(
     pub(super) PhantomData<W>,
     pub(super) &'a E,
     pub(super) &'a [State<D>],
-    pub(super) &'a InLanes,
+    pub(super) &'a HowInLanes,
 );
 
 impl<P: Precision, S: Method, E: Effects<D>, const D: usize> Surfaces<D> for Alike<'_, (P, S), E, D> {
@@ -83,7 +83,7 @@ pub(super) struct Different<'a, W, E, const D: usize>(
     pub(super) PhantomData<W>,
     pub(super) &'a [&'a E],
     pub(super) &'a [State<D>],
-    pub(super) &'a InLanes,
+    pub(super) &'a HowInLanes,
 );
 
 impl<P: Precision, S: Method, E: Effects<D> + 'static, const D: usize> Surfaces<D>
@@ -140,7 +140,7 @@ impl<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize> Obe
 fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
     obeyed: &O,
     starts: &[State<D>],
-    lanes: &InLanes,
+    lanes: &HowInLanes,
 ) -> Groups<D> {
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
@@ -170,9 +170,9 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     network: &Network<D>,
     effects: &E,
     starts: &[State<D>],
-    lanes: &InLanes,
+    lanes: &HowInLanes,
 ) -> Groups<D> {
-    let InLanes { stages, h, set, first, .. } = lanes;
+    let HowInLanes { stages, h, set, first, .. } = lanes;
     let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
     let bodies = starts.first()?.len();
     let method = (&stages[..], equal, *h, P::compute(Sums), *set);
@@ -192,9 +192,9 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     networks: &[&Network<D>],
     effects: &[&E],
     starts: &[State<D>],
-    lanes: &InLanes,
+    lanes: &HowInLanes,
 ) -> Groups<D> {
-    let InLanes { stages, h, set, first, .. } = lanes;
+    let HowInLanes { stages, h, set, first, .. } = lanes;
     let bodies = starts.first()?.len();
     if starts.iter().any(|start| start.len() != bodies) {
         return None;
@@ -215,7 +215,7 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     systems: &[Y],
     effects: &impl Turned,
     starts: &[State<D>],
-    lanes: &InLanes,
+    lanes: &HowInLanes,
 ) -> Groups<D> {
     let number = starts.first()?.len();
     if starts.iter().any(|start| start.len() != number) {
@@ -257,7 +257,7 @@ struct Rigids<'a, X, Y, const D: usize> {
     systems: &'a [Y],
     effects: &'a X,
     starts: &'a [State<D>],
-    lanes: &'a InLanes,
+    lanes: &'a HowInLanes,
     sums: bool,
 }
 
@@ -267,7 +267,7 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
     where
         Width: Turns<W>,
     {
-        let Self { bodies, systems, effects, starts, lanes: InLanes { stages, h, set, first, .. }, sums } =
+        let Self { bodies, systems, effects, starts, lanes: HowInLanes { stages, h, set, first, .. }, sums } =
             *self;
         in_rows(W, starts, &|from, starts| {
             let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
@@ -301,13 +301,13 @@ pub(super) fn in_rows<const D: usize>(width: usize, starts: &[State<D>], row: &R
 }
 
 /// Trajectories by splittings; `EQUAL` says that a step is one stage.
-struct Splittings<'a, O, const EQUAL: bool, const D: usize>(&'a O, &'a [State<D>], &'a InLanes);
+struct Splittings<'a, O, const EQUAL: bool, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
 
 impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'_, O, EQUAL, D> {
     type Done = Vec<Box<dyn Group<D>>>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, InLanes { stages, h, stirs_after, set, first }) = self;
+        let Self(obeyed, starts, HowInLanes { stages, h, stirs_after, set, first }) = self;
         if const { O::ALIKE } && starts.len() == 1 {
             let laws = obeyed.laws::<S, 1>(0);
             let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
@@ -323,7 +323,7 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
 const OF_STAGES: usize = 16;
 
 /// Trajectories by collocation of N stages.
-struct Collocations<'a, O, const N: usize, const D: usize>(&'a O, &'a [State<D>], &'a InLanes);
+struct Collocations<'a, O, const N: usize, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
 
 impl<O: Obeyed<D>, const N: usize, const D: usize> InNumbers for Collocations<'_, O, N, D>
 where
@@ -332,7 +332,7 @@ where
     type Done = Groups<D>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, InLanes { h, set, first, .. }) = self;
+        let Self(obeyed, starts, HowInLanes { h, set, first, .. }) = self;
         in_rows(OF_STAGES, starts, &|from, starts| {
             let table = const { &Table::<N>::TABLE };
             if const { O::ALIKE } && starts.len() == 1 {

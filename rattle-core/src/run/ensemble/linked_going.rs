@@ -5,13 +5,13 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::linked_pulls::Pulling;
 use crate::run::ensemble::linked_row::{Apart, Course};
 use crate::solve::crowd::EVERY;
-use crate::systems::network::group::Group;
-use crate::systems::network::in_lanes::{FEW, InLanes, Numbers, ROW};
+use crate::systems::network::group::LinkGroup;
+use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks};
 
 /// Rows of so many lanes, whose work is compiled here and not wherever an ensemble is made.
 pub(super) trait Wide<const W: usize> {
     /// The links of a group.
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>;
+    fn links<const D: usize>(group: &dyn LinkGroup<D>) -> Option<Box<dyn RowLinks<W>>>;
     /// Takes steps.
     fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
     /// Writes velocities.
@@ -22,7 +22,7 @@ pub(super) trait Wide<const W: usize> {
 pub(super) struct Width;
 
 impl Wide<ROW> for Width {
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<ROW>>> {
+    fn links<const D: usize>(group: &dyn LinkGroup<D>) -> Option<Box<dyn RowLinks<ROW>>> {
         group.in_lanes()
     }
     fn go(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
@@ -34,7 +34,7 @@ impl Wide<ROW> for Width {
 }
 
 impl Wide<FEW> for Width {
-    fn links<const D: usize>(group: &dyn Group<D>) -> Option<Box<dyn InLanes<FEW>>> {
+    fn links<const D: usize>(group: &dyn LinkGroup<D>) -> Option<Box<dyn RowLinks<FEW>>> {
         group.in_few_lanes()
     }
     fn go(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {

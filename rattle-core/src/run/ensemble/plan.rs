@@ -7,8 +7,8 @@
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::network::group::Group;
-use crate::systems::network::in_lanes::{InLanes, Numbers, zeros};
+use crate::systems::network::group::LinkGroup;
+use crate::systems::network::in_lanes::{Numbers, RowLinks, zeros};
 use crate::systems::network::mass::Root;
 use crate::systems::network::pattern::Pattern;
 use crate::systems::network::rows::Rows;
@@ -502,7 +502,7 @@ impl<const W: usize> Clone for OfOneKind<W> {
 
 /// Links of one kind, and where what they give is written.
 struct OfOneKind<const W: usize> {
-    links: Box<dyn InLanes<W>>,
+    links: Box<dyn RowLinks<W>>,
     /// Members, their first row and first entry.
     runs: Vec<(Range<usize>, usize, usize)>,
     equations: usize,
@@ -514,7 +514,7 @@ impl<const W: usize> Links<W> {
     /// Those of a network, each group by its number; none where some cannot go side by side.
     pub(super) fn of<const D: usize>(
         shape: &Shape<D>,
-        in_lanes: impl Fn(usize, &dyn Group<D>) -> Option<Box<dyn InLanes<W>>>,
+        in_lanes: impl Fn(usize, &dyn LinkGroup<D>) -> Option<Box<dyn RowLinks<W>>>,
     ) -> Option<Self> {
         let mut links = Vec::new();
         for (number, group) in shape.groups.iter().enumerate() {

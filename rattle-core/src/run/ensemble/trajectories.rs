@@ -4,7 +4,7 @@ use crate::number::clock::steps_to;
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::ensemble::grouping::{
-    Alike, Different, Groups, InLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
+    Alike, Different, Groups, HowInLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
@@ -180,11 +180,11 @@ impl<const D: usize> Ensemble<D> {
         next: &mut dyn FnMut() -> Option<(&'a Scene<C, E, N, D>, State<D>)>,
         method: S,
         set: InstructionSet,
-        in_lanes: &dyn Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &InLanes) -> Groups<D>,
+        in_lanes: &dyn Fn(&[&'a Scene<C, E, N, D>], &[State<D>], &HowInLanes) -> Groups<D>,
     ) -> Result<Self, Error> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
-        let mut lanes = InLanes::of(&method, set);
+        let mut lanes = HowInLanes::of(&method, set);
         let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
         loop {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());

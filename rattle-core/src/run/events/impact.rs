@@ -9,7 +9,7 @@ use crate::motion::method::Method;
 use crate::motion::system::System;
 use crate::number::twofold::Twofold;
 use crate::number::vector::{add_scaled, sum, two_sum};
-use crate::run::events::meeting::{Meetings, Which};
+use crate::run::events::meeting::{Meetings, WhichContact};
 use crate::run::events::stretch::Stretch;
 use crate::run::trouble::Trouble;
 use std::array::from_fn;
@@ -43,7 +43,7 @@ pub(super) fn impacts<Y: System<f64, D>, S: Method, const D: usize>(
 /// Takes the impact of the contact that was looked at last.
 fn impact<Y: System<f64, D>, S: Method, const D: usize>(
     meetings: &Meetings<D>,
-    which: Which,
+    which: WhichContact,
     stretch: &mut Stretch<'_, Y, S, D>,
 ) -> Result<(), Trouble> {
     let (system, bodies, [before, _]) = (stretch.system, &mut *stretch.bodies, &mut *stretch.aside);

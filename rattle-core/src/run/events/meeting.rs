@@ -35,7 +35,7 @@ const FASTER: f64 = 1.25;
 
 /// Which contact: of which kind, and its number there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Which {
+pub(super) struct WhichContact {
     pub(super) kind: usize,
     pub(super) number: usize,
 }
@@ -64,7 +64,7 @@ impl Look {
 /// A contact that may close within a stretch, as it is at both ends.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Suspect {
-    pub(super) which: Which,
+    pub(super) which: WhichContact,
     start: Look,
     end: Look,
     /// About when.
@@ -78,9 +78,9 @@ pub(in crate::run) struct Meetings<const D: usize> {
     /// Room of each kind.
     pub(in crate::run) rooms: Vec<Vec<usize>>,
     /// Those that can have closed in the stretch.
-    pub(super) near: Vec<Which>,
+    pub(super) near: Vec<WhichContact>,
     /// Those that do not, though they look like it.
-    cleared: Vec<Which>,
+    cleared: Vec<WhichContact>,
     found: Vec<usize>,
     pub(super) gradient: Gradient<D>,
     /// The farthest that a body goes in the step.
@@ -116,7 +116,7 @@ impl<const D: usize> Meetings<D> {
     /// A contact as it is at these places; ∇gap is left in `gradient`.
     pub(super) fn look<Y: System<f64, D>, X>(
         &mut self,
-        which: Which,
+        which: WhichContact,
         sign: f64,
         system: &Y,
         bodies: &Bodies<Y::Count, f64, X, D>,
@@ -143,7 +143,7 @@ impl<const D: usize> Meetings<D> {
         for (kind, contacts) in self.kinds.iter().enumerate() {
             self.found.clear();
             contacts.near(q, way, &mut self.rooms[kind], &mut self.found);
-            self.near.extend(self.found.iter().map(|&number| Which { kind, number }));
+            self.near.extend(self.found.iter().map(|&number| WhichContact { kind, number }));
         }
     }
 
@@ -170,7 +170,7 @@ impl<const D: usize> Meetings<D> {
 
     /// The failure of a contact at which there is no end of impacts.
     #[cold]
-    pub(super) fn rests(&mut self, which: Which, q: &[[f64; D]]) -> Failure {
+    pub(super) fn rests(&mut self, which: WhichContact, q: &[[f64; D]]) -> Failure {
         self.gradient.clear();
         self.kinds[which.kind].gap(which.number, q, &mut self.gradient);
         let (contact, bodies) = (self.kinds[which.kind].name(), self.touched());
@@ -265,7 +265,7 @@ impl<const D: usize> Meetings<D> {
     fn root<Y: System<f64, D>, S: Method>(
         &mut self,
         stretch: &mut Stretch<'_, Y, S, D>,
-        which: Which,
+        which: WhichContact,
         start: &Look,
         (mut high, mut look): (f64, Look),
     ) -> Result<f64, Trouble> {

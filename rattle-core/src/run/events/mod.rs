@@ -25,7 +25,7 @@ use crate::motion::system::System;
 use crate::run::trouble::Trouble;
 use edge::Edge;
 pub(in crate::run) use meeting::Meetings;
-use meeting::Which;
+use meeting::WhichContact;
 use std::fmt;
 pub(in crate::run) use stretch::Stretch;
 
@@ -65,7 +65,7 @@ impl<const D: usize> Clone for Search<D> {
 /// What happens at an instant.
 enum Event {
     /// Of this contact, and of others that are closed by then.
-    Impacts(Which),
+    Impacts(WhichContact),
     Edge(Edge),
 }
 

@@ -80,18 +80,18 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Beside<C, E, N, D> {
             return Err(Error::Price(PriceMistake::AlwaysDouble));
         }
         let again = move || self.begin(scene, method, numbers, h, energy);
-        Ok(Box::new(InLanes { ensemble, energy, again: Box::new(again) }))
+        Ok(Box::new(FirstOfEnsemble { ensemble, energy, again: Box::new(again) }))
     }
 }
 
 /// An ensemble of which the first trajectory is looked at, and what makes it anew.
-struct InLanes<'a, const D: usize> {
+struct FirstOfEnsemble<'a, const D: usize> {
     ensemble: Ensemble<D>,
     energy: f64,
     again: Box<dyn Fn() -> Result<Box<dyn Moving + 'a>, Error> + 'a>,
 }
 
-impl<const D: usize> Moving for InLanes<'_, D> {
+impl<const D: usize> Moving for FirstOfEnsemble<'_, D> {
     fn again(&self) -> Result<Box<dyn Moving + '_>, Error> {
         (self.again)()
     }

@@ -107,7 +107,7 @@ impl Lanes {
 }
 
 /// A row, and what moves it.
-pub(super) struct Row<'a> {
+pub(super) struct RowUnderWay<'a> {
     pub(super) sizes: (usize, usize),
     pub(super) links: &'a AlikeLinks,
     pub(super) set: Fusing,
@@ -126,7 +126,7 @@ impl KeptRow {
     }
 }
 
-impl Row<'_> {
+impl RowUnderWay<'_> {
     /// Evaluates the normals where bodies are.
     pub(super) fn evaluate(&mut self) {
         macro_rules! run {
@@ -159,7 +159,7 @@ pub(super) fn square_mut<const M: usize>(rows: &mut [Numbers<ROW>]) -> &mut [[Nu
 }
 
 struct Evaluate<'a, 'b, const M: usize, const K: usize> {
-    row: &'a mut Row<'b>,
+    row: &'a mut RowUnderWay<'b>,
 }
 
 impl<const M: usize, const K: usize> Work for Evaluate<'_, '_, M, K> {
@@ -167,7 +167,7 @@ impl<const M: usize, const K: usize> Work for Evaluate<'_, '_, M, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Row { links, set, kept, lanes, .. } = self.row;
+        let RowUnderWay { links, set, kept, lanes, .. } = self.row;
         let (places, zero) = (places::<M, K>(links), zeros());
         let KeptRow { over, normals, matrix } = &mut **kept;
         links.gradients(*set, &lanes.q[..K], &mut lanes.g, normals);

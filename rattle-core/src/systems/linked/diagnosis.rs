@@ -20,7 +20,7 @@ use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::kept::Room;
 use crate::systems::linked::kept::Tied;
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::mass::Root;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
@@ -176,7 +176,7 @@ impl<const D: usize> Shape<D> {
 
 /// The normal of a member's equation jumps.
 #[cold]
-pub(crate) fn kinked<const D: usize>(group: &dyn Group<D>, member: usize, kink: Kink) -> Failure {
+pub(crate) fn kinked<const D: usize>(group: &dyn LinkGroup<D>, member: usize, kink: Kink) -> Failure {
     let (touched, arity) = group.bodies();
     let bodies = touched[member * arity..][..arity].to_vec();
     let (link, equation, of, body) = (group.name(), kink.equation, group.equations(), bodies[0]);
@@ -185,7 +185,7 @@ pub(crate) fn kinked<const D: usize>(group: &dyn Group<D>, member: usize, kink: 
 
 /// Writes ∇g of this equation for its bodies, if it is one of this group.
 pub(crate) fn gradient<const D: usize>(
-    group: &dyn Group<D>,
+    group: &dyn LinkGroup<D>,
     equation: &EquationAt,
     time: f64,
     q: &[[f64; D]],

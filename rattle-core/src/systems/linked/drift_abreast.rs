@@ -11,7 +11,9 @@ use crate::number::real::Real;
 use crate::number::vector::dot;
 use crate::solve::aim::SMOOTH;
 use crate::solve::root::FAR_GUESS;
-use crate::systems::linked::abreast::{KeptRow, Lanes, Row, add_up, factor_rows, places, square, square_mut};
+use crate::systems::linked::abreast::{
+    KeptRow, Lanes, RowUnderWay, add_up, factor_rows, places, square, square_mut,
+};
 use crate::systems::network::few_in_lanes::{
     Normals, by_coordinate, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
@@ -25,7 +27,7 @@ const REST: f64 = 1.0;
 /// Corrections, after which a lane goes by itself.
 const CORRECTIONS: u64 = 5;
 
-impl Row<'_> {
+impl RowUnderWay<'_> {
     /// Finds where a step leads.
     pub(super) fn find(&mut self, h: f64, kick: f64) {
         macro_rules! run {
@@ -73,7 +75,7 @@ impl<const M: usize, const K: usize> Start<'_, M, K> {
 }
 
 struct Find<'a, 'b, const M: usize, const K: usize> {
-    row: &'a mut Row<'b>,
+    row: &'a mut RowUnderWay<'b>,
     h: Number,
     kick: Number,
 }
@@ -83,7 +85,7 @@ impl<const M: usize, const K: usize> Work for Find<'_, '_, M, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { row: Row { links, set, kept, lanes, .. }, h, kick } = self;
+        let Self { row: RowUnderWay { links, set, kept, lanes, .. }, h, kick } = self;
         let (places, set, zero) = (places::<M, K>(links), *set, zeros());
         let mut touches = [[Fused(0.0); K]; M];
         for [row, coordinate] in &links.entries {
@@ -270,7 +272,7 @@ fn correct<const FIRST: bool, const M: usize, const K: usize>(
 }
 
 struct MoveOn<'a, 'b, const M: usize, const K: usize> {
-    row: &'a mut Row<'b>,
+    row: &'a mut RowUnderWay<'b>,
     h: Number,
     kick: Number,
 }
@@ -281,7 +283,7 @@ impl<const M: usize, const K: usize> Work for MoveOn<'_, '_, M, K> {
     #[inline(always)]
     fn run(self) {
         let Self { row, h, kick } = self;
-        let Row { links, set, kept, lanes, .. } = row;
+        let RowUnderWay { links, set, kept, lanes, .. } = row;
         let (places, zero) = (places::<M, K>(links), zeros());
         let KeptRow { over, normals, matrix } = &mut **kept;
         let (over, old) = (of_few::<K, ROW>(over), by_coordinate(&places, normals, &zero));

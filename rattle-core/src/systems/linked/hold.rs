@@ -8,7 +8,7 @@ use crate::motion::state::State;
 use crate::systems::linked::kept::Linked;
 use crate::systems::linked::start;
 use crate::systems::network::constraints::Network;
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::solver::Solver;
 use std::sync::Arc;
 
@@ -33,7 +33,7 @@ impl<const D: usize> Hold<D> for Network<D> {
     }
 
     fn bodies(self, number: usize) -> Self {
-        let each = |group: Arc<dyn Group<D>>| group.for_each(number).map_or(group, Arc::from);
+        let each = |group: Arc<dyn LinkGroup<D>>| group.for_each(number).map_or(group, Arc::from);
         Self { groups: self.groups.into_iter().map(each).collect(), ..self }
     }
 

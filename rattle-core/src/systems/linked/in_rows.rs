@@ -9,7 +9,7 @@ use crate::motion::witness::Witness;
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::solve::aim::{Aim, ROUNDINGS};
-use crate::systems::linked::abreast::{Coordinates, KeptRow, Lanes, Row, are_rows};
+use crate::systems::linked::abreast::{Coordinates, KeptRow, Lanes, RowUnderWay, are_rows};
 use crate::systems::linked::moving::Moving;
 use crate::systems::network::alike::Alike;
 use crate::systems::network::in_lanes::ROW;
@@ -170,7 +170,7 @@ impl InRows {
             put(bodies, n, moving.p, &mut lanes.p);
             put(bodies, n, moving.p_low, &mut lanes.p_low);
             put_forces(bodies, n, force, &mut lanes.force);
-            let mut row = Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes };
+            let mut row = RowUnderWay { sizes: alike.sizes, links: &alike.links, set, kept, lanes };
             row.find(h, kick);
             for (lane, &c) in components.iter().enumerate() {
                 let (own, mut plain) =
@@ -266,7 +266,7 @@ impl InRows {
             put(bodies, n, p, &mut lanes.p);
             put(bodies, n, p_low, &mut lanes.p_low);
             put_forces(bodies, n, force, &mut lanes.force);
-            Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.settle(kick);
+            RowUnderWay { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.settle(kick);
             take_out(bodies, n, &lanes.p, p);
             take_out(bodies, n, &lanes.p_low, p_low);
             for (lane, &c) in components.iter().enumerate() {
@@ -332,7 +332,7 @@ fn evaluate<const D: usize>(
     lanes: &mut Lanes,
 ) {
     put(alike.row(number)[1], alike.sizes.1 / D, q, &mut lanes.q);
-    Row { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.evaluate();
+    RowUnderWay { sizes: alike.sizes, links: &alike.links, set, kept, lanes }.evaluate();
 }
 
 /// Puts vectors of bodies into lanes, n of them for each; lanes beyond have those of the last.

@@ -3,14 +3,14 @@
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
-use crate::systems::linked::abreast::{Lanes, Row, add_up, places, square};
+use crate::systems::linked::abreast::{Lanes, RowUnderWay, add_up, places, square};
 use crate::systems::network::few_in_lanes::{
     Normals, by_coordinate, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
 use crate::systems::network::in_lanes::{Number, Numbers, ROW, at, zeros};
 use std::array::from_fn;
 
-impl Row<'_> {
+impl RowUnderWay<'_> {
     /// Kicks the momenta of plain lanes, and makes them tangent.
     pub(super) fn settle(&mut self, kick: f64) {
         macro_rules! run {
@@ -23,7 +23,7 @@ impl Row<'_> {
 }
 
 struct Settle<'a, 'b, const M: usize, const K: usize> {
-    row: &'a mut Row<'b>,
+    row: &'a mut RowUnderWay<'b>,
     kick: Number,
 }
 
@@ -32,7 +32,7 @@ impl<const M: usize, const K: usize> Work for Settle<'_, '_, M, K> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { row: Row { links, kept, lanes, .. }, kick } = self;
+        let Self { row: RowUnderWay { links, kept, lanes, .. }, kick } = self;
         let (places, zero) = (places::<M, K>(links), zeros());
         let normals = by_coordinate(&places, &kept.normals, &zero);
         let Lanes { p, p_low, force, x, plain, path, trial: change, .. } = &mut **lanes;

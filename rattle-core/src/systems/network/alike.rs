@@ -3,7 +3,7 @@
 use crate::number::instructions::Fusing;
 use crate::number::lanes::Fused;
 use crate::systems::network::dense::sizes_are_compiled;
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::in_lanes::{Bending, Number, Numbers, ROW};
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::{Rows, Run};
@@ -89,7 +89,7 @@ impl Alike {
     /// Those of a network's components, each with where its rows and blocks begin.
     pub(crate) fn of<const D: usize>(
         components: &[(&Rows, (usize, usize))],
-        groups: &[Arc<dyn Group<D>>],
+        groups: &[Arc<dyn LinkGroup<D>>],
         roots: &[Root<D>],
     ) -> Vec<Self> {
         let mut by_kind: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
@@ -109,7 +109,7 @@ impl Alike {
     fn with<const D: usize>(
         alike: Vec<usize>,
         components: &[(&Rows, (usize, usize))],
-        groups: &[Arc<dyn Group<D>>],
+        groups: &[Arc<dyn LinkGroup<D>>],
         roots: &[Root<D>],
     ) -> Option<Self> {
         let rows = components[alike[0]].0;

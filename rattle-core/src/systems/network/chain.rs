@@ -27,7 +27,7 @@ struct Link {
 /// A matrix, factored.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Factored {
-    rows: Vec<Row>,
+    rows: Vec<FactoredRow>,
     diagonal: Vec<f64>,
     /// Of a row with the next one, and of that with the row.
     beside: Vec<[f64; 2]>,
@@ -35,7 +35,7 @@ pub(super) struct Factored {
 
 /// Entries of a row's column of L and of its row of U, and 1/pivot.
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
+struct FactoredRow {
     left: f64,
     up: f64,
     over: f64,
@@ -44,7 +44,7 @@ struct Row {
 impl Factored {
     pub(super) fn new(rows: usize) -> Self {
         let (diagonal, beside) = (vec![0.0; rows], vec![[0.0; 2]; rows]);
-        Self { rows: vec![Row::default(); rows], diagonal, beside }
+        Self { rows: vec![FactoredRow::default(); rows], diagonal, beside }
     }
 }
 
@@ -110,7 +110,7 @@ impl Chain {
             let over = 1.0 / pivot;
             let right = up * over;
             (from_before, from_other_end) = (from_other_end, low * right);
-            *out = Row { left: low * over, up: right, over };
+            *out = FactoredRow { left: low * over, up: right, over };
             let ratio = pivot / if at_start { entry } else { entry.abs() };
             if ratio < weakest.0 || ratio.is_nan() {
                 weakest = (ratio, link.row);
@@ -185,8 +185,8 @@ impl Factored {
             note(pivots[1], right, m - 1 - t);
             let rights = [up * over[0], below * over[1]];
             (from_left, from_right) = (low * rights[0], above * rights[1]);
-            out[0] = Row { left: low * over[0], up: rights[0], over: over[0] };
-            out[1] = Row { left: above * over[1], up: rights[1], over: over[1] };
+            out[0] = FactoredRow { left: low * over[0], up: rights[0], over: over[0] };
+            out[1] = FactoredRow { left: above * over[1], up: rights[1], over: over[1] };
         }
         if m.is_multiple_of(2) {
             let (entry, [up, low]) = (diagonal[pairs], beside[pairs]);
@@ -194,12 +194,12 @@ impl Factored {
             let over = 1.0 / pivot;
             note(pivot, entry, pairs);
             from_left = low * (up * over);
-            self.rows[m - 2] = Row { left: low * over, up: up * over, over };
+            self.rows[m - 2] = FactoredRow { left: low * over, up: up * over, over };
         }
         let entry = diagonal[m / 2];
         let pivot = entry - from_left - from_right;
         note(pivot, entry, m / 2);
-        self.rows[m - 1] = Row { left: 0.0, up: 0.0, over: 1.0 / pivot };
+        self.rows[m - 1] = FactoredRow { left: 0.0, up: 0.0, over: 1.0 / pivot };
         weakest
     }
 

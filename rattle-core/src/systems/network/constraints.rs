@@ -14,7 +14,7 @@ use crate::systems::network::shape::Component;
 use crate::systems::network::shape::Shape;
 
 use crate::systems::network::alike::{Alike, alone};
-pub(crate) use crate::systems::network::group::Group;
+pub(crate) use crate::systems::network::group::LinkGroup;
 pub(crate) use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::MOST_EQUATIONS;
 use crate::systems::network::rows::Rows;
@@ -27,7 +27,7 @@ use std::sync::Arc;
 /// Constraints between bodies, and their masses; made by the methods of [`Scene`](crate::scene::Scene).
 #[derive(Debug, Clone)]
 pub struct Network<const D: usize> {
-    pub(crate) groups: Vec<Arc<dyn Group<D>>>,
+    pub(crate) groups: Vec<Arc<dyn LinkGroup<D>>>,
     pub(crate) masses: Masses<D>,
     pub(crate) pins: Vec<(usize, [f64; D])>,
     pub(crate) algebra: LinearAlgebra,
@@ -57,7 +57,7 @@ impl<const D: usize> Default for Network<D> {
 pub(crate) const FEW: usize = 6;
 
 impl<const D: usize> Network<D> {
-    pub(crate) fn with(mut self, links: impl Group<D> + 'static) -> Self {
+    pub(crate) fn with(mut self, links: impl LinkGroup<D> + 'static) -> Self {
         self.groups.push(Arc::new(links));
         self
     }

@@ -4,9 +4,9 @@
 //! are evaluated at places of the component's own bodies, side by side, and past them those that are pinned.
 
 use crate::number::vector::{add_scaled, dot, scaled};
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::mass::Root;
-use crate::systems::network::places::{PLACES, Places, Row};
+use crate::systems::network::places::{Evaluated, PLACES, Places};
 use crate::systems::network::rows::Rows;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ pub(crate) fn sizes_are_compiled(equations: usize, bodies: usize) -> bool {
 /// Members of a group, and their first row.
 #[derive(Debug, Clone)]
 struct Run<const D: usize> {
-    group: Arc<dyn Group<D>>,
+    group: Arc<dyn LinkGroup<D>>,
     row: usize,
 }
 
@@ -73,9 +73,9 @@ pub(crate) struct Dense<const D: usize> {
     /// Where equations are evaluated, along which velocities, and what they are there.
     pub(crate) places: Places<D>,
     pub(crate) velocities: Places<D>,
-    pub(crate) trial: [Row<D>; MOST],
+    pub(crate) trial: [Evaluated<D>; MOST],
     /// Where the step starts, of which the gradients are the normals.
-    pub(crate) start: [Row<D>; MOST],
+    pub(crate) start: [Evaluated<D>; MOST],
     /// (G M⁻¹Gᵀ)⁻¹ there, and with G at the trial.
     pub(crate) at_start: Square,
     at_trial: Square,
@@ -86,7 +86,7 @@ impl<const D: usize> Dense<D> {
     pub(crate) fn new(
         rows: &Rows,
         roots: &[Root<D>],
-        groups: &[Arc<dyn Group<D>>],
+        groups: &[Arc<dyn LinkGroup<D>>],
         pins: &BTreeMap<usize, [f64; D]>,
     ) -> Option<Self> {
         let (equations, bodies) = (rows.equations(), rows.bodies.len());
@@ -124,7 +124,8 @@ impl<const D: usize> Dense<D> {
         let among = |members, group: usize| groups[group].among(members, &number);
         let runs =
             rows.runs.iter().map(|run| Run { group: among(run.members.clone(), run.group), row: run.row });
-        let (row, zero) = (Row { value: 0.0, turn: 0.0, blocks: [[0.0; D]; PLACES] }, [[0.0; MOST]; MOST]);
+        let (row, zero) =
+            (Evaluated { value: 0.0, turn: 0.0, blocks: [[0.0; D]; PLACES] }, [[0.0; MOST]; MOST]);
         Some(Self {
             equations,
             bodies,
@@ -392,7 +393,7 @@ pub(crate) fn times<const M: usize>(inverse: &Square, column: &Column<M>) -> Col
 /// The gradients of these rows times a grid.
 #[inline(always)]
 pub(crate) fn products<const M: usize, const N: usize, const D: usize>(
-    rows: &[Row<D>; MOST],
+    rows: &[Evaluated<D>; MOST],
     grid: &Grid<M, N, D>,
 ) -> [[f64; M]; M] {
     let mut matrix = [[0.0; M]; M];

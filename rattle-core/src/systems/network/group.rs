@@ -5,8 +5,8 @@ use crate::kernel::kinks::{Kink, first_kink, sign_changes};
 use crate::kernel::over::short_name;
 use crate::kernel::series::AnyOrder;
 use crate::number::lanes::{Fused, side_by_side};
-use crate::systems::network::in_lanes::{Bending, FEW, InLanes, LinksInLanes, Number, ROW, SweptLinks};
-use crate::systems::network::places::{Places, Row};
+use crate::systems::network::in_lanes::{Bending, FEW, LinksInLanes, Number, ROW, RowLinks, SweptLinks};
+use crate::systems::network::places::{Evaluated, Places};
 use std::any::Any;
 use std::array::from_fn;
 use std::fmt::Debug;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Copies of one constraint. Rows (equations) and blocks (the D numbers of a row that belong to one body) of a range of
 /// members lie one after the other.
-pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
+pub(crate) trait LinkGroup<const D: usize>: Any + Debug + Send + Sync {
     /// The type that the macro made.
     fn name(&self) -> &'static str;
     /// Equations of a member.
@@ -27,9 +27,9 @@ pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
     /// Whether g depends on time.
     fn moving(&self) -> bool;
     /// The same with a member for every body in turn, if there is one member, on body 0 alone.
-    fn for_each(&self, bodies: usize) -> Option<Box<dyn Group<D>>>;
+    fn for_each(&self, bodies: usize) -> Option<Box<dyn LinkGroup<D>>>;
     /// Some members alone, with other numbers of their bodies.
-    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>>;
+    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn LinkGroup<D>>;
 
     /// g.
     fn values(&self, members: Range<usize>, time: f64, q: &[[f64; D]], g: &mut [f64]);
@@ -55,17 +55,17 @@ pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
     );
 
     /// Of all members, row by row: g at these places.
-    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]);
+    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]);
     /// g and its gradients.
-    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]);
+    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]);
     /// d²g/dt² along constant velocities, and |∇²g v|².
-    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Row<D>]);
+    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Evaluated<D>]);
 
     /// The same links for trajectories side by side; none where multipliers act on chosen coordinates, g depends on
     /// time, or has kinks.
-    fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>>;
+    fn in_lanes(&self) -> Option<Box<dyn RowLinks<ROW>>>;
     /// The same for a few trajectories.
-    fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>>;
+    fn in_few_lanes(&self) -> Option<Box<dyn RowLinks<FEW>>>;
 
     /// Some members with other numbers of their bodies, for components that are alike, side by side; none also where
     /// the group's parameters differ.
@@ -73,7 +73,7 @@ pub(crate) trait Group<const D: usize>: Any + Debug + Send + Sync {
 
     /// The same for the trajectories of a sweep, each with the parameters of its own group, the first of which is this
     /// one; none also where groups are of other kinds, or tie other bodies.
-    fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>>;
+    fn swept(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Box<dyn RowLinks<ROW>>>;
 
     /// Whether there are kinks.
     fn has_kinks(&self) -> bool;
@@ -103,8 +103,8 @@ pub(crate) struct Links<G, const K: usize, const M: usize, const A: usize, const
     pub(crate) members: Vec<[usize; A]>,
     pub(crate) acting: Option<[[bool; D]; A]>,
     in_lanes: fn(&Self) -> Box<dyn Bending>,
-    in_few_lanes: fn(&Self) -> Box<dyn InLanes<FEW>>,
-    swept: fn(&[&Self]) -> Box<dyn InLanes<ROW>>,
+    in_few_lanes: fn(&Self) -> Box<dyn RowLinks<FEW>>,
+    swept: fn(&[&Self]) -> Box<dyn RowLinks<ROW>>,
 }
 
 impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Debug for Links<G, K, M, A, D> {
@@ -203,7 +203,7 @@ where
     }
 }
 
-impl<G, const K: usize, const M: usize, const A: usize, const D: usize> Group<D> for Links<G, K, M, A, D>
+impl<G, const K: usize, const M: usize, const A: usize, const D: usize> LinkGroup<D> for Links<G, K, M, A, D>
 where
     G: ConstraintKernel<f64, K, M>,
 {
@@ -222,15 +222,15 @@ where
     fn moving(&self) -> bool {
         Self::MOVING
     }
-    fn for_each(&self, bodies: usize) -> Option<Box<dyn Group<D>>> {
+    fn for_each(&self, bodies: usize) -> Option<Box<dyn LinkGroup<D>>> {
         let alone = self.members[..] == [[0; A]] && A == 1;
         alone.then(|| {
             Box::new(Self { members: (0..bodies).map(|i| [i; A]).collect(), ..self.clone() })
-                as Box<dyn Group<D>>
+                as Box<dyn LinkGroup<D>>
         })
     }
 
-    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn Group<D>> {
+    fn among(&self, members: Range<usize>, number: &dyn Fn(usize) -> usize) -> Arc<dyn LinkGroup<D>> {
         Arc::new(self.some(members, number))
     }
 
@@ -278,14 +278,14 @@ where
         }
     }
 
-    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]) {
+    fn values_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]) {
         for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
             let values = self.kernel(member).value(&self.gather(member, q, time));
             rows.iter_mut().zip(values).for_each(|(row, value)| row.value = value);
         }
     }
 
-    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Row<D>]) {
+    fn gradients_of_rows(&self, time: f64, q: &Places<D>, rows: &mut [Evaluated<D>]) {
         for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
             let (values, gradients) = self.kernel(member).value_and_jacobian(&self.gather(member, q, time));
             for (i, row) in rows.iter_mut().enumerate() {
@@ -297,7 +297,7 @@ where
         }
     }
 
-    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Row<D>]) {
+    fn bends_of_rows(&self, time: f64, q: &Places<D>, v: &Places<D>, rows: &mut [Evaluated<D>]) {
         for (member, rows) in rows.chunks_exact_mut(M).take(self.members.len()).enumerate() {
             let direction = self.gather(member, v, 1.0);
             let along = self.kernel(member).hessian_vector(&self.gather(member, q, time), &direction);
@@ -308,10 +308,10 @@ where
         }
     }
 
-    fn in_lanes(&self) -> Option<Box<dyn InLanes<ROW>>> {
-        self.goes_in_lanes().then(|| (self.in_lanes)(self) as Box<dyn InLanes<ROW>>)
+    fn in_lanes(&self) -> Option<Box<dyn RowLinks<ROW>>> {
+        self.goes_in_lanes().then(|| (self.in_lanes)(self) as Box<dyn RowLinks<ROW>>)
     }
-    fn in_few_lanes(&self) -> Option<Box<dyn InLanes<FEW>>> {
+    fn in_few_lanes(&self) -> Option<Box<dyn RowLinks<FEW>>> {
         self.goes_in_lanes().then(|| (self.in_few_lanes)(self))
     }
 
@@ -320,7 +320,7 @@ where
         may.then(|| (self.in_lanes)(&self.some(members, number)))
     }
 
-    fn swept(&self, groups: &[&dyn Group<D>]) -> Option<Box<dyn InLanes<ROW>>> {
+    fn swept(&self, groups: &[&dyn LinkGroup<D>]) -> Option<Box<dyn RowLinks<ROW>>> {
         let links = groups.iter().map(|&group| (group as &dyn Any).downcast_ref::<Self>());
         let links = links.collect::<Option<Vec<_>>>()?;
         let alike = links.iter().all(|links| links.goes_in_lanes() && links.members == self.members);

@@ -1,7 +1,7 @@
 //! Links of a network for trajectories in lanes: each number of a link is a row of numbers, one for each trajectory.
 //!
-//! Made from a [`Group`](crate::systems::network::group::Group) for ensembles alone. Its type does not contain the
-//! number of coordinates of a body, so code that uses it is compiled once, not for every scene.
+//! Made from a [`LinkGroup`](crate::systems::network::group::LinkGroup) for ensembles alone. Its type does not contain
+//! the number of coordinates of a body, so code that uses it is compiled once, not for every scene.
 
 use crate::kernel::functions::{Constraint, ConstraintKernel};
 use crate::number::instructions::{Fusing, Work};
@@ -53,9 +53,9 @@ pub(crate) fn put<const N: usize, const W: usize>(rows: &mut [Numbers<W>; N], l:
 
 /// Links whose numbers are rows. `q` are the coordinates of all bodies in turn; g, and the entries of ∂g/∂q by equation
 /// and coordinate of the link's bodies, are written one after the other.
-pub(crate) trait InLanes<const W: usize>: Send + Sync {
+pub(crate) trait RowLinks<const W: usize>: Send + Sync {
     /// A copy.
-    fn boxed(&self) -> Box<dyn InLanes<W>>;
+    fn boxed(&self) -> Box<dyn RowLinks<W>>;
     /// Has lane `to` obey what lane `from` does.
     fn copy(&mut self, _from: usize, _to: usize) {}
     /// g and ∂g/∂q of some members.
@@ -70,7 +70,7 @@ pub(crate) trait InLanes<const W: usize>: Send + Sync {
 }
 
 /// Links of which second derivatives are known in lanes, too.
-pub(crate) trait Bending: InLanes<ROW> {
+pub(crate) trait Bending: RowLinks<ROW> {
     /// d²g/dt² along constant velocities, and |∇²g v|², of some members.
     fn bends(
         &self,
@@ -107,12 +107,12 @@ fn places<'a, const K: usize, const A: usize, const D: usize, const W: usize>(
     from_fn(|k| &q[bodies[k / D] * D + k % D])
 }
 
-impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> InLanes<W>
+impl<H, const K: usize, const M: usize, const A: usize, const D: usize, const W: usize> RowLinks<W>
     for LinksInLanes<H, K, M, A, D>
 where
     H: ConstraintKernel<Number, K, M>,
 {
-    fn boxed(&self) -> Box<dyn InLanes<W>> {
+    fn boxed(&self) -> Box<dyn RowLinks<W>> {
         Box::new(self.clone())
     }
 
@@ -254,12 +254,12 @@ pub(super) struct SweptLinks<
     pub(super) members: Vec<[usize; A]>,
 }
 
-impl<C, const K: usize, const M: usize, const A: usize, const D: usize> InLanes<ROW>
+impl<C, const K: usize, const M: usize, const A: usize, const D: usize> RowLinks<ROW>
     for SweptLinks<C, K, M, A, D>
 where
     C: Constraint<K, M>,
 {
-    fn boxed(&self) -> Box<dyn InLanes<ROW>> {
+    fn boxed(&self) -> Box<dyn RowLinks<ROW>> {
         Box::new(Self { kernels: self.kernels.clone(), members: self.members.clone() })
     }
 

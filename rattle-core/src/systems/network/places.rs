@@ -9,7 +9,7 @@ pub(crate) type Places<const D: usize> = [[f64; D]; PLACES];
 /// What is evaluated of one equation, read where it is: numbers that are written one by one, and soon read two at a
 /// time, must go through the cache, which takes as long as 50 operations.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Row<const D: usize> {
+pub(crate) struct Evaluated<const D: usize> {
     /// g, or d²g/dt² along the velocities.
     pub(crate) value: f64,
     /// |∇²g v|².

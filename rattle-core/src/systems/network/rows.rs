@@ -1,6 +1,6 @@
 //! A component: equations coupled by the bodies that they share. Each component is solved by itself.
 
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::line::Line;
 use crate::systems::network::mass::Root;
 use std::ops::Range;
@@ -94,7 +94,7 @@ impl Rows {
     /// The run that a row belongs to, its member, and its number among the member's equations.
     pub(crate) fn find<const D: usize>(
         &self,
-        groups: &[Arc<dyn Group<D>>],
+        groups: &[Arc<dyn LinkGroup<D>>],
         row: usize,
     ) -> (usize, usize, usize) {
         let run = &self.runs[self.runs.partition_point(|run| run.row <= row) - 1];
@@ -107,7 +107,7 @@ impl Rows {
 ///
 /// Also members between pinned bodies alone, as group and member: they hold or they do not, and nothing moves them.
 pub(crate) fn components<const D: usize>(
-    groups: &[Arc<dyn Group<D>>],
+    groups: &[Arc<dyn LinkGroup<D>>],
     roots: &[Root<D>],
 ) -> (Vec<Rows>, Vec<(usize, usize)>) {
     let free = |body: usize| !matches!(roots[body], Root::Pinned);

@@ -2,7 +2,7 @@
 
 use crate::effect::interval::Inertia;
 use crate::systems::network::alike::Alike;
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::mass::Root;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::solver::Solver;
@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 /// The components of a network for so many bodies.
 pub(crate) struct Shape<const D: usize> {
-    pub(crate) groups: Vec<Arc<dyn Group<D>>>,
+    pub(crate) groups: Vec<Arc<dyn LinkGroup<D>>>,
     /// Those of the groups that have kinks.
-    pub(crate) kinked: Vec<Arc<dyn Group<D>>>,
+    pub(crate) kinked: Vec<Arc<dyn LinkGroup<D>>>,
     /// Whether a constraint moves.
     pub(crate) moving: bool,
     pub(crate) roots: Vec<Root<D>>,

@@ -4,7 +4,7 @@ use crate::number::vector::sum;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::dense::Dense;
 use crate::systems::network::elimination::Elimination;
-use crate::systems::network::group::Group;
+use crate::systems::network::group::LinkGroup;
 use crate::systems::network::mass::Root;
 use crate::systems::network::orthogonal::Basis;
 use crate::systems::network::rows::Rows;
@@ -58,7 +58,7 @@ impl<const D: usize> Solver<D> {
     pub(crate) fn few(
         rows: &Rows,
         roots: &[Root<D>],
-        groups: &[Arc<dyn Group<D>>],
+        groups: &[Arc<dyn LinkGroup<D>>],
         pins: &BTreeMap<usize, [f64; D]>,
     ) -> Self {
         let basis = Basis::new(rows.equations(), rows.bodies.len());

@@ -8,7 +8,7 @@ use crate::number::real::{Real, Scalar};
 use crate::number::vector::largest;
 use crate::number::vectors::{LANES, at};
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3, rises, shares};
-use crate::systems::surface::in_lanes::{InLanes, Number};
+use crate::systems::surface::in_lanes::{Number, TileInLanes};
 use crate::systems::surface::tile::Tile;
 
 /// Asks at most [`LANES`] bodies, before a step of length h > 0.
@@ -31,8 +31,9 @@ impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usiz
         let Self { constraint, mut bodies, h, turn } = self;
         let constraint = constraint.clone(); // out of reach of what the loops write
         let number = bodies.q.len().min(LANES);
-        let InLanes { q, p, normal, force, inverse_square, square, first: furthest, slope: least, .. } =
-            bodies.spread();
+        let TileInLanes {
+            q, p, normal, force, inverse_square, square, first: furthest, slope: least, ..
+        } = bodies.spread();
         let [pushed, path] = [REACH * 0.5 * h * h, REACH * PATH * h].map(Fused);
         for l in 0..LANES {
             let p = at(p, l);
@@ -108,7 +109,7 @@ mod tests {
     ) -> u64 {
         let number = momenta.len();
         let zeros = || vec![[0.0; 2]; number];
-        let mut lanes = InLanes::new();
+        let mut lanes = TileInLanes::new();
         let bodies = Tile {
             q: &mut zeros(),
             q_low: &mut zeros(),

@@ -15,7 +15,7 @@ pub(super) type InEach<const D: usize> = Vectors<Number, LANES, D>;
 /// A tile in lanes, and room for a step of it: made once, for all tiles of a simulation.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))] // cache lines, and the widest registers
-pub(crate) struct InLanes<const D: usize> {
+pub(crate) struct TileInLanes<const D: usize> {
     pub(super) q: InEach<D>,
     pub(super) q_low: InEach<D>,
     pub(super) p: InEach<D>,
@@ -47,7 +47,7 @@ pub(crate) struct InLanes<const D: usize> {
     pub(super) arrives: Numbers,
 }
 
-impl<const D: usize> InLanes<D> {
+impl<const D: usize> TileInLanes<D> {
     pub(super) fn new() -> Self {
         let (vectors, numbers) = ([[Fused(0.0); LANES]; D], [Fused(0.0); LANES]);
         Self {

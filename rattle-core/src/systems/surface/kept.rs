@@ -7,7 +7,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
-use crate::systems::surface::in_lanes::InLanes;
+use crate::systems::surface::in_lanes::TileInLanes;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::room::SeriesRoom;
 use crate::systems::surface::room::Stages;
@@ -98,7 +98,7 @@ pub struct Kept<N: Count, T: Scalar, F: Forces<T, D>, const D: usize> {
     /// Who is near other sheets, where bodies go in tiles.
     pub(crate) crowd: Crowd,
     /// Room for a step of a tile, where bodies go in tiles.
-    pub(super) lanes: Option<Box<InLanes<D>>>,
+    pub(super) lanes: Option<Box<TileInLanes<D>>>,
     /// Room of the effects.
     pub(super) of_effects: F::Room,
     /// Room for a method with inner stages.

@@ -25,7 +25,7 @@ use crate::number::vector::{dot, scaled};
 use crate::solve::aim::{Aim, Pace};
 use crate::systems::surface::crowd::Crowd;
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::in_lanes::InLanes;
+use crate::systems::surface::in_lanes::TileInLanes;
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::kept::OnSurface;
@@ -82,7 +82,7 @@ where
         let aim = self.count.each(Aim::unknown());
         let (pace, crowd) = (Pace::unknown(), Crowd::of(tiles_of(self.count.number())));
         let in_tiles = const { may_go_in_tiles::<N, D>() } && entry::<T, L, N, D>(self.count).is_some();
-        let lanes = in_tiles.then(|| Box::new(InLanes::new()));
+        let lanes = in_tiles.then(|| Box::new(TileInLanes::new()));
         let (power, stages, series) = (T::from_f64(0.0), None, None);
         let kept = Kept { normal, force, power, aim, pace, crowd, lanes, of_effects, stages, series };
         let mut bodies = Bodies::new(self.count, kept, places, time);

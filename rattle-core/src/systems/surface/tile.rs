@@ -6,7 +6,7 @@ use crate::motion::bodies::Count;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vectors::Chunks;
-use crate::systems::surface::in_lanes::{InEach, InLanes, Number};
+use crate::systems::surface::in_lanes::{InEach, Number, TileInLanes};
 use crate::systems::surface::kept::BodiesOf;
 use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
@@ -20,7 +20,7 @@ pub(super) struct Tile<'a, T, F, const D: usize> {
     pub(super) p_low: &'a mut [[T; D]],
     pub(super) normal: &'a mut [Normal<T, D>],
     pub(super) force: &'a [F],
-    pub(super) lanes: &'a mut InLanes<D>,
+    pub(super) lanes: &'a mut TileInLanes<D>,
     pub(super) chunks: Chunks,
 }
 
@@ -38,13 +38,13 @@ impl<'a, T: Scalar, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
             p_low: &mut bodies.p_low.as_mut()[tile.clone()],
             normal: &mut bodies.kept.normal.as_mut()[tile.clone()],
             force: &bodies.kept.force.as_ref()[tile],
-            lanes: bodies.kept.lanes.get_or_insert_with(|| Box::new(InLanes::new())),
+            lanes: bodies.kept.lanes.get_or_insert_with(|| Box::new(TileInLanes::new())),
         }
     }
 
     /// Puts everything into lanes. Lanes past the last body have what was there: they are not looked at.
     #[inline(always)]
-    pub(super) fn spread(&mut self) -> &mut InLanes<D> {
+    pub(super) fn spread(&mut self) -> &mut TileInLanes<D> {
         let Self { q, q_low, lanes, chunks, .. } = self;
         chunks.put_into(q, &mut lanes.q, 0, |q| q.map(fused));
         chunks.put_into(q_low, &mut lanes.q_low, 0, |q| q.map(fused));
@@ -53,7 +53,7 @@ impl<'a, T: Scalar, F: Force<T, D>, const D: usize> Tile<'a, T, F, D> {
 
     /// Puts everything but positions into lanes.
     #[inline(always)]
-    pub(super) fn spread_momenta(&mut self) -> &mut InLanes<D> {
+    pub(super) fn spread_momenta(&mut self) -> &mut TileInLanes<D> {
         let Self { p, p_low, normal, force, lanes, chunks, .. } = self;
         let length = chunks.length();
         for begin in chunks.begins() {

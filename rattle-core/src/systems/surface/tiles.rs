@@ -30,7 +30,7 @@ use crate::number::vectors::{CHUNK, LANES, MOST_COORDINATES, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
 use crate::systems::surface::around::Around;
 use crate::systems::surface::diagnosis::FailureAt;
-use crate::systems::surface::in_lanes::{InEach, InLanes, Number, Numbers};
+use crate::systems::surface::in_lanes::{InEach, Number, Numbers, TileInLanes};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::step::{drift, is_finite};
@@ -287,9 +287,9 @@ impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usiz
         // `share` of the force in the motion: 1 for RATTLE.
         let [step, pushed, half_square, share] = [h, h * kick, 0.5 * h * h, 2.0 * kick / h].map(Fused);
         let lanes = bodies.spread();
-        let InLanes { q, q_low, p, p_low, normal, force, free, next, inverse_square, square, .. } = lanes;
-        let InLanes { multiplier, bend, floor_square, path_square, first, g, slope, .. } = lanes;
-        let InLanes { gentle, rests, arrives, .. } = lanes;
+        let TileInLanes { q, q_low, p, p_low, normal, force, free, next, inverse_square, square, .. } = lanes;
+        let TileInLanes { multiplier, bend, floor_square, path_square, first, g, slope, .. } = lanes;
+        let TileInLanes { gentle, rests, arrives, .. } = lanes;
 
         if guess.is_empty() {
             for l in 0..L {
@@ -438,7 +438,7 @@ impl<T: Scalar, F: Force<T, D>, const D: usize> Settle<'_, T, F, D> {
     #[inline(always)]
     fn in_lanes<const L: usize>(self) -> bool {
         let Self { kick, h, mut bodies } = self;
-        let InLanes { p, p_low, normal, force, inverse_square, multiplier, .. } = bodies.spread_momenta();
+        let TileInLanes { p, p_low, normal, force, inverse_square, multiplier, .. } = bodies.spread_momenta();
         let mut finite = true;
         for l in 0..L {
             let (moving, n) = (at(p, l), at(normal, l));
