@@ -12,13 +12,13 @@ use rattle::prelude::*;
 
 potential! {
     /// A weight, and a field that knows all three axes.
-    struct Field { weight, pull }
+    pub(crate) struct Field { weight, pull }
     |q: [[f64; 3]; 3]| weight * q[2][2] + pull * (q[0][1]^2 + q[1][0] / 3)
 }
 
 potential! {
     /// Of two bodies: their third axes like to be alike.
-    struct Alike { strength }
+    pub(crate) struct Alike { strength }
     |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -strength * (a[0][2] * b[0][2] + a[1][2] * b[1][2] + a[2][2] * b[2][2])
 }
 
@@ -41,15 +41,22 @@ const MOMENTS: [[f64; 3]; 8] = [
 ];
 
 /// Turning at about this speed.
-fn start(i: u32, moments: [f64; 3], speed: f64) -> State<9> {
+pub(crate) fn start(i: u32, moments: [f64; 3], speed: f64) -> State<9> {
     let i = f64::from(i);
     let attitude = Rotation3::from_euler_angles(0.3 + 0.1 * i, 0.5 - 0.07 * i, 0.2 * i);
     let rate = speed * Vector3::new((1.0 + i).sin(), (2.0 * i + 0.5).cos(), (0.7 * i + 0.3).sin());
     Rigid::start(attitude.matrix(), &rate.component_mul(&Vector3::from(moments)))
 }
 
+/// Three bodies of these moments, which turn at about this speed.
+pub(crate) fn start_of_three(i: u32, moments: [f64; 3], speed: f64) -> State<9> {
+    let bodies = [0, 1, 2].map(|body| start(3 * i + body, moments, speed));
+    let places = bodies.each_ref().map(|body| body.positions().next().unwrap());
+    State::of(places).with_momenta(bodies.map(|body| body.momenta().next().unwrap()))
+}
+
 /// How far attitudes, and momenta by the largest moment of inertia, of these trajectories are off those of simulations.
-fn off<E: Effects<9>, N: Count, S: Method>(
+pub(crate) fn off<E: Effects<9>, N: Count, S: Method>(
     ensemble: &mut Ensemble<9>,
     scene: impl Fn(usize) -> Scene<Rigid, E, N, 9>,
     starts: &[State<9>],
@@ -72,7 +79,7 @@ fn off<E: Effects<9>, N: Count, S: Method>(
 }
 
 /// Whether all is rounding, and something is.
-fn check(found: &[f64], what: [f64; 3]) {
+pub(crate) fn check(found: &[f64], what: [f64; 3]) {
     println!("{what:?}: {found:?}");
     let fused = InstructionSet::widest().fuses(); // else all go alone, and nothing differs
     assert!(found.iter().all(|&off| off < 3e-14 && (off > 0.0) == fused), "{what:?}: {found:?}");
@@ -143,13 +150,7 @@ fn heavy_bodies() {
 fn several_bodies() {
     let (moments, method) = (MOMENTS[0], Rattle::new(0.05));
     let one = Scene::rigid(Rigid::new(moments)).with(Field { weight: 1.0, pull: 0.5 });
-    let starts: Vec<_> = (0..70)
-        .map(|i| {
-            let bodies = [0, 1, 2].map(|body| start(3 * i + body, moments, 1.0));
-            let places = bodies.each_ref().map(|body| body.positions().next().unwrap());
-            State::of(places).with_momenta(bodies.map(|body| body.momenta().next().unwrap()))
-        })
-        .collect();
+    let starts: Vec<_> = (0..70).map(|i| start_of_three(i, moments, 1.0)).collect();
     let three = one.bodies(3);
     let mut simulation = three.simulate(starts[4].clone(), method).unwrap();
     simulation.run(100).unwrap();
@@ -165,24 +166,6 @@ fn several_bodies() {
     let pairs = off(&mut ensemble, |_| coupled.clone(), &starts, &method, 40, moments);
     check(&[each, pairs], moments);
     assert_eq!(ensemble.bodies(), 3);
-}
-
-/// Each trajectory with moments of inertia and a weight of its own.
-#[test]
-fn sweeps() {
-    let (method, number) = (Rattle::new(0.05), 67_u32);
-    let moments = |i: usize| {
-        let i = i as f64;
-        [0.6 + 0.01 * i, 0.8, 1.0 + 0.005 * i]
-    };
-    let scene = |i: usize| {
-        let weight = 0.2 + 0.01 * i as f64;
-        Scene::rigid(Rigid::new(moments(i))).with(Field { weight, pull: 0.3 })
-    };
-    let scenes: Vec<_> = (0..number as usize).map(scene).collect();
-    let starts: Vec<_> = (0..number).map(|i| start(i, moments(i as usize), 1.0)).collect();
-    let mut ensemble = Ensemble::sweep(Double, scenes.iter().zip(starts.iter().cloned()), method).unwrap();
-    check(&[off(&mut ensemble, scene, &starts, &method, 40, [1.0; 3])], [1.0; 3]);
 }
 
 /// Bits of a trajectory depend on no neighbour, no division of the run, no number of threads, no instruction set that

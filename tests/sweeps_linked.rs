@@ -87,7 +87,7 @@ fn double(lengths: [f64; 2], g: f64) -> Scene<Network<2>, impl Effects<2> + 'sta
 }
 
 /// All that can be told of a trajectory.
-fn bits(ensemble: &Ensemble<2>, i: usize) -> String {
+fn bits<const D: usize>(ensemble: &Ensemble<D>, i: usize) -> String {
     format!("{:?} {}", ensemble.state(i), ensemble.failure(i).is_some())
 }
 
@@ -154,33 +154,39 @@ fn undisturbed<E: Effects<2> + 'static>(scene: impl Fn(usize) -> Scene<Network<2
             let trajectories = which.iter().map(|&i| (&scenes[i], starts[i].clone()));
             Ensemble::sweep(Double, trajectories, Rattle::new(0.05)).unwrap().retry(halvings)
         };
-        let all: Vec<_> = (0..number).collect();
-        let mut first = of(&all);
-        let at_first = first.checkpoint();
-        first.run(80);
-        assert!(halvings > 0 || first.failures().count() > 0);
-        assert!(first.failures().all(|(i, _)| i.is_multiple_of(40)));
-        let some: Vec<_> = all.iter().copied().filter(|i| i % 3 != 1).collect();
-        let mut other = of(&some);
-        other.run(80);
-        some.iter()
-            .enumerate()
-            .for_each(|(place, &i)| assert_eq!(bits(&other, place), bits(&first, i), "{i}"));
-        let mut parts = of(&all);
-        for steps in [1, 63, 2, 14] {
-            parts.run(steps);
-            let (record, mut again) = (parts.checkpoint(), of(&all));
-            again.resume(&record).unwrap();
-            parts = again;
-        }
-        all.iter().for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} in parts"));
-        // Those that have ended go on from where they were before.
-        for _ in 0..2 {
-            parts.resume(&at_first).unwrap();
-            parts.run(80);
-            all.iter()
-                .for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} from the start again"));
-        }
+        the_same_bits(number, of, halvings == 0);
+    }
+}
+
+/// So many trajectories, of which every fortieth may fail, beside each other, beside two of three, in parts, and again.
+pub(crate) fn the_same_bits<const D: usize>(
+    number: usize,
+    of: impl Fn(&[usize]) -> Ensemble<D>,
+    some_fail: bool,
+) {
+    let all: Vec<_> = (0..number).collect();
+    let mut first = of(&all);
+    let at_first = first.checkpoint();
+    first.run(80);
+    assert!(!some_fail || first.failures().count() > 0);
+    assert!(first.failures().all(|(i, _)| i.is_multiple_of(40)));
+    let some: Vec<_> = all.iter().copied().filter(|i| i % 3 != 1).collect();
+    let mut other = of(&some);
+    other.run(80);
+    some.iter().enumerate().for_each(|(place, &i)| assert_eq!(bits(&other, place), bits(&first, i), "{i}"));
+    let mut parts = of(&all);
+    for steps in [1, 63, 2, 14] {
+        parts.run(steps);
+        let (record, mut again) = (parts.checkpoint(), of(&all));
+        again.resume(&record).unwrap();
+        parts = again;
+    }
+    all.iter().for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} in parts"));
+    // Those that have ended go on from where they were before.
+    for _ in 0..2 {
+        parts.resume(&at_first).unwrap();
+        parts.run(80);
+        all.iter().for_each(|&i| assert_eq!(bits(&parts, i), bits(&first, i), "{i} from the start again"));
     }
 }
 

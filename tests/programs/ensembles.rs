@@ -20,5 +20,7 @@ mod observers;
 mod sweeps;
 #[path = "../sweeps_linked.rs"]
 mod sweeps_linked;
+#[path = "../sweeps_rigid.rs"]
+mod sweeps_rigid;
 #[path = "../watching.rs"]
 mod watching;

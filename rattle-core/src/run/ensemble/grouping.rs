@@ -13,18 +13,18 @@ use crate::number::lanes::Lane;
 use crate::number::vectors::{LANES, MOST_COORDINATES};
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
+use crate::run::ensemble::forces_in_lanes::{Pulls, of_all, of_each};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::rigid_lanes::RigidLanes;
-use crate::run::ensemble::rigid_row::Turns;
-use crate::run::ensemble::rigid_torque::{self, Torques};
+use crate::run::ensemble::rigid_row::{RigidRow, Turns};
 use crate::run::ensemble::side_by_side::side_by_side;
 use crate::run::ensemble::splitting_lanes::SplittingLanes;
 use crate::systems::network::Network;
-use crate::systems::network::in_lanes::{FEW, Number, ROW};
+use crate::systems::network::in_lanes::{FEW, ROW};
 use crate::systems::rigid::Rigid;
 use std::marker::PhantomData;
 
@@ -228,26 +228,26 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
 
 /// What turns rigid bodies.
 pub(super) trait Turned {
-    /// The effects on W trajectories from this one on.
-    fn torques<const W: usize>(&self, from: usize) -> Option<Box<dyn Torques<W>>>;
+    /// The effects on W trajectories of so many bodies from this one on.
+    fn pulls<const W: usize>(&self, from: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>>;
 }
 
 /// Those of one scene of bodies of D coordinates.
 pub(super) struct TurnedAlike<'a, E, const D: usize>(pub(super) &'a E);
 
 impl<E: Effects<D>, const D: usize> Turned for TurnedAlike<'_, E, D> {
-    fn torques<const W: usize>(&self, _: usize) -> Option<Box<dyn Torques<W>>> {
-        rigid_torque::of_all(self.0.forces(), self.0.forces())
+    fn pulls<const W: usize>(&self, _: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>> {
+        of_all(self.0, bodies)
     }
 }
 
-/// Those of scenes of one type, each of a trajectory of its own, which act on each body by itself.
+/// Those of scenes of one type, each of a trajectory of its own.
 pub(super) struct TurnedApart<'a, E, const D: usize>(pub(super) &'a [&'a E]);
 
 impl<E: Effects<D> + 'static, const D: usize> Turned for TurnedApart<'_, E, D> {
-    fn torques<const W: usize>(&self, from: usize) -> Option<Box<dyn Torques<W>>> {
+    fn pulls<const W: usize>(&self, from: usize, bodies: usize) -> Option<Box<dyn Pulls<RigidRow, W>>> {
         let number = |lane: usize| if from + lane < self.0.len() { from + lane } else { from }; // the rest copies the first
-        Some(rigid_torque::of_each(E::swept::<Number, W>(|lane| self.0[number(lane)])))
+        of_each(|lane| self.0[number(lane)], bodies)
     }
 }
 
@@ -273,8 +273,9 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
             let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
             let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
             let method = (&stages[..], equal, *h);
-            let (torques, number) = (effects.torques(from), starts[0].len());
-            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, torques, number, method, sums, *set);
+            let number = starts[0].len();
+            let pulls = effects.pulls(from, number);
+            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, pulls, number, method, sums, *set);
             Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }

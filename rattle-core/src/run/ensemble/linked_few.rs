@@ -10,8 +10,8 @@ use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, two_sum};
-use crate::run::ensemble::linked_pulls::Pulling;
-use crate::run::ensemble::linked_row::{CLEAR, Course, TURN};
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_row::{CLEAR, Course, LinkedRow, TURN};
 use crate::run::ensemble::plan::Places;
 use crate::systems::network::few_in_lanes::{
     Normals, by_coordinate, factor, grid, lifted, of_few, of_size, sized, solve, sum_of,
@@ -76,7 +76,7 @@ struct Stretch<'a, 'b, 'c, 'd, const M: usize, const K: usize, const W: usize, c
     first: usize,
     count: usize,
     numbers: &'a mut [Numbers<W>],
-    pulling: &'a mut Option<&'c mut (dyn Pulling<W> + 'd)>,
+    pulling: &'a mut Option<&'c mut (dyn Pulling<LinkedRow, W> + 'd)>,
 }
 
 impl<const W: usize> Course<'_, W> {
@@ -86,7 +86,7 @@ impl<const W: usize> Course<'_, W> {
         &self,
         (first, count): (usize, usize),
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) -> usize {
         macro_rules! run {
             ($m:expr, $k:expr) => {
@@ -116,7 +116,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
     course: &Course<'_, W>,
     (first, count): (usize, usize),
     numbers: &mut [Numbers<W>],
-    pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+    pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
 ) -> usize {
     let Course { plan, links, parts, set, equal, .. } = *course;
     let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
@@ -188,7 +188,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
             if S { of_size(&mut way_low[moving.clone()]) } else { none_of_ways },
         );
         if let (true, Some(pulling)) = (part.kick != 0.0, &mut *pulling) {
-            pulling.pull(set, part.unit * part.kick, q, &plan.masses, if S { way_low } else { way });
+            pulling.pull(set, part.unit * part.kick, (q, &plan.masses, if S { way_low } else { way }));
         }
         let now = by_coordinate(&entry, new, &zero);
         let here = of_size(&mut way[moving.clone()]);

@@ -2,8 +2,8 @@
 
 use crate::number::instructions::Work;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::linked_pulls::Pulling;
-use crate::run::ensemble::linked_row::{Apart, Course};
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::LinkGroup;
 use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks};
@@ -48,7 +48,7 @@ impl Wide<FEW> for Width {
 /// Some steps of a row, after so many.
 pub(super) struct Steps<'a, 'b, const W: usize> {
     pub(super) course: &'a Course<'b, W>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<LinkedRow, W> + 'b)>,
     pub(super) apart: &'a mut Apart<'b, W>,
     /// All numbers, those of one step too.
     pub(super) numbers: &'a mut [Numbers<W>],
@@ -94,7 +94,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
 /// Writes velocities, see [`Course::velocities`].
 pub(super) struct Velocities<'a, 'b, const W: usize> {
     pub(super) course: &'a Course<'b, W>,
-    pub(super) pulling: Option<&'a mut (dyn Pulling<W> + 'b)>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<LinkedRow, W> + 'b)>,
     pub(super) numbers: &'a mut [Numbers<W>],
     pub(super) part: usize,
 }
@@ -117,7 +117,7 @@ impl<const W: usize> Course<'_, W> {
         count: usize,
         part: &mut usize,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
         apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
         let mut left = count;

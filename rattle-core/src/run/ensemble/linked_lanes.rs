@@ -14,9 +14,9 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
-use crate::run::ensemble::linked_pulls::{Pulling, Pulls, of_all, of_each};
-use crate::run::ensemble::linked_row::{Course, Landed, at_rest};
+use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::plan::{Links, Places, Plan, masses};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
@@ -57,7 +57,7 @@ struct Obeyed<F, const D: usize, const W: usize> {
     /// One for all lanes, or one for each.
     laws: Vec<Law<F, D>>,
     links: Links<W>,
-    pulls: Option<Box<dyn Pulls<W>>>,
+    pulls: Option<Box<dyn Pulls<LinkedRow, W>>>,
     /// 1 over the masses of all lanes, where they differ.
     over: Option<Vec<Numbers<W>>>,
 }
@@ -181,7 +181,7 @@ where
     /// Writes velocities and what rounding took from them; returns where.
     fn velocities(&self, numbers: &mut [Numbers<W>], part: usize) -> [usize; 2] {
         let mut pulling = self.obeyed.pulls.as_ref().map(|pulls| pulls.begin());
-        let pulling = pulling.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>);
+        let pulling = pulling.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>);
         let course = self.course();
         Width::look(Velocities { course: &course, pulling, numbers, part });
         let Places { free, change, .. } = self.common.plan.places;
@@ -353,7 +353,7 @@ where
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             Width::go(Steps {
                 course: &course,
-                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<W>),
+                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
                 apart: &mut apart,
                 numbers: &mut numbers,
                 part: &mut part,
@@ -480,7 +480,7 @@ where
         let mut kicked = vec![zeros(); n];
         for _ in 0..steps * parts.len() as u32 {
             let q = &self.numbers[plan.places.q..plan.places.q + n];
-            pulling.pull(*set, 1e-9, black_box(q), &plan.masses, &mut kicked);
+            pulling.pull(*set, 1e-9, (black_box(q), &plan.masses, &mut kicked));
         }
         black_box(kicked);
     }

@@ -5,8 +5,8 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::linked_pulls::Pulling;
-use crate::run::ensemble::linked_row::{Course, each, two_sum};
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_row::{Course, LinkedRow, each, two_sum};
 use crate::run::ensemble::plan::Places;
 use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
@@ -19,7 +19,7 @@ impl<const W: usize> Course<'_, W> {
         steps: u64,
         part: &Part,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) -> Result<(), Stuck> {
         let Self { plan, links, set, .. } = *self;
         let (n, m) = (plan.coordinates, plan.equations);
@@ -81,7 +81,7 @@ impl<const W: usize> Course<'_, W> {
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) {
         let Self { plan, links, sums, set, .. } = *self;
         let Places { q, way, way_low, free, change, .. } = plan.places;

@@ -23,7 +23,7 @@ use crate::number::real::Real;
 use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
-use crate::run::ensemble::linked_pulls::Pulling;
+use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
@@ -69,6 +69,48 @@ pub(super) struct Course<'a, const W: usize> {
     pub(super) set: Fusing,
 }
 
+/// Rows of linked bodies.
+pub(super) struct LinkedRow;
+
+impl<const W: usize> Rows<W> for LinkedRow {
+    /// Coordinates; for each the mass and 1 over it; and what so many times M⁻¹f is added to.
+    type Bodies<'a> = (&'a [Numbers<W>], &'a [[f64; 2]], &'a mut [Numbers<W>]);
+}
+
+impl<const D: usize, const W: usize> Pulled<D, W> for LinkedRow {
+    type Times = [Number; D];
+    type To = [Numbers<W>; D];
+
+    #[inline(always)]
+    fn each<'a>(
+        times: f64,
+        (q, masses, to): &'a mut Self::Bodies<'_>,
+    ) -> impl Iterator<Item = ([Number; D], &'a [Numbers<W>; D], &'a mut [Numbers<W>; D])> {
+        let bodies = q.as_chunks().0.iter().zip(masses.as_chunks::<D>().0).zip(to.as_chunks_mut().0);
+        bodies.map(move |((q, masses), to)| (masses.map(|[_, over]| Fused(times * over)), q, to))
+    }
+
+    #[inline(always)]
+    fn stays(times: [Number; D]) -> bool {
+        times[0].0 == 0.0
+    }
+
+    #[inline(always)]
+    fn pull<const N: usize>(
+        times: [Number; D],
+        _: &[Numbers<N>; D],
+        force: &[Numbers<N>; D],
+        first: usize,
+        to: &mut [Numbers<W>; D],
+    ) {
+        for d in 0..D {
+            for l in 0..N {
+                to[d].0[first + l] = times[d].multiply_add(force[d].0[l], to[d].0[first + l]);
+            }
+        }
+    }
+}
+
 /// Writes `f` of each lane of these numbers.
 #[inline(always)]
 pub(super) fn each<const N: usize, const W: usize>(
@@ -101,7 +143,7 @@ impl<const W: usize> Course<'_, W> {
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
         apart: &mut Apart<'_, W>,
     ) -> Result<(), Stuck> {
         let Self { plan, links, sums, set, .. } = *self;
@@ -233,7 +275,7 @@ impl<const W: usize> Course<'_, W> {
         &self,
         part: &Part,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) {
         let Self { plan, equal, sums, .. } = *self;
         let Places { way, way_low, found, guess, last, earlier, .. } = plan.places;
@@ -276,7 +318,7 @@ impl<const W: usize> Course<'_, W> {
         times: f64,
         to: usize,
         numbers: &mut [Numbers<W>],
-        pulling: &mut Option<&mut (dyn Pulling<W> + '_)>,
+        pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) {
         let (Some(pulling), Plan { coordinates: n, places: Places { q, pull, .. }, masses, .. }) =
             (pulling, self.plan)
@@ -285,13 +327,13 @@ impl<const W: usize> Course<'_, W> {
         };
         let Some(over) = self.over else {
             if let Ok([q, to]) = numbers.get_disjoint_mut([*q..q + n, to..to + n]) {
-                pulling.pull(self.set, times, q, masses, to);
+                pulling.pull(self.set, times, (q, masses, to));
             }
             return;
         };
         if let Ok([q, pull]) = numbers.get_disjoint_mut([*q..q + n, *pull..pull + n]) {
             pull.fill(zeros());
-            pulling.pull(self.set, 1.0, q, masses, pull);
+            pulling.pull(self.set, 1.0, (q, masses, pull));
         }
         // Rounded as where masses are the same: bits depend on no neighbour.
         for c in 0..*n {

@@ -20,8 +20,7 @@
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision;
-//!   except sweeps in which bodies act on each other.
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision.
 //!
 //! All other scenes and methods run as one simulation per trajectory (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
@@ -51,6 +50,7 @@ mod block;
 mod collocation_lanes;
 mod crossing;
 mod engine;
+mod forces_in_lanes;
 mod group;
 mod grouping;
 mod inside;
@@ -60,7 +60,6 @@ mod linked_few;
 mod linked_going;
 mod linked_lanes;
 mod linked_look;
-mod linked_pulls;
 mod linked_row;
 mod look;
 mod loops;
@@ -68,7 +67,6 @@ mod plan;
 pub mod precision;
 mod rigid_lanes;
 mod rigid_row;
-mod rigid_torque;
 mod row;
 mod side_by_side;
 mod splitting_lanes;

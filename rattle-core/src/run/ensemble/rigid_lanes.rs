@@ -11,9 +11,9 @@ use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
 use crate::run::ensemble::linked_going::Width;
-use crate::run::ensemble::rigid_row::{Course, Inertia, Rotor, Steps, Three, Torquing, Turns, Weights, push};
-use crate::run::ensemble::rigid_torque::Torques;
+use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Turns, Weights, push};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
 use crate::run::readings::as_shown;
@@ -33,7 +33,7 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     /// Which of them each lane obeys.
     system: [usize; W],
     inertia: Inertia<W>,
-    torques: Option<Box<dyn Torques<W>>>,
+    pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
     bodies: Vec<Rotor<W>>,
     stages: Arc<[Stage]>,
     parts: Arc<[Part]>,
@@ -50,7 +50,7 @@ impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
     fn clone(&self) -> Self {
         Self {
             systems: self.systems.clone(),
-            torques: self.torques.as_ref().map(|torques| torques.boxed()),
+            pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()),
             bodies: self.bodies.clone(),
             stages: self.stages.clone(),
             parts: self.parts.clone(),
@@ -68,7 +68,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
     pub(super) fn new(
         systems: Arc<[Y]>,
         rigid: &[&Rigid],
-        torques: Option<Box<dyn Torques<W>>>,
+        pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
         bodies: usize,
         (stages, equal, h): Splits<'_>,
         sums: bool,
@@ -84,7 +84,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             system: from_fn(|lane| if lane < systems.len() { lane } else { 0 }),
             systems,
             inertia,
-            torques,
+            pulls,
             bodies: vec![Rotor::new(); bodies],
             stages: stages.into(),
             guesses: Weights::of(&parts).into(),
@@ -113,10 +113,10 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
         let Part { unit, lead, .. } = self.parts[part];
         let mut ways: Vec<_> = bodies.iter().map(|rotor| [rotor.way, rotor.way_low]).collect();
         if lead != 0.0
-            && let Some(torques) = &self.torques
+            && let Some(pulls) = &self.pulls
         {
             let mut kicks = vec![[zeros(); 3]; bodies.len()];
-            torques.begin(bodies.len()).torques(self.set, -unit * lead, bodies, &mut kicks);
+            pulls.begin().pull(self.set, -unit * lead, (bodies, &mut kicks));
             for ([way, low], kick) in ways.iter_mut().zip(&kicks) {
                 push(self.sums, kick, way, low);
             }
@@ -166,12 +166,12 @@ where
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
         let (mut bodies, mut part, n) = (self.bodies.clone(), self.part, self.bodies.len());
-        let mut torquing = self.torques.as_ref().map(|torques| torques.begin(n));
+        let mut room = self.pulls.as_ref().map(|pulls| pulls.begin());
         let mut kicks = vec![[zeros(); 3]; n];
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             Width::turn(Steps {
                 course: self.course(),
-                torquing: torquing.as_deref_mut().map(|torquing| torquing as &mut dyn Torquing<W>),
+                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<RigidRow, W>),
                 bodies: &mut bodies,
                 kicks: &mut kicks,
                 part: &mut part,
@@ -220,15 +220,15 @@ where
         self.system[to] = self.system[from];
         let moments = self.inertia.lane(from);
         self.inertia.put(to, &moments);
-        if let Some(torques) = &mut self.torques {
-            torques.copy(from, to);
+        if let Some(pulls) = &mut self.pulls {
+            pulls.copy(from, to);
         }
     }
 
     fn obey_as_in(&mut self, engine: &dyn Engine<D>) {
-        if let Some(Self { system, inertia, torques, .. }) = (engine as &dyn Any).downcast_ref() {
+        if let Some(Self { system, inertia, pulls, .. }) = (engine as &dyn Any).downcast_ref() {
             (self.system, self.inertia) = (*system, *inertia);
-            self.torques = torques.as_ref().map(|torques| torques.boxed());
+            self.pulls = pulls.as_ref().map(|pulls| pulls.boxed());
         }
     }
 
@@ -248,11 +248,11 @@ where
     }
 
     fn kick_alone(&self, steps: u32) {
-        let Some(torques) = &self.torques else { return };
-        let mut torquing = torques.begin(self.bodies.len());
+        let Some(pulls) = &self.pulls else { return };
+        let mut pulling = pulls.begin();
         let mut kicks = vec![[zeros(); 3]; self.bodies.len()];
         for _ in 0..steps * self.parts.len() as u32 {
-            torquing.torques(self.set, 1e-9, black_box(&self.bodies), &mut kicks);
+            pulling.pull(self.set, 1e-9, (black_box(&self.bodies), &mut kicks));
         }
         black_box(kicks);
     }

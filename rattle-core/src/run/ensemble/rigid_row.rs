@@ -14,10 +14,13 @@ use crate::number::real::Real;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::linked_going::Width;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::in_lanes::{FEW, Number, Numbers, ROW, at, put, zeros};
-use crate::systems::rigid::rotation::{Inverse, LEFT, Moments, deviation, product, share, too_fast, turn};
+use crate::systems::rigid::rotation::{
+    Inverse, LEFT, Moments, deviation, product, share, too_fast, turn, turning,
+};
 use std::array::from_fn;
 
 /// A first correction of x of more than this is no step of Newton's method from near by.
@@ -106,10 +109,43 @@ const RESTS: u64 = 0;
 const GOES: u64 = 1;
 const APART: u64 = 2;
 
-/// Torques on all bodies of all lanes.
-pub(super) trait Torquing<const W: usize> {
-    /// Writes so many times the torques, in the frames of the bodies.
-    fn torques(&mut self, set: Fusing, times: f64, bodies: &[Rotor<W>], to: &mut [Three<W>]);
+/// Rows of rigid bodies.
+pub(super) struct RigidRow;
+
+impl<const W: usize> Rows<W> for RigidRow {
+    /// The bodies, and where so many times the torques, in the frames of the bodies, are written.
+    type Bodies<'a> = (&'a [Rotor<W>], &'a mut [Three<W>]);
+}
+
+/// D is 9.
+impl<const D: usize, const W: usize> Pulled<D, W> for RigidRow {
+    type Times = Number;
+    type To = Three<W>;
+
+    #[inline(always)]
+    fn each<'a>(
+        times: f64,
+        (bodies, to): &'a mut Self::Bodies<'_>,
+    ) -> impl Iterator<Item = (Number, &'a [Numbers<W>; D], &'a mut Three<W>)> {
+        bodies
+            .iter()
+            .zip(&mut **to)
+            .filter_map(move |(rotor, to)| Some((Fused(times), rotor.q.first_chunk()?, to)))
+    }
+
+    #[inline(always)]
+    fn pull<const N: usize>(
+        times: Number,
+        q: &[Numbers<N>; D],
+        force: &[Numbers<N>; D],
+        first: usize,
+        to: &mut Three<W>,
+    ) {
+        for l in 0..N {
+            let torque = turning(&from_fn(|k| q[k].0[l]), &from_fn(|k| force[k].0[l]));
+            put(to, first + l, torque.map(|torque| times * torque));
+        }
+    }
 }
 
 /// How rests are extrapolated, for each part of a step.
@@ -151,7 +187,7 @@ pub(super) struct Course<'a, const W: usize> {
 /// Some steps of a row, after so many.
 pub(super) struct Steps<'a, 'b, const W: usize> {
     pub(super) course: Course<'a, W>,
-    pub(super) torquing: Option<&'a mut (dyn Torquing<W> + 'b)>,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<RigidRow, W> + 'b)>,
     pub(super) bodies: &'a mut [Rotor<W>],
     /// Room for torques.
     pub(super) kicks: &'a mut [Three<W>],
@@ -165,7 +201,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
 
     #[inline(always)]
     fn run(self) -> Result<(), Stuck> {
-        let Self { course, mut torquing, bodies, kicks, part: number, from, steps } = self;
+        let Self { course, mut pulling, bodies, kicks, part: number, from, steps } = self;
         let Course { parts, guesses, equal, sums, set, .. } = course;
         let inertia = *course.inertia; // out of reach of what the loops write
         let mut scratch = Scratch { rest: [zeros(); 3], x: [zeros(); 3], state: [RESTS; W] };
@@ -181,9 +217,9 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
                     bodies.iter_mut().for_each(|rotor| straighten(sums, &mut rotor.q, &mut rotor.q_low));
                 }
                 if part.kick != 0.0
-                    && let Some(torquing) = &mut torquing
+                    && let Some(pulling) = &mut pulling
                 {
-                    torquing.torques(set, part.unit * part.kick, bodies, kicks);
+                    pulling.pull(set, part.unit * part.kick, (bodies, kicks));
                     for (rotor, kick) in bodies.iter_mut().zip(&*kicks) {
                         push(sums, kick, &mut rotor.way, &mut rotor.way_low);
                     }

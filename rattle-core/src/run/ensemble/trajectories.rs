@@ -149,7 +149,7 @@ impl<const D: usize> Ensemble<D> {
         let (mut trajectories, set) = (trajectories.into_iter(), InstructionSet::widest());
         let next = &mut || trajectories.next();
         Self::assembled(P::MOST, next, method, set, &|scenes, starts, lanes| {
-            if const { goes_as::<C, S, D>(Kind::Rigid) && E::Forces::<f64>::ON_EACH } {
+            if const { goes_as::<C, S, D>(Kind::Rigid) } {
                 let body = |scene: &&'a Scene<C, E, N, D>| (&scene.constraint as &dyn Any).downcast_ref();
                 let bodies = scenes.iter().map(body).collect::<Option<Vec<_>>>()?;
                 let h = lanes.h;
