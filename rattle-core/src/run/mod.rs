@@ -1,5 +1,6 @@
 //! Runs: simulations and ensembles, their observers, costs and checkpoints.
 
+mod answers;
 mod begin;
 pub mod bill;
 pub mod boxed;
@@ -19,10 +20,10 @@ pub mod watch;
 /// Functions that are compiled in this crate, see [`crate::instances`].
 pub(crate) fn instances<const D: usize>() -> impl Copy {
     [
+        answers::places::<D> as *const (),
         checkpoint::read_places::<D> as *const (),
         checkpoint::write_places::<D> as *const (),
         events::Search::<D>::clone as *const (),
         fingerprint::beside::<D> as *const (),
-        readings::places::<D> as *const (),
     ]
 }

@@ -1,13 +1,13 @@
 //! Readings of a simulation: time, positions and momenta, energies, residuals, multipliers.
 
 use crate::effect::list::Forces;
-use crate::motion::bodies::{Alone, Body, Count};
-use crate::motion::capability::Rates;
+use crate::motion::bodies::{Alone, Count};
 use crate::motion::identity::Identity;
 use crate::motion::method::Method;
 use crate::motion::state::{Remembered, State};
 use crate::motion::system::{BodiesOf, System};
 use crate::number::clock::after_steps;
+use crate::run::answers;
 use crate::run::simulation::Simulation;
 use crate::run::watch::seen::Page;
 use crate::run::watch::sight::{Sight, Source};
@@ -125,27 +125,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// motion that moving links impose on bodies, which is not heat.
     #[doc(alias = "kT")]
     pub fn temperature(&self) -> f64 {
-        self.temperature_of(&self.bodies)
-    }
-
-    fn temperature_of(&self, bodies: &BodiesOf<Y, f64, D>) -> f64 {
-        if self.system.rates().is_err() {
-            return f64::NAN;
-        }
-        let own = self.system.kinetic_energy(bodies) - self.imposed_energy(bodies);
-        2.0 * own / self.system.freedom(bodies) as f64
-    }
-
-    /// The part of the kinetic energy that constraints which move impose.
-    fn imposed_energy(&self, bodies: &BodiesOf<Y, f64, D>) -> f64 {
-        if !self.system.constraints_move() {
-            return 0.0;
-        }
-        let (mut bodies, zero) = (bodies.clone(), [0.0; D]);
-        bodies.p.as_mut().fill(zero);
-        bodies.p_low.as_mut().fill(zero);
-        let settled = self.system.settle(0.0, 1.0, &mut bodies, &mut ());
-        settled.map_or(f64::NAN, |()| self.system.kinetic_energy(&bodies))
+        answers::temperature(&self.system, &self.bodies)
     }
 
     /// Potential energy U of all effects.
@@ -155,9 +135,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// U of each effect in the order of the scene, without [flows](crate::effect::Flow), which have none.
     pub fn effect_energies(&self) -> Vec<f64> {
-        let mut energies = Vec::new();
-        self.system.effect_energies(&self.bodies, &mut energies);
-        energies
+        answers::effect_energies(&self.system, &self.bodies)
     }
 
     /// Energy H = K + U.
@@ -199,7 +177,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// g(q, t) of each equation, in the unit of g.
     pub fn residuals(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.residuals(&self.bodies, out))
+        answers::residuals(&self.system, &self.bodies)
     }
 
     /// The largest |g(q, t)| of all equations, in the unit of g.
@@ -209,13 +187,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
 
     /// The largest |G(q)v + ∂g/∂t| of all equations, with v = M⁻¹p.
     pub fn cotangent_residual(&self) -> f64 {
-        largest(&self.of_equations(|out| self.system.drift_rates(&self.bodies, out)))
+        largest(&answers::of_equations(&self.system, |out| self.system.drift_rates(&self.bodies, out)))
     }
 
     /// Multipliers λ of the equations (by link, then member, then equation), from g̈ = 0 at the present state; accurate
     /// to the order of the method. On a surface λ = −(vᵀ∇²g v + ∇g·f)/|∇g|².
     pub fn multipliers(&self) -> Vec<f64> {
-        self.of_equations(|out| self.system.multipliers(&self.bodies, out))
+        answers::multipliers(&self.system, &self.bodies)
     }
 
     /// The force Gᵀλ of all constraints on each body, in the unit of force, to the order of the method. For a pinned
@@ -224,15 +202,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     #[doc(alias = "tension")]
     #[doc(alias = "stress")]
     pub fn constraint_forces(&self) -> Vec<SVector<f64, D>> {
-        let mut forces = vec![[0.0; D]; self.bodies()];
-        self.system.constraint_forces(&self.bodies, &mut forces);
-        vectors(&forces).collect()
-    }
-
-    fn of_equations(&self, write: impl FnOnce(&mut [f64])) -> Vec<f64> {
-        let mut numbers = vec![0.0; self.system.equations()];
-        write(&mut numbers);
-        numbers
+        answers::constraint_forces(&self.system, &self.bodies)
     }
 
     /// Writes the present state.
@@ -294,26 +264,13 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             && vectors(p).eq(sight.momenta.iter().copied())
     }
 
-    /// Bodies as this sight shows them.
-    fn bodies_at(&self, sight: &Sight<'_, D>) -> BodiesOf<Y, f64, D> {
-        as_shown(&self.system, sight)
+    /// What a question has for an answer at the bodies that a sight shows.
+    fn answer<R>(&self, sight: &Sight<'_, D>, question: impl FnOnce(&Y, &BodiesOf<Y, f64, D>) -> R) -> R {
+        if self.is_at(sight) {
+            return question(&self.system, &self.bodies);
+        }
+        question(&self.system, &answers::as_shown(&self.system, sight))
     }
-}
-
-/// Bodies of a system as a sight shows them.
-pub(in crate::run) fn as_shown<Y: System<f64, D>, const D: usize>(
-    system: &Y,
-    sight: &Sight<'_, D>,
-) -> BodiesOf<Y, f64, D> {
-    system.bodies(&places(sight), sight.time)
-}
-
-/// Where a sight shows bodies.
-#[inline(never)]
-pub(in crate::run) fn places<const D: usize>(sight: &Sight<'_, D>) -> Vec<Body<f64, D>> {
-    let low = [0.0; D];
-    let all = sight.positions.iter().zip(sight.momenta);
-    all.map(|(&q, &p)| Body { q: q.into(), q_low: low, p: p.into(), p_low: low }).collect()
 }
 
 /// Vectors, one by one, as users have them.
@@ -336,46 +293,30 @@ fn show<const D: usize>(shown: &[SVector<f64, D>], list: &mut [[f64; D]], low: &
 impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S, D> {
     fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
         if self.is_at(sight) {
-            return [self.kinetic_energy(), self.potential_energy()];
+            return answers::energies(&self.system, &self.bodies);
         }
         let Sight { time, positions, momenta, .. } = *sight;
         let mut bodies = self.before.clone();
         bodies.time = time;
         show(positions, bodies.q.as_mut(), bodies.q_low.as_mut());
         show(momenta, bodies.p.as_mut(), bodies.p_low.as_mut());
-        [self.system.kinetic_energy(&bodies), self.system.potential_energy(&bodies)]
+        answers::energies(&self.system, &bodies)
     }
 
     fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        if self.is_at(sight) {
-            return (self.multipliers(), self.constraint_forces());
-        }
-        let bodies = self.bodies_at(sight);
-        let (mut multipliers, mut forces) =
-            (vec![0.0; self.system.equations()], vec![[0.0; D]; self.bodies()]);
-        self.system.multipliers(&bodies, &mut multipliers);
-        self.system.constraint_forces(&bodies, &mut forces);
-        (multipliers, vectors(&forces).collect())
+        self.answer(sight, answers::constraints)
     }
 
     fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        if self.is_at(sight) {
-            return self.effect_energies();
-        }
-        let mut energies = Vec::new();
-        self.system.effect_energies(&self.bodies_at(sight), &mut energies);
-        energies
+        self.answer(sight, answers::effect_energies)
     }
 
     fn residuals(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        if self.is_at(sight) {
-            return self.residuals();
-        }
-        self.of_equations(|out| self.system.residuals(&self.bodies_at(sight), out))
+        self.answer(sight, answers::residuals)
     }
 
     fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
-        if self.is_at(sight) { self.temperature() } else { self.temperature_of(&self.bodies_at(sight)) }
+        self.answer(sight, answers::temperature)
     }
 
     fn corrections(&self) -> Option<u64> {
@@ -383,7 +324,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Simulation<Y, S
     }
 
     fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.system.rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
+        answers::mass_product(&self.system, body, a, b)
     }
 
     fn step_size(&self) -> f64 {

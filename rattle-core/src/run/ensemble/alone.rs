@@ -11,8 +11,7 @@ use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::Simulation;
 use crate::run::watch::seen::Page;
-use crate::run::watch::sight::{Sight, Source};
-use nalgebra::SVector;
+use crate::run::watch::sight::Source;
 
 /// A simulation by itself.
 pub(crate) struct Alone<Y: System<f64, D>, S: Method, const D: usize> {
@@ -90,38 +89,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Watched<D> for Alone<Y, S, D>
     fn moving(&self) -> &[bool] {
         &self.moving
     }
-}
 
-impl<Y: System<f64, D>, S: Method, const D: usize> Source<D> for Alone<Y, S, D> {
-    fn energies(&self, _: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        self.simulation.energies(0, sight)
-    }
-
-    fn constraints(&self, _: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        self.simulation.constraints(0, sight)
-    }
-
-    fn effect_energies(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        Source::effect_energies(&self.simulation, 0, sight)
-    }
-
-    fn residuals(&self, _: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        Source::residuals(&self.simulation, 0, sight)
-    }
-
-    fn temperature(&self, _: usize, sight: &Sight<'_, D>) -> f64 {
-        Source::temperature(&self.simulation, 0, sight)
-    }
-
-    fn corrections(&self) -> Option<u64> {
-        self.simulation.corrections()
-    }
-
-    fn mass_product(&self, _: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.simulation.mass_product(0, body, a, b)
-    }
-
-    fn step_size(&self) -> f64 {
-        self.simulation.step_size()
+    fn source(&self) -> &dyn Source<D> {
+        &self.simulation
     }
 }

@@ -3,7 +3,6 @@
 use crate::effect::list::{Effects, Forces};
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
-use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
@@ -12,6 +11,7 @@ use crate::motion::system::System;
 use crate::motion::witness::{Whoever, Witness};
 use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
+use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
@@ -20,14 +20,11 @@ use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::plan::{Links, Places, Plan, masses};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
-use crate::run::readings::as_shown;
-use crate::run::watch::sight::{Sight, Source};
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, ROW, zeros};
 use crate::systems::network::shape::Shape;
 use crate::systems::network::{Network, constraints};
-use nalgebra::SVector;
 use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -486,11 +483,7 @@ where
     }
 
     fn forces(&self) -> Vec<&'static str> {
-        let system = &*self.law(0).system;
-        let mut bodies = system.bodies(&self.bodies(0), 0.0);
-        let mut forces = vec![[0.0; D]; self.bodies_of_each()];
-        let name = |number| system.add_force_alone(number, &mut bodies, &mut forces);
-        (0..F::EFFECTS).filter_map(name).collect()
+        forces(self.system(0), &self.bodies(0))
     }
 
     fn record(&self, to: &mut Record) {
@@ -511,7 +504,7 @@ where
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
-        of_system(&*self.law(lane).system, bodies, 0.0)
+        of_system(self.system(lane), bodies, 0.0)
     }
 
     fn method(&self) -> Hallmark {
@@ -519,44 +512,11 @@ where
     }
 }
 
-impl<F: Forces<f64, D>, const D: usize, const W: usize> Source<D> for LinkedLanes<F, D, W> {
-    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        let system = &*self.law(lane).system;
-        let bodies = as_shown(system, sight);
-        [system.kinetic_energy(&bodies), system.potential_energy(&bodies)]
-    }
+impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedLanes<F, D, W> {
+    type System = Linked<F, Many, D>;
 
-    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        let system = &*self.law(lane).system;
-        let bodies = as_shown(system, sight);
-        let (mut multipliers, mut forces) =
-            (vec![0.0; system.equations()], vec![[0.0; D]; sight.positions.len()]);
-        system.multipliers(&bodies, &mut multipliers);
-        system.constraint_forces(&bodies, &mut forces);
-        (multipliers, forces.into_iter().map(Into::into).collect())
-    }
-
-    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let (system, mut energies) = (&*self.law(lane).system, Vec::new());
-        system.effect_energies(&as_shown(system, sight), &mut energies);
-        energies
-    }
-
-    fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let system = &*self.law(lane).system;
-        let mut residuals = vec![0.0; system.equations()];
-        system.residuals(&as_shown(system, sight), &mut residuals);
-        residuals
-    }
-
-    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
-        let system = &*self.law(lane).system;
-        let bodies = as_shown(system, sight);
-        2.0 * system.kinetic_energy(&bodies) / system.freedom(&bodies) as f64
-    }
-
-    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        Rates::mass_product(&*self.law(lane).system, body, a, b)
+    fn system(&self, lane: usize) -> &Self::System {
+        &self.law(lane).system
     }
 
     fn step_size(&self) -> f64 {

@@ -6,7 +6,7 @@ use crate::run::watch::sight::Source;
 
 /// Trajectories that can be shown.
 #[allow(clippy::len_without_is_empty, reason = "there is one at least")]
-pub(crate) trait Watched<const D: usize>: Source<D> {
+pub(crate) trait Watched<const D: usize> {
     /// The number of trajectories.
     fn len(&self) -> usize;
     /// The number of bodies of each trajectory.
@@ -15,6 +15,8 @@ pub(crate) trait Watched<const D: usize>: Source<D> {
     fn look(&self, page: Page<'_, D>, set: InstructionSet);
     /// Whether each trajectory is still moving, that is, has not failed. There may be more entries than trajectories.
     fn moving(&self) -> &[bool];
+    /// What tells of a trajectory that is moving what a sight asks.
+    fn source(&self) -> &dyn Source<D>;
 }
 
 /// An observer of a group, and the steps at which it is shown the group.

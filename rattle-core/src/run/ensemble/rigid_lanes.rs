@@ -2,13 +2,13 @@
 
 use crate::error::Error;
 use crate::motion::bodies::Body;
-use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
+use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
@@ -16,11 +16,8 @@ use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Turns, Weights, push};
 use crate::run::ensemble::splitting_lanes::by_itself;
 use crate::run::fingerprint::of_system;
-use crate::run::readings::as_shown;
-use crate::run::watch::sight::{Sight, Source};
 use crate::systems::network::in_lanes::{at, put, zeros};
 use crate::systems::rigid::Rigid;
-use nalgebra::SVector;
 use std::any::Any;
 use std::array::from_fn;
 use std::hint::black_box;
@@ -95,11 +92,6 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
             sums,
             set,
         }
-    }
-
-    /// What a lane obeys.
-    fn system(&self, lane: usize) -> &Y {
-        &self.systems[self.system[lane]]
     }
 
     fn course(&self) -> Course<'_, W> {
@@ -258,10 +250,7 @@ where
     }
 
     fn forces(&self) -> Vec<&'static str> {
-        let mut bodies = self.system(0).bodies(&self.bodies(0), 0.0);
-        let mut forces = vec![[0.0; D]; self.bodies.len()];
-        let name = |number| self.system(0).add_force_alone(number, &mut bodies, &mut forces);
-        (0..Y::EFFECTS).filter_map(name).collect()
+        forces(self.system(0), &self.bodies(0))
     }
 
     fn record(&self, to: &mut Record) {
@@ -293,36 +282,11 @@ where
     }
 }
 
-impl<Y: System<f64, D>, const D: usize, const W: usize> Source<D> for RigidLanes<Y, D, W> {
-    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        let bodies = as_shown(self.system(lane), sight);
-        [self.system(lane).kinetic_energy(&bodies), self.system(lane).potential_energy(&bodies)]
-    }
+impl<Y: System<f64, D>, const D: usize, const W: usize> Obeying<D> for RigidLanes<Y, D, W> {
+    type System = Y;
 
-    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        let mut forces = vec![[0.0; D]; sight.positions.len()];
-        self.system(lane).constraint_forces(&as_shown(self.system(lane), sight), &mut forces);
-        (Vec::new(), forces.into_iter().map(Into::into).collect()) // no equation is left
-    }
-
-    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        let (system, mut energies) = (self.system(lane), Vec::new());
-        system.effect_energies(&as_shown(system, sight), &mut energies);
-        energies
-    }
-
-    fn residuals(&self, _: usize, _: &Sight<'_, D>) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
-        let system = self.system(lane);
-        let bodies = as_shown(system, sight);
-        2.0 * system.kinetic_energy(&bodies) / system.freedom(&bodies) as f64
-    }
-
-    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.system(lane).rates().map_or(f64::NAN, |masses| masses.mass_product(body, a, b))
+    fn system(&self, lane: usize) -> &Y {
+        &self.systems[self.system[lane]]
     }
 
     fn step_size(&self) -> f64 {

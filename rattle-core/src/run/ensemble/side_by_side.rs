@@ -14,8 +14,7 @@ use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
 use crate::run::watch::seen::Page;
-use crate::run::watch::sight::{Sight, Source};
-use nalgebra::SVector;
+use crate::run::watch::sight::Source;
 use std::array::from_fn;
 use std::hint::black_box;
 
@@ -561,34 +560,8 @@ impl<const D: usize> Watched<D> for SideBySide<D> {
     fn moving(&self) -> &[bool] {
         &self.moving
     }
-}
 
-impl<const D: usize> Source<D> for SideBySide<D> {
-    fn energies(&self, lane: usize, sight: &Sight<'_, D>) -> [f64; 2] {
-        self.engine.energies(lane, sight)
-    }
-
-    fn constraints(&self, lane: usize, sight: &Sight<'_, D>) -> (Vec<f64>, Vec<SVector<f64, D>>) {
-        self.engine.constraints(lane, sight)
-    }
-
-    fn effect_energies(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        self.engine.effect_energies(lane, sight)
-    }
-
-    fn residuals(&self, lane: usize, sight: &Sight<'_, D>) -> Vec<f64> {
-        self.engine.residuals(lane, sight)
-    }
-
-    fn temperature(&self, lane: usize, sight: &Sight<'_, D>) -> f64 {
-        self.engine.temperature(lane, sight)
-    }
-
-    fn mass_product(&self, lane: usize, body: usize, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.engine.mass_product(lane, body, a, b)
-    }
-
-    fn step_size(&self) -> f64 {
-        self.h
+    fn source(&self) -> &dyn Source<D> {
+        &*self.engine
     }
 }

@@ -17,7 +17,7 @@ pub(super) trait AnyObserver<const D: usize> {
 
 impl<O: Observer<D>, const D: usize> AnyObserver<D> for O {
     fn see_group(&mut self, group: &dyn Watched<D>, first: usize, before: &Seen<D>, now: &Seen<D>) {
-        let sights = before.sights(group, first).zip(now.sights(group, first));
+        let sights = before.sights(group.source(), first).zip(now.sights(group.source(), first));
         for ((before, now), &moves) in sights.zip(group.moving()) {
             if moves {
                 self.see(&before, &now);

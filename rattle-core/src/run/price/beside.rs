@@ -110,7 +110,7 @@ impl<const D: usize> Moving for FirstOfEnsemble<'_, D> {
     fn energy(&self) -> f64 {
         let (group, set) = (&self.ensemble.groups[0], self.ensemble.set);
         let now = Seen::new(0, group.len(), group.bodies(), |page| group.look(page, set));
-        now.sights(group.as_ref(), 0).next().map_or(f64::NAN, |first| first.energy())
+        now.sights(group.source(), 0).next().map_or(f64::NAN, |first| first.energy())
     }
     fn energy_error(&self) -> f64 {
         self.energy() - self.energy
