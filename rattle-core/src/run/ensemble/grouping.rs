@@ -22,11 +22,12 @@ use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::{RigidRow, Turns};
 use crate::run::ensemble::side_by_side::side_by_side;
-use crate::run::ensemble::splitting_lanes::SplittingLanes;
+use crate::run::ensemble::splitting_lanes::{Splits, SplittingLanes};
 use crate::systems::network::Network;
 use crate::systems::network::in_lanes::{FEW, ROW};
 use crate::systems::rigid::Rigid;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 /// Groups of trajectories in lanes, if they go in lanes.
 pub(super) type Groups<const D: usize> = Option<Vec<Box<dyn Group<D>>>>;
@@ -58,6 +59,12 @@ impl HowInLanes {
         };
         let long = h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT);
         (goes && long).then_some(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
+    }
+
+    /// The method that these are, a splitting, as it moves rows.
+    fn splits<P: Precision, S: Method>(&self) -> Splits {
+        let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
+        Splits::new(&self.stages, self.h, equal, P::compute(Sums), self.set)
     }
 }
 
@@ -172,10 +179,7 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    let HowInLanes { stages, h, set, first, .. } = lanes;
-    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    let bodies = starts.first()?.len();
-    let method = (&stages[..], equal, *h, P::compute(Sums), *set);
+    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.splits::<P, S>());
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
@@ -194,15 +198,12 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    let HowInLanes { stages, h, set, first, .. } = lanes;
-    let bodies = starts.first()?.len();
+    let (bodies, first) = (starts.first()?.len(), lanes.first);
     if starts.iter().any(|start| start.len() != bodies) {
         return None;
     }
-    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    let method = (&stages[..], equal, *h, P::compute(Sums), *set);
     in_rows(ROW, starts, &|from, starts| {
-        let own = from..from + starts.len();
+        let (own, method) = (from..from + starts.len(), lanes.splits::<P, S>());
         let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
         Some(side_by_side(Box::new(row), first + from, starts))
     })
@@ -221,9 +222,9 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     if starts.iter().any(|start| start.len() != number) {
         return None;
     }
-    let rows = Rigids { bodies, systems, effects, starts, lanes, sums: P::compute(Sums) };
-    let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-    if starts.len() <= 3 * FEW { rows.of::<FEW>(equal) } else { rows.of::<ROW>(equal) }
+    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>()));
+    let rows = Rigids { bodies, systems, effects, starts, first, method };
+    if starts.len() <= 3 * FEW { rows.of::<FEW>() } else { rows.of::<ROW>() }
 }
 
 /// What turns rigid bodies.
@@ -257,25 +258,23 @@ struct Rigids<'a, X, Y, const D: usize> {
     systems: &'a [Y],
     effects: &'a X,
     starts: &'a [State<D>],
-    lanes: &'a HowInLanes,
-    sums: bool,
+    first: usize,
+    method: Arc<Splits>,
 }
 
 impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
     /// Rows of W.
-    fn of<const W: usize>(&self, equal: bool) -> Groups<D>
+    fn of<const W: usize>(&self) -> Groups<D>
     where
         Width: Turns<W>,
     {
-        let Self { bodies, systems, effects, starts, lanes: HowInLanes { stages, h, set, first, .. }, sums } =
-            *self;
+        let Self { bodies, systems, effects, starts, first, ref method } = *self;
         in_rows(W, starts, &|from, starts| {
             let own = if systems.len() == 1 { 0..1 } else { from..from + starts.len() };
             let (systems, bodies) = (systems[own.clone()].into(), &bodies[own]);
-            let method = (&stages[..], equal, *h);
             let number = starts[0].len();
             let pulls = effects.pulls(from, number);
-            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, pulls, number, method, sums, *set);
+            let engine = RigidLanes::<Y, D, W>::new(systems, bodies, pulls, number, method.clone());
             Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }

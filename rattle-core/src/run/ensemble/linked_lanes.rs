@@ -4,12 +4,10 @@ use crate::effect::list::{Effects, Forces};
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::failure::Failure;
-use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::witness::{Whoever, Witness};
-use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
@@ -18,7 +16,7 @@ use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::plan::{Links, Places, Plan, masses};
-use crate::run::ensemble::splitting_lanes::by_itself;
+use crate::run::ensemble::splitting_lanes::{Splits, by_itself};
 use crate::run::fingerprint::of_system;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
@@ -33,12 +31,7 @@ use std::sync::Arc;
 /// What all rows of an ensemble have in common.
 pub(super) struct Common {
     plan: Plan,
-    stages: Vec<Stage>,
-    parts: Vec<Part>,
-    h: f64,
-    equal: bool,
-    sums: bool,
-    set: Fusing,
+    method: Splits,
 }
 
 /// A network, what moves a lane of it as a simulation does, and the mass and 1 over it of each coordinate.
@@ -84,9 +77,6 @@ impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     }
 }
 
-/// A method: its stages, whether these are equal, and its step; whether sums are compensated; and the instructions.
-pub(super) type Splits<'a> = (&'a [Stage], bool, f64, bool, Fusing);
-
 impl<F: Forces<f64, D>, const D: usize, const W: usize> LinkedLanes<F, D, W>
 where
     Width: Wide<W>,
@@ -97,11 +87,11 @@ where
         network: &Network<D>,
         effects: &E,
         bodies: usize,
-        method: Splits<'_>,
+        method: Splits,
     ) -> Option<Self> {
         let shape = network.shape(bodies).ok()?;
         let (plan, links) =
-            (Plan::of(&shape, method.3, false)?, Links::of(&shape, |_, group| Width::links(group))?);
+            (Plan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
         let obeyed = Obeyed {
             laws: vec![Law::new(network, shape, effects, bodies)?],
             links,
@@ -111,11 +101,9 @@ where
         Some(Self::with(plan, obeyed, method))
     }
 
-    fn with(plan: Plan, obeyed: Obeyed<F, D, W>, (stages, equal, h, sums, set): Splits<'_>) -> Self {
-        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
+    fn with(plan: Plan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
         let numbers = vec![zeros(); plan.places.kept];
-        let common = Common { plan, stages: stages.to_vec(), parts, h, equal, sums, set };
-        Self { common: Arc::new(common), obeyed: Arc::new(obeyed), numbers, part: 0 }
+        Self { common: Arc::new(Common { plan, method }), obeyed: Arc::new(obeyed), numbers, part: 0 }
     }
 }
 
@@ -126,7 +114,7 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
         networks: &[&Network<D>],
         effects: &[&E],
         bodies: usize,
-        method: Splits<'_>,
+        method: Splits,
     ) -> Option<Self> {
         let laws = networks
             .iter()
@@ -142,7 +130,7 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
             return None;
         }
         let apart = laws.iter().any(|law| law.masses != first.masses);
-        let plan = Plan::of(&first.system.shape, method.3, apart)?;
+        let plan = Plan::of(&first.system.shape, method.sums, apart)?;
         let links = Links::of(&first.system.shape, |number, group| {
             let groups: Vec<_> = laws.iter().map(|law| &*law.system.shape.groups[number]).collect();
             group.swept(&groups)
@@ -171,7 +159,7 @@ where
 
     /// Bodies of a lane, with these places of the numbers of velocities, times the unit of a part.
     fn bodies_of(&self, numbers: &[Numbers<W>], lane: usize, [way, low]: [usize; 2]) -> Vec<Body<f64, D>> {
-        let unit = self.common.parts[self.part].unit;
+        let unit = self.common.method.parts[self.part].unit;
         bodies_of(&self.common, &self.law(lane).masses, numbers, lane, [way, low], unit)
     }
 
@@ -220,7 +208,7 @@ impl<F, const D: usize, const W: usize> LinkedLanes<F, D, W> {
     }
 
     fn course(&self) -> Course<'_, W> {
-        let Common { plan, parts, equal, sums, set, .. } = &*self.common;
+        let Common { plan, method: Splits { parts, equal, sums, set, .. } } = &*self.common;
         let Obeyed { links, over, .. } = &*self.obeyed;
         Course { plan, links, over: over.as_deref(), parts, equal: *equal, sums: *sums, set: *set }
     }
@@ -229,7 +217,7 @@ impl<F, const D: usize, const W: usize> LinkedLanes<F, D, W> {
 /// Bodies of a lane; low digits of momenta only where sums are compensated.
 #[inline(never)]
 pub(super) fn bodies_of<const D: usize, const W: usize>(
-    Common { plan, sums, .. }: &Common,
+    Common { plan, method: Splits { sums, .. } }: &Common,
     masses: &[[f64; 2]],
     numbers: &[Numbers<W>],
     lane: usize,
@@ -372,7 +360,7 @@ where
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let law = self.law(lane).clone();
         let (system, common) = (&*law.system, self.common.clone());
-        let Common { plan, parts, equal, sums, h, .. } = &*common;
+        let Common { plan, method: Splits { parts, equal, sums, h, .. } } = &*common;
         let Places { q, q_low, way, way_low, lifted, guess, last, earlier, square, rest, .. } = plan.places;
         let part = &parts[self.part];
         let mut ahead = system.bodies(bodies, 0.0);
@@ -465,14 +453,14 @@ where
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
         let law = self.law(lane);
-        let ready = law.ready(bodies, self.common.h);
+        let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);
-        by_itself::<f64, _, D>(system, &self.common.stages, None, steps, parts, bodies)
+        by_itself::<f64, _, D>(system, &self.common.method.stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
         let Some(pulls) = &self.obeyed.pulls else { return };
-        let Common { plan, parts, set, .. } = &*self.common;
+        let Common { plan, method: Splits { parts, set, .. } } = &*self.common;
         let (mut pulling, n) = (pulls.begin(), plan.coordinates);
         let mut kicked = vec![zeros(); n];
         for _ in 0..steps * parts.len() as u32 {
@@ -499,7 +487,7 @@ where
             *to = Lanes(from.map(Fused));
         }
         let [part] = from.counted("part")?;
-        again.part = part as usize % self.common.parts.len();
+        again.part = part as usize % self.common.method.parts.len();
         Ok(Box::new(again))
     }
 
@@ -508,7 +496,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        Hallmark::new("method", "a splitting", Stage::numbers(&self.common.stages))
+        self.common.method.hallmark()
     }
 }
 
@@ -520,6 +508,6 @@ impl<F: Forces<f64, D>, const D: usize, const W: usize> Obeying<D> for LinkedLan
     }
 
     fn step_size(&self) -> f64 {
-        self.common.h
+        self.common.method.h
     }
 }

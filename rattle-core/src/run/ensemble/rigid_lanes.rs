@@ -3,10 +3,8 @@
 use crate::error::Error;
 use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
-use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
-use crate::number::instructions::Fusing;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
@@ -14,7 +12,7 @@ use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Turns, Weights, push};
-use crate::run::ensemble::splitting_lanes::by_itself;
+use crate::run::ensemble::splitting_lanes::{Splits, by_itself};
 use crate::run::fingerprint::of_system;
 use crate::systems::network::in_lanes::{at, put, zeros};
 use crate::systems::rigid::Rigid;
@@ -32,15 +30,10 @@ pub(super) struct RigidLanes<Y, const D: usize, const W: usize> {
     inertia: Inertia<W>,
     pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
     bodies: Vec<Rotor<W>>,
-    stages: Arc<[Stage]>,
-    parts: Arc<[Part]>,
+    method: Arc<Splits>,
     guesses: Arc<[Weights]>,
     /// The part of the method's step that comes next.
     part: usize,
-    h: f64,
-    equal: bool,
-    sums: bool,
-    set: Fusing,
 }
 
 impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
@@ -49,16 +42,12 @@ impl<Y, const D: usize, const W: usize> Clone for RigidLanes<Y, D, W> {
             systems: self.systems.clone(),
             pulls: self.pulls.as_ref().map(|pulls| pulls.boxed()),
             bodies: self.bodies.clone(),
-            stages: self.stages.clone(),
-            parts: self.parts.clone(),
+            method: self.method.clone(),
             guesses: self.guesses.clone(),
             ..*self
         }
     }
 }
-
-/// A method: its stages, whether these are one, and its step.
-pub(super) type Splits<'a> = (&'a [Stage], bool, f64);
 
 impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
     /// Lanes, none of them set, for so many bodies; one system and its body for all lanes, or one for each.
@@ -67,50 +56,44 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
         rigid: &[&Rigid],
         pulls: Option<Box<dyn Pulls<RigidRow, W>>>,
         bodies: usize,
-        (stages, equal, h): Splits<'_>,
-        sums: bool,
-        set: Fusing,
+        method: Arc<Splits>,
     ) -> Self {
         let of = |lane: usize| if lane < rigid.len() { lane } else { 0 };
         let mut inertia = rigid[0].moments().map(|x| Lanes([Fused(x); W]));
         for lane in 0..W {
             inertia.put(lane, &rigid[of(lane)].moments().map(Fused));
         }
-        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
         Self {
             system: from_fn(|lane| if lane < systems.len() { lane } else { 0 }),
             systems,
             inertia,
             pulls,
             bodies: vec![Rotor::new(); bodies],
-            stages: stages.into(),
-            guesses: Weights::of(&parts).into(),
-            parts: parts.into(),
+            guesses: Weights::of(&method.parts).into(),
+            method,
             part: 0,
-            h,
-            equal,
-            sums,
-            set,
         }
     }
 
     fn course(&self) -> Course<'_, W> {
-        let Self { inertia, parts, guesses, equal, sums, set, .. } = self;
+        let Self { inertia, guesses, method, .. } = self;
+        let Splits { parts, equal, sums, set, .. } = &**method;
         Course { inertia, parts, guesses, equal: *equal, sums: *sums, set: *set }
     }
 
     /// Momenta of all bodies times the unit of the part to come, and what rounding took from them: with the kick of
     /// that part taken back.
     fn ways(&self, bodies: &[Rotor<W>], part: usize) -> Vec<[Three<W>; 2]> {
-        let Part { unit, lead, .. } = self.parts[part];
+        let Splits { parts, sums, set, .. } = &*self.method;
+        let Part { unit, lead, .. } = parts[part];
         let mut ways: Vec<_> = bodies.iter().map(|rotor| [rotor.way, rotor.way_low]).collect();
         if lead != 0.0
             && let Some(pulls) = &self.pulls
         {
             let mut kicks = vec![[zeros(); 3]; bodies.len()];
-            pulls.begin().pull(self.set, -unit * lead, (bodies, &mut kicks));
+            pulls.begin().pull(*set, -unit * lead, (bodies, &mut kicks));
             for ([way, low], kick) in ways.iter_mut().zip(&kicks) {
-                push(self.sums, kick, way, low);
+                push(*sums, kick, way, low);
             }
         }
         ways
@@ -124,7 +107,7 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> RigidLanes<Y, D, W> {
         part: usize,
         lane: usize,
     ) -> Vec<Body<f64, D>> {
-        let unit = self.parts[part].unit;
+        let unit = self.method.parts[part].unit;
         let body = |(Rotor { q, q_low, .. }, [way, low]): (&Rotor<W>, &[Three<W>; 2])| {
             let [q, q_low] = [q, q_low].map(|q| at(q, lane));
             let momentum = |way: &Three<W>| from_fn(|k| if k < 3 { way[k].0[lane].0 / unit } else { 0.0 });
@@ -181,7 +164,8 @@ where
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
-        let (Part { h, unit, lead, .. }, before) = (self.parts[self.part], self.guesses[self.part].before);
+        let (Part { h, unit, lead, .. }, before) =
+            (self.method.parts[self.part], self.guesses[self.part].before);
         let (system, moments) = (self.system(lane), self.inertia.lane(lane).map(|x| x.0));
         let mut ahead = system.bodies(bodies, 0.0);
         let mut holds = system.settle(lead, h, &mut ahead, &mut ()).is_ok();
@@ -192,7 +176,7 @@ where
             let x = moments.rotation(&v);
             holds &= x.is_some() && way.iter().sum::<f64>().is_finite();
             let rest = x.map_or([0.0; 3], |x| moments.rest(&v, &x));
-            let sums = |x: f64| if self.sums { Fused(x) } else { Fused(0.0) };
+            let sums = |x: f64| if self.method.sums { Fused(x) } else { Fused(0.0) };
             put(&mut rotor.q, lane, from_fn(|k| Fused(q[k])));
             put(&mut rotor.q_low, lane, from_fn(|k| sums(q_low[k])));
             put(&mut rotor.way, lane, way.map(Fused));
@@ -236,15 +220,15 @@ where
         steps: u64,
         parts: u32,
     ) -> Result<Vec<Body<f64, D>>, Failure> {
-        by_itself::<f64, _, D>(self.system(lane), &self.stages, None, steps, parts, bodies)
+        by_itself::<f64, _, D>(self.system(lane), &self.method.stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
         let Some(pulls) = &self.pulls else { return };
         let mut pulling = pulls.begin();
         let mut kicks = vec![[zeros(); 3]; self.bodies.len()];
-        for _ in 0..steps * self.parts.len() as u32 {
-            pulling.pull(self.set, 1e-9, (black_box(&self.bodies), &mut kicks));
+        for _ in 0..steps * self.method.parts.len() as u32 {
+            pulling.pull(self.method.set, 1e-9, (black_box(&self.bodies), &mut kicks));
         }
         black_box(kicks);
     }
@@ -269,7 +253,7 @@ where
             *to = Lanes(from.map(Fused));
         }
         let [part] = from.counted("part")?;
-        again.part = part as usize % self.parts.len();
+        again.part = part as usize % self.method.parts.len();
         Ok(Box::new(again))
     }
 
@@ -278,7 +262,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
+        self.method.hallmark()
     }
 }
 
@@ -290,6 +274,6 @@ impl<Y: System<f64, D>, const D: usize, const W: usize> Obeying<D> for RigidLane
     }
 
     fn step_size(&self) -> f64 {
-        self.h
+        self.method.h
     }
 }

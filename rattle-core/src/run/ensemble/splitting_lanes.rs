@@ -167,6 +167,29 @@ where
 
 answered_by_laws!(SplittingLanes, EQUAL: bool);
 
+/// A splitting, as it moves rows of linked and of rigid bodies.
+pub(super) struct Splits {
+    pub(super) stages: Vec<Stage>,
+    pub(super) parts: Vec<Part>,
+    pub(super) h: f64,
+    /// Whether all steps are equal: a step of the method is one stage.
+    pub(super) equal: bool,
+    /// Whether sums are compensated.
+    pub(super) sums: bool,
+    pub(super) set: Fusing,
+}
+
+impl Splits {
+    pub(super) fn new(stages: &[Stage], h: f64, equal: bool, sums: bool, set: Fusing) -> Self {
+        let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
+        Self { stages: stages.to_vec(), parts, h, equal, sums, set }
+    }
+
+    pub(super) fn hallmark(&self) -> Hallmark {
+        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
+    }
+}
+
 /// Where bodies are after so many steps of these stages, each in so many equal parts; with flows that act after so many
 /// stages, and draw these random numbers in the first step.
 #[cold]
