@@ -6,6 +6,8 @@ mod common;
 mod ensemble;
 #[path = "../ensemble_retry.rs"]
 mod ensemble_retry;
+#[path = "../lanes_flows.rs"]
+mod lanes_flows;
 #[path = "../lanes_heat.rs"]
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]

@@ -72,6 +72,12 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
         }
     }
 
+    fn linear(&self, h: f64) -> Option<[[f64; D]; D]> {
+        let factor = self.of_bodies.first().copied().unwrap_or(1.0);
+        let lost = self.along.map(|c| (-h * (c * factor)).exp_m1());
+        Some(from_fn(|i| from_fn(|k| if i == k { lost[i] } else { 0.0 })))
+    }
+
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_listed(self.of_bodies.len(), bodies)?;
         let numbers = self.along.iter().chain(&self.of_bodies);

@@ -21,8 +21,14 @@ use std::array::from_fn;
 /// the middle of their step instead. Momenta are then made tangent to the constraints again, by a [rule](Rule) that
 /// keeps second order. The work of flows is part of [`Simulation::work`](crate::run::simulation::Simulation::work), so
 /// the energy error is that of the method. Only methods with a symmetric step, and with momenta at the time of the
-/// positions, can be split like this; others are refused before a run. Trajectories of an ensemble with flows are
-/// computed one by one, not in lanes, except for [heat by `Baoab`](Flow::ornstein_uhlenbeck).
+/// positions, can be split like this; others are refused before a run.
+///
+/// **In lanes.** Ensembles of one body on a surface apply flows in SIMD lanes. A flow with a
+/// [matrix](Self::linear), or one that is an [Ornstein–Uhlenbeck process](Self::ornstein_uhlenbeck), is applied to all
+/// lanes at once. Any other flow is evaluated lane by lane, with a lane's number as `T`: with `#[inline(always)]` it
+/// can be compiled for the wide instructions of the lanes. Flows that [feel forces](Self::FEELS_FORCES), and flows in
+/// other scenes, are computed as one simulation per trajectory;
+/// [`Ensemble::plan`](crate::run::ensemble::Ensemble::plan) says so.
 ///
 /// ```
 /// use rattle::effect::{Flow, Interval};
@@ -69,8 +75,15 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
 
     /// The flow in a time `h` as an Ornstein–Uhlenbeck process, if it is one: [`flow`](Self::flow) then writes
     /// `lost` p + [`during.normal(seed, body, variance)`](Interval::normal) for every body. Ensembles apply such a flow
-    /// in SIMD lanes, if it is the only flow of the scene and the method applies it inside its step.
+    /// to all SIMD lanes at once.
     fn ornstein_uhlenbeck(&self, _h: f64) -> Option<OrnsteinUhlenbeck> {
+        None
+    }
+
+    /// The matrix A of a flow that is linear, row by row: [`flow`](Self::flow) then writes A p in a time `h` in a scene
+    /// of one body of unit mass, with the same A at all positions and times. Ensembles apply such a flow to all SIMD
+    /// lanes at once.
+    fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
         None
     }
 
@@ -126,11 +139,15 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     fn manner(&self) -> Manner {
         Manner { rule: F::RULE, feels: F::FEELS_FORCES, pushes: false }
     }
+    #[inline(always)]
     fn flow(&self, during: &Interval<'_, T, D>, (): &mut (), changes: &mut [[T; D]]) {
         self.0.flow(during, changes);
     }
     fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
         self.0.ornstein_uhlenbeck(h)
+    }
+    fn linear(&self, h: f64) -> Option<[[f64; D]; D]> {
+        self.0.linear(h)
     }
 
     fn add_forces(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}

@@ -92,16 +92,18 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     ) {
         changes.fill([T::from_f64(0.0); D]);
     }
-    /// The only flow as an [Ornstein–Uhlenbeck process](Acting::ornstein_uhlenbeck) in a time `h`; `None` where there
-    /// are other flows, or none.
-    fn ornstein_uhlenbeck(&self, _h: f64) -> Option<OrnsteinUhlenbeck> {
+    /// Flow number `number` as an [Ornstein–Uhlenbeck process](Acting::ornstein_uhlenbeck) in a time `h`, if it is one.
+    fn ornstein_uhlenbeck(&self, _number: usize, _h: f64) -> Option<OrnsteinUhlenbeck> {
         None
     }
-    /// Whether the effects that are no flows can act in the lanes of an ensemble: forces that do not depend on time and
-    /// need no working memory.
-    #[inline(always)]
-    fn in_lanes(&self) -> bool {
-        size_of::<Self::Room>() == 0 && !self.changes_with_time()
+    /// The [matrix](Acting::linear) of flow number `number` in a time `h`, if it is linear.
+    fn linear(&self, _number: usize, _h: f64) -> Option<[[f64; D]; D]> {
+        None
+    }
+    /// The name of the type of the first effect that cannot act in the lanes of an ensemble: one that needs working
+    /// memory or [remembers](Acting::REMEMBERS), or a force that depends on time.
+    fn not_in_lanes(&self) -> Option<&'static str> {
+        None
     }
 
     /// Sets the force on every body. Neither allocates nor panics.
@@ -275,6 +277,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     fn manner(&self, number: usize) -> (Manner, &'static str) {
         if number < F::FLOWS { self.others.manner(number) } else { (self.effect.manner(), self.name) }
     }
+    #[inline(always)]
     fn flow(
         &self,
         number: usize,
@@ -292,12 +295,21 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
             self.effect.flow(&Interval { marks: of_own, ..*during }, own, changes);
         }
     }
-    fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
-        match (const { A::FLOWS }, const { F::FLOWS }) {
-            (true, 0) => self.effect.ornstein_uhlenbeck(h),
-            (true, _) => None,
-            (false, _) => self.others.ornstein_uhlenbeck(h),
+    fn ornstein_uhlenbeck(&self, number: usize, h: f64) -> Option<OrnsteinUhlenbeck> {
+        if number < F::FLOWS {
+            self.others.ornstein_uhlenbeck(number, h)
+        } else {
+            self.effect.ornstein_uhlenbeck(h)
         }
+    }
+    fn linear(&self, number: usize, h: f64) -> Option<[[f64; D]; D]> {
+        if number < F::FLOWS { self.others.linear(number, h) } else { self.effect.linear(h) }
+    }
+    fn not_in_lanes(&self) -> Option<&'static str> {
+        self.others.not_in_lanes().or_else(|| {
+            let timed = !A::FLOWS && self.effect.changes_with_time();
+            (size_of::<A::Room>() > 0 || A::REMEMBERS || timed).then_some(self.name)
+        })
     }
     #[inline(always)]
     fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]) {
@@ -385,6 +397,7 @@ impl<S: Lane, const D: usize> Swept<S, D> for () {
 
 impl<S: Lane, A: Swept<S, D>, F: Swept<S, D>, const D: usize> Swept<S, D> for Superposed<A, F> {
     type Lane = Superposed<A::Lane, F::Lane>;
+    const FLOWS: usize = F::FLOWS + A::FLOWS;
 
     #[inline(always)]
     fn lane(&self, lane: usize) -> Self::Lane {
@@ -393,6 +406,14 @@ impl<S: Lane, A: Swept<S, D>, F: Swept<S, D>, const D: usize> Swept<S, D> for Su
     #[inline(always)]
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
         self.effect.kick(lane, q, c, self.others.kick(lane, q, c, p))
+    }
+    #[inline(always)]
+    fn flow(&self, lane: usize, number: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]) {
+        if number < F::FLOWS {
+            self.others.flow(lane, number, during, changes);
+        } else {
+            self.effect.flow(lane, number - F::FLOWS, during, changes);
+        }
     }
     fn copy(&mut self, from: usize, to: usize) {
         self.effect.copy(from, to);

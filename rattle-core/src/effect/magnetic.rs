@@ -1,7 +1,7 @@
 //! A magnetic field, which turns momenta and does no work.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval, inverse_mass};
+use crate::effect::interval::{Inertia, Interval, UnitMasses, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::Real;
@@ -67,6 +67,18 @@ impl MagneticField {
         self.field.map(|b| T::from_f64(h * charge * b))
     }
 
+    /// What a momentum in space changes by in a time h.
+    fn in_space<T: Real>(&self, h: f64, inertia: &dyn Inertia<T, 3>, body: usize, p: &[T; 3]) -> [T; 3] {
+        let [a, b, c] = self.turn(0.5 * h, body);
+        turned(inertia, body, p, |[x, y, z]| [y * c - z * b, z * a - x * c, x * b - y * a])
+    }
+
+    /// What a momentum in the plane changes by in a time h.
+    fn in_plane<T: Real>(&self, h: f64, inertia: &dyn Inertia<T, 2>, body: usize, p: &[T; 2]) -> [T; 2] {
+        let [.., c] = self.turn(0.5 * h, body);
+        turned(inertia, body, p, |[x, y]| [y * c, -(x * c)])
+    }
+
     fn look(&self, bodies: usize) -> Result<(), EffectMistake> {
         EffectMistake::unless_listed(self.charges.len(), bodies)?;
         self.field.iter().try_for_each(|&b| EffectMistake::unless_finite("a component of the field", b))?;
@@ -77,10 +89,12 @@ impl MagneticField {
 impl Flow<3> for MagneticField {
     fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
-            let [a, b, c] = self.turn(0.5 * during.h, body);
-            *change =
-                turned(during.inertia, body, p, |[x, y, z]| [y * c - z * b, z * a - x * c, x * b - y * a]);
+            *change = self.in_space(during.h, during.inertia, body, p);
         }
+    }
+
+    fn linear(&self, h: f64) -> Option<[[f64; 3]; 3]> {
+        Some(matrix(|p| self.in_space(h, &UnitMasses, 0, p)))
     }
 
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
@@ -91,14 +105,23 @@ impl Flow<3> for MagneticField {
 impl Flow<2> for MagneticField {
     fn flow<T: Real>(&self, during: &Interval<'_, T, 2>, changes: &mut [[T; 2]]) {
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
-            let [.., c] = self.turn(0.5 * during.h, body);
-            *change = turned(during.inertia, body, p, |[x, y]| [y * c, -(x * c)]);
+            *change = self.in_plane(during.h, during.inertia, body, p);
         }
+    }
+
+    fn linear(&self, h: f64) -> Option<[[f64; 2]; 2]> {
+        Some(matrix(|p| self.in_plane(h, &UnitMasses, 0, p)))
     }
 
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
         self.look(bodies)
     }
+}
+
+/// The matrix of a linear map, row by row.
+fn matrix<const D: usize>(map: impl Fn(&[f64; D]) -> [f64; D]) -> [[f64; D]; D] {
+    let columns: [[f64; D]; D] = from_fn(|k| map(&from_fn(|i| f64::from(u8::from(i == k)))));
+    from_fn(|i| from_fn(|k| columns[k][i]))
 }
 
 /// What a momentum changes by under ṗ = 2 A M⁻¹p in the unit of time, A antisymmetric, by the implicit rule of the

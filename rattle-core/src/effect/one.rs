@@ -66,14 +66,13 @@ pub trait Effect<const D: usize, Kind> {
 pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// The working memory of the effect; `()` for none.
     type Room: Clone + Debug + Send + Sync + 'static;
-    /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta. Such an effect is not computed in lanes,
-    /// except for an [Ornstein–Uhlenbeck process](Self::ornstein_uhlenbeck).
+    /// Whether the effect is a [`Flow`](crate::effect::Flow) of momenta.
     const FLOWS: bool = false;
     /// Working memory for `bodies` bodies. Everything must be allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
 
-    /// Whether forces at fixed positions change with time. Such an effect is not computed in lanes, and has no power
-    /// series.
+    /// Whether forces at fixed positions, or the flow, change with time. Such forces are not computed in lanes, and have
+    /// no power series.
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         false
@@ -139,6 +138,11 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
+    /// The matrix of a flow that is linear, see [`Flow::linear`](crate::effect::Flow::linear).
+    fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
+        None
+    }
+
     /// The number of blocks of [products](crate::kernel::series) for a coefficient of the forces; `None` without a
     /// power series.
     fn series_blocks(&self, _bodies: usize) -> Option<usize> {
@@ -158,6 +162,7 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 /// One after the other: effects that hold more than numbers.
 impl<S: Lane, A: Acting<S, D>, const L: usize, const D: usize> Swept<S, D> for [A; L] {
     type Lane = A;
+    const FLOWS: usize = A::FLOWS as usize;
 
     fn lane(&self, lane: usize) -> A {
         self[lane].clone()
@@ -165,6 +170,10 @@ impl<S: Lane, A: Acting<S, D>, const L: usize, const D: usize> Swept<S, D> for [
     #[inline(always)]
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
         self[lane].kick(q, c, p)
+    }
+    #[inline(always)]
+    fn flow(&self, lane: usize, _: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]) {
+        self[lane].flow(during, &mut self[lane].room(changes.len()), changes);
     }
     fn copy(&mut self, from: usize, to: usize) {
         self[to] = self[from].clone();

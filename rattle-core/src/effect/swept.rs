@@ -1,5 +1,6 @@
 //! Effects in the lanes of a sweep, each lane with parameters of its own.
 
+use crate::effect::interval::Interval;
 use crate::number::lanes::Lane;
 
 /// Effects on L lanes of one body each, every lane with parameters of its own; stored so that a loop over lanes reads
@@ -7,11 +8,17 @@ use crate::number::lanes::Lane;
 pub trait Swept<S: Lane, const D: usize>: Clone + Send + Sync {
     /// The effects of one lane.
     type Lane;
+    /// The number of effects that are [flows](crate::effect::Flow) of momenta.
+    const FLOWS: usize = 0;
 
     /// The effects of this lane, by themselves.
     fn lane(&self, lane: usize) -> Self::Lane;
     /// p + c f, with the force f on the body of this lane.
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D];
+    /// Writes the change of the momentum of the body of this lane by flow number `number`, counted from 0.
+    fn flow(&self, _lane: usize, _number: usize, _during: &Interval<'_, S, D>, changes: &mut [[S; D]]) {
+        changes.fill([S::default(); D]);
+    }
     /// Copies the parameters of lane `from` to lane `to`.
     fn copy(&mut self, from: usize, to: usize);
 }

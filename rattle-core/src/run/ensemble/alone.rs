@@ -50,6 +50,10 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Group<D> for Alone<Y, S, D> {
         self.simulation.state()
     }
 
+    fn work(&self, _: usize) -> f64 {
+        self.simulation.work()
+    }
+
     fn bill(&self) -> Result<Bill, Error> {
         self.simulation.bill()
     }

@@ -16,7 +16,7 @@ use crate::number::vectors::at;
 use crate::run::ensemble::around::look_around;
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
-use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
@@ -104,7 +104,8 @@ where
         _: u64,
         steps: u64,
         parts: u32,
-    ) -> Result<Vec<Body<f64, D>>, Failure> {
+        _: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
         let Self { laws, table, h, .. } = self;
         let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
@@ -113,7 +114,7 @@ where
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
             system.check_sheets(number, *h, &start, &mut bodies)?;
         }
-        Ok(vec![bodies.body(0).map(S::to_f64)])
+        Ok((vec![bodies.body(0).map(S::to_f64)], 0.0))
     }
 
     fn kick_alone(&self, steps: u32) {

@@ -10,6 +10,21 @@ use crate::run::watch::seen::Page;
 use crate::run::watch::sight::Source;
 use std::any::Any;
 
+/// Bodies, and the work of flows on them since the start.
+pub(crate) type Moved<const D: usize> = (Vec<Body<f64, D>>, f64);
+
+/// Where in the random numbers, and when, a trajectory starts.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Draws {
+    /// The trajectory's number, and whether its start was given that.
+    pub(crate) trajectory: u64,
+    pub(crate) numbered: bool,
+    /// Steps taken before its start.
+    pub(crate) steps: u64,
+    /// The time of its start, and what rounding took from that.
+    pub(crate) time: (f64, f64),
+}
+
 /// A lane that cannot be moved, and why; without a failure where other sheets are near, and each step has to be looked
 /// at.
 pub(crate) struct Stuck {
@@ -82,7 +97,8 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
     /// The bodies of a lane.
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>>;
     /// Where bodies that obey what a lane does are after so many steps, each in so many equal parts, by themselves:
-    /// each step is looked at, and sums are compensated. `from` steps were taken since the start.
+    /// each step is looked at, and sums are compensated. `from` steps were taken since the start, and so many flows
+    /// acted where the first of these was tried before; `place` is that number after it too.
     ///
     /// # Errors
     /// Says why they cannot be moved.
@@ -93,10 +109,16 @@ pub(crate) trait Engine<const D: usize>: Source<D> + Any + Send + Sync {
         from: u64,
         steps: u64,
         parts: u32,
-    ) -> Result<Vec<Body<f64, D>>, Failure>;
-    /// Says of which trajectory a lane draws the random numbers, and how many steps that trajectory had taken before
-    /// its start here.
-    fn draw_as(&mut self, _lane: usize, _trajectory: u64, _steps: u64) {}
+        place: &mut u64,
+    ) -> Result<Moved<D>, Failure>;
+    /// Says of which trajectory a lane draws the random numbers, and where and when that starts.
+    fn draw_as(&mut self, _lane: usize, _draws: Draws) {}
+    /// The work of flows on a lane since the start, which is copied with it; none where there are no flows.
+    fn work(&self, _lane: usize) -> Option<f64> {
+        None
+    }
+    /// Says what that is.
+    fn book(&mut self, _lane: usize, _work: f64) {}
     /// Evaluates the forces on all lanes, as often as a step does, for so many steps: for the [bill](crate::run::bill).
     fn kick_alone(&self, steps: u32);
     /// The names of the types of all forces.

@@ -16,6 +16,8 @@ pub(crate) trait Group<const D: usize>: Watched<D> + Send + Sync {
     fn retry(&mut self, halvings: u32);
     /// The state of one trajectory.
     fn state(&self, trajectory: usize) -> State<D>;
+    /// The work done on the bodies of one trajectory since the start.
+    fn work(&self, trajectory: usize) -> f64;
     /// What a step of a trajectory that has not failed costs.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! Which trajectories are computed together, and in which kind of lanes. This follows from the types of scene, method
 //! and precision, so that only the necessary kind is compiled.
 
-use crate::effect::list::Effects;
+use crate::effect::list::{Effects, Forces};
 use crate::kernel::functions::Constraint;
 use crate::motion::hold::Surfaces;
 use crate::motion::method::{Method, Splitting, Stage};
@@ -11,6 +11,7 @@ use crate::motion::table::{Table, Tabulated};
 use crate::number::instructions::{Fusing, InstructionSet};
 use crate::number::lanes::Lane;
 use crate::number::vectors::{LANES, MOST_COORDINATES};
+use crate::run::ensemble::apart::NotInLanes;
 use crate::run::ensemble::block::SHORT;
 use crate::run::ensemble::collocation_lanes::CollocationLanes;
 use crate::run::ensemble::forces_in_lanes::{Pulls, of_all, of_each};
@@ -39,7 +40,7 @@ pub(super) struct HowInLanes {
     pub(super) stages: Vec<Stage>,
     /// The step.
     pub(super) h: f64,
-    /// After how many of them flows act.
+    /// After how many of them flows act; 0 where half of them act before a step and half after it.
     pub(super) stirs_after: usize,
     /// The instructions.
     pub(super) set: Fusing,
@@ -48,17 +49,25 @@ pub(super) struct HowInLanes {
 }
 
 impl HowInLanes {
-    /// By this method with this instruction set; none where the instructions do not fuse, steps are too short, or the
-    /// method is neither a splitting nor a collocation.
-    pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Option<Self> {
-        let (stages, h, set) = (method.stages(), method.step_size(), Fusing::of(set)?);
+    /// By this method with this instruction set.
+    ///
+    /// # Errors
+    /// Where the instructions do not fuse, steps are too short, or the method is neither a splitting nor a collocation.
+    pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Result<Self, NotInLanes> {
+        let fusing = Fusing::of(set).ok_or(NotInLanes::Instructions(set))?;
+        let (stages, h, set) = (method.stages(), method.step_size(), fusing);
         let goes = match S::SPLITTING {
             Splitting::Not => S::COLLOCATES > 0,
             Splitting::OneStage => stages.len() == 1,
             Splitting::Stages => !stages.is_empty(),
         };
-        let long = h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT);
-        (goes && long).then_some(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
+        if !goes {
+            return Err(NotInLanes::Method(method.name()));
+        }
+        if h.abs() < SHORT || stages.iter().any(|stage| stage.h.abs() < SHORT) {
+            return Err(NotInLanes::ShortSteps(h));
+        }
+        Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
     }
 
     /// The method that these are, a splitting, as it moves rows.
@@ -109,6 +118,8 @@ trait Obeyed<const D: usize> {
     /// Whether a single trajectory has lanes made for one. In a sweep they would have to be compiled for the last row
     /// alone.
     const ALIKE: bool;
+    /// Whether there are flows of momenta.
+    const FLOWS: bool;
     /// Laws of L lanes.
     type Laws<S: Lane, const L: usize>: Laws<S, D> + 'static;
 
@@ -121,6 +132,7 @@ struct OneScene<'a, C, E>(&'a C, &'a E);
 
 impl<C: Constraint<D, 1>, E: Effects<D>, const D: usize> Obeyed<D> for OneScene<'_, C, E> {
     const ALIKE: bool = true;
+    const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
     type Laws<S: Lane, const L: usize> = Same<C::Kernel<S>, E::Forces<S>>;
 
     fn laws<S: Lane, const L: usize>(&self, _: usize) -> Self::Laws<S, L> {
@@ -135,6 +147,7 @@ impl<C: Constraint<D, 1> + 'static, E: Effects<D> + 'static, const D: usize> Obe
     for ManyScenes<'_, C, E>
 {
     const ALIKE: bool = false;
+    const FLOWS: bool = E::Forces::<f64>::FLOWS > 0;
     type Laws<S: Lane, const L: usize> = Each<C, E, S, L, D>;
 
     fn laws<S: Lane, const L: usize>(&self, from: usize) -> Self::Laws<S, L> {
@@ -151,15 +164,16 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
 ) -> Groups<D> {
     macro_rules! by_stages {
         ($($stages:literal)*) => {$(
-            if const { S::COLLOCATES == $stages && D <= MOST_COORDINATES } {
+            if const { S::COLLOCATES == $stages && D <= MOST_COORDINATES && !O::FLOWS } {
                 return P::compute(Collocations::<O, $stages, D>(obeyed, starts, lanes));
             }
         )*};
     }
-    if const { go_in_lanes::<S>(Splitting::OneStage, D) } {
+    // Between steps with flows the kicks are not merged, also where a step is one stage.
+    if const { go_in_lanes::<S>(Splitting::OneStage, D) && !O::FLOWS } {
         return Some(P::compute(Splittings::<O, true, D>(obeyed, starts, lanes)));
     }
-    if const { go_in_lanes::<S>(Splitting::Stages, D) } {
+    if const { go_in_lanes::<S>(Splitting::OneStage, D) || go_in_lanes::<S>(Splitting::Stages, D) } {
         return Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
     }
     by_stages!(2 3 4 5 6 7 8 9);
@@ -300,7 +314,7 @@ pub(super) fn in_rows<const D: usize>(width: usize, starts: &[State<D>], row: &R
     (0..).step_by(width).zip(starts.chunks(width)).map(|(from, starts)| row(from, starts)).collect()
 }
 
-/// Trajectories by splittings; `EQUAL` says that a step is one stage.
+/// Trajectories by splittings; `EQUAL` says that a step is one stage, and has no flows before or after it.
 struct Splittings<'a, O, const EQUAL: bool, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
 
 impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'_, O, EQUAL, D> {

@@ -1,6 +1,7 @@
 //! The constraint and forces of the trajectories of a block: with the same parameters for all, or with parameters for
 //! each trajectory.
 
+use crate::effect::interval::Interval;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
@@ -17,6 +18,8 @@ pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
     fn effects(&self, lane: usize) -> impl Borrow<Self::Forces>;
     /// p + c f, with the force f on the body of this lane.
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D];
+    /// Writes the change of the momentum of the body of this lane by flow number `number`.
+    fn flow(&self, lane: usize, number: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]);
     /// Has lane `to` obey what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
 }
@@ -40,6 +43,10 @@ impl<S: Lane, K: ConstraintKernel<S, D, 1>, F: Forces<S, D>, const D: usize> Law
     #[inline(always)]
     fn kick(&self, _: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
         self.1.kick(q, c, p)
+    }
+    #[inline(always)]
+    fn flow(&self, _: usize, number: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]) {
+        self.1.flow(number, during, &mut self.1.room(changes.len()), changes);
     }
     fn copy(&mut self, _: usize, _: usize) {}
 }
@@ -92,6 +99,10 @@ impl<C: Constraint<D, 1>, E: Effects<D>, S: Lane, const L: usize, const D: usize
     #[inline(always)]
     fn kick(&self, lane: usize, q: &[S; D], c: S, p: [S; D]) -> [S; D] {
         self.effects.kick(lane, q, c, p)
+    }
+    #[inline(always)]
+    fn flow(&self, lane: usize, number: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]) {
+        self.effects.flow(lane, number, during, changes);
     }
     fn copy(&mut self, from: usize, to: usize) {
         self.constraint = C::map_kernel(&self.constraint, |number| number.copied(from, to));

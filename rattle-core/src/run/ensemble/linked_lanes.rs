@@ -11,7 +11,7 @@ use crate::motion::witness::{Whoever, Witness};
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
@@ -451,7 +451,8 @@ where
         _: u64,
         steps: u64,
         parts: u32,
-    ) -> Result<Vec<Body<f64, D>>, Failure> {
+        _: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
         let law = self.law(lane);
         let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);

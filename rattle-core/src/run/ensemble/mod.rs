@@ -14,8 +14,9 @@
 //! several trajectories, one in each lane of a register. This is done for
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), also with the bath
-//!   [`Langevin`](crate::effect::Langevin), or a Lobatto method;
+//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), or a Lobatto method;
+//!   except for Lobatto methods also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic
+//!   fields, unless they [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
@@ -23,7 +24,7 @@
 //! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision.
 //!
 //! All other scenes and methods run as one simulation per trajectory (see
-//! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores.
+//! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores. [`Ensemble::plan`] says which, and why.
 //!
 //! **The same numbers everywhere.** A trajectory depends on its start alone. It is the same, bit for bit, whatever the
 //! other trajectories, the number of threads, the division of a run into calls, and the instruction set, if that has
@@ -44,6 +45,7 @@
 //! the others continue. With [`Ensemble::retry`] the failed step is repeated in parts.
 
 mod alone;
+mod apart;
 mod around;
 mod asked;
 mod block;
@@ -81,6 +83,7 @@ use crate::number::vectors::LANES;
 use crate::systems::network::in_lanes::{FEW, ROW};
 
 pub use crate::number::instructions::InstructionSet;
+pub use apart::{NotInLanes, Plan};
 pub use precision::{Compensated, Double, Precision, Single};
 pub(in crate::run) use side_by_side::STRETCH;
 pub use stream::Snapshot;
@@ -102,6 +105,8 @@ pub(crate) fn instances<const D: usize>() -> impl Copy {
         block::Block::<Fused<f64>, 1, D, 0, true>::rows as *const (),
         block::Block::<Fused<f64>, LANES, D, 0, false>::rows as *const (),
         block::Block::<Fused<f64>, LANES, D, 0, true>::rows as *const (),
+        stirring::Stirring::<Fused<f64>, 1, D>::act as *const (),
+        stirring::Stirring::<Fused<f64>, LANES, D>::act as *const (),
         block::Part::of::<false> as *const (),
         block::Part::of::<true> as *const (),
         plan::Plan::of::<D> as *const (),

@@ -8,7 +8,7 @@ use crate::motion::system::System;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::rigid_row::{Course, Inertia, RigidRow, Rotor, Steps, Three, Turns, Weights, push};
@@ -219,7 +219,8 @@ where
         _: u64,
         steps: u64,
         parts: u32,
-    ) -> Result<Vec<Body<f64, D>>, Failure> {
+        _: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
         by_itself::<f64, _, D>(self.system(lane), &self.method.stages, None, steps, parts, bodies)
     }
 

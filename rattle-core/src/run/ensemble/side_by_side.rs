@@ -9,7 +9,7 @@ use crate::number::clock::{after_steps, passed};
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::bill::{Bill, Item, time};
-use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour, Written};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour, Written};
 use crate::run::ensemble::group::Group;
 use crate::run::ensemble::look::{Onlooker, Watched};
 use crate::run::simulation::MOST_HALVINGS;
@@ -66,22 +66,13 @@ pub(super) fn side_by_side<const D: usize>(
     Box::new(SideBySide::new(engine, first, starts))
 }
 
-/// Where in the random numbers a trajectory starts.
-#[derive(Clone, Copy)]
-struct Draws {
-    /// The trajectory's number, and whether its start was given that.
-    trajectory: u64,
-    numbered: bool,
-    /// Steps taken before its start.
-    steps: u64,
-}
-
 /// A trajectory that goes on no more.
 #[derive(Clone)]
 struct Ended<const D: usize> {
     lane: usize,
     steps: u64,
     bodies: Vec<Body<f64, D>>,
+    work: f64,
     failure: Error,
 }
 
@@ -107,7 +98,8 @@ impl<const D: usize> SideBySide<D> {
             let start = starts.get(lane).or(starts.first());
             let (number, steps) = start.map_or((None, 0), |start| (start.number, start.steps));
             let trajectory = number.unwrap_or((first + lane) as u64);
-            Draws { trajectory, numbered: number.is_some(), steps }
+            let time = start.map_or((0.0, 0.0), |start| (start.time, start.time_low));
+            Draws { trajectory, numbered: number.is_some(), steps, time }
         });
         let mut group = Self {
             h: engine.step_size(),
@@ -125,8 +117,7 @@ impl<const D: usize> SideBySide<D> {
             halvings: 0,
         };
         for (lane, start) in starts.iter().enumerate().take(number) {
-            let Draws { trajectory, steps, .. } = group.draws[lane];
-            group.engine.draw_as(lane, trajectory, steps);
+            group.engine.draw_as(lane, group.draws[lane]);
             group.set(lane, &start.bodies);
         }
         for lane in number..group.engine.width() {
@@ -234,7 +225,7 @@ impl<const D: usize> SideBySide<D> {
             for Stuck { lane, failure } in stuck.drain(..) {
                 self.crowded[lane] |= failure.is_none();
                 match self.by_itself(lane, failure, steps) {
-                    Ok(bodies) => apart.push((lane, bodies)),
+                    Ok(moved) => apart.push((lane, moved)),
                     Err(_) if steps > 1 => fails = true, // but it is still seen who else is in a crowd
                     Err(failure) => self.end(lane, failure),
                 }
@@ -255,8 +246,9 @@ impl<const D: usize> SideBySide<D> {
         }
         if !apart.is_empty() {
             self.engine.obey_as_in(&*before.0);
-            for (lane, bodies) in apart {
+            for (lane, (bodies, work)) in apart {
                 self.set(lane, &bodies);
+                self.engine.book(lane, work);
             }
             self.stand_in(&self.moving.clone());
         }
@@ -278,30 +270,28 @@ impl<const D: usize> SideBySide<D> {
 
     /// Has a trajectory rest where it is.
     fn end(&mut self, lane: usize, failure: Error) {
-        let bodies = self.bodies_in(lane);
-        self.ended.push(Ended { lane, steps: self.steps, bodies, failure });
+        let (bodies, work) = (self.bodies_in(lane), self.engine.work(lane).unwrap_or(0.0));
+        self.ended.push(Ended { lane, steps: self.steps, bodies, work, failure });
         (self.moving[lane], self.crowded[lane]) = (false, false);
         self.own.retain(|own| own.0 != lane);
     }
 
     /// Where a trajectory is after so many steps by itself, or if it failed in one, after that in parts, as often
-    /// halved as is allowed.
+    /// halved as is allowed; and the work on it since the start.
     #[cold]
-    fn by_itself(
-        &self,
-        lane: usize,
-        failure: Option<Failure>,
-        steps: u64,
-    ) -> Result<Vec<Body<f64, D>>, Error> {
-        let bodies = self.bodies_in(lane);
-        let moved = |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts);
+    fn by_itself(&self, lane: usize, failure: Option<Failure>, steps: u64) -> Result<Moved<D>, Error> {
+        let (bodies, mut place) = (self.bodies_in(lane), 0);
+        let mut moved =
+            |parts: u32| self.engine.by_itself(lane, &bodies, self.steps, steps, parts, &mut place);
+        // Flows that act in parts of a step draw what comes after that of the whole step.
+        let failure = failure.filter(|_| self.engine.work(lane).is_none());
         let mut failure = match failure.map_or_else(|| moved(1), Err) {
-            Ok(bodies) => return Ok(bodies),
+            Ok(moved) => return Ok(moved),
             Err(failure) => failure,
         };
         for halved in 1..=if steps == 1 { self.halvings } else { 0 } {
             match moved(1 << halved) {
-                Ok(bodies) => return Ok(bodies),
+                Ok(moved) => return Ok(moved),
                 Err(again) => failure = again,
             }
         }
@@ -452,6 +442,9 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         to.counts("ended", self.ended.iter().flat_map(|ended| [ended.lane as u64, ended.steps]));
         let ended = self.ended.iter().flat_map(|ended| &ended.bodies).flat_map(numbers).collect::<Vec<_>>();
         to.vectors("where these rest", &ended);
+        if self.engine.work(0).is_some() {
+            to.list("the work on these", &self.ended.iter().map(|ended| ended.work).collect::<Vec<_>>());
+        }
         for ended in &self.ended {
             to.text("failure", &ended.failure.to_string());
         }
@@ -469,6 +462,7 @@ impl<const D: usize> Group<D> for SideBySide<D> {
             trajectory: trajectories[lane],
             numbered: numbered[lane] != 0,
             steps: before[lane],
+            time: times.get(lane).or(times.first()).map_or((0.0, 0.0), |&[time, low]| (time, low)),
         });
         let [steps] = from.counted("steps")?;
         let moving = from.counted("moving")?.map(|moves| moves != 0);
@@ -483,16 +477,21 @@ impl<const D: usize> Group<D> for SideBySide<D> {
         let own = apart.iter().zip(bodies(places, n)).map(|(&own, of)| (lane(own), of)).collect();
         let ends = from.counts("ended")?.as_chunks().0;
         let places = from.vectors::<D>("where these rest", 4 * n * ends.len())?;
+        let works = if self.engine.work(0).is_some() {
+            from.numbers("the work on these", &[ends.len()])?.to_vec()
+        } else {
+            vec![0.0; ends.len()]
+        };
         let mut ended = Vec::new();
-        for (&[own, steps], bodies) in ends.iter().zip(bodies(places, n)) {
+        for ((&[own, steps], bodies), work) in ends.iter().zip(bodies(places, n)).zip(works) {
             let failure = Error::Before(from.text("failure")?.into());
-            ended.push(Ended { lane: lane(own), steps, bodies, failure });
+            ended.push(Ended { lane: lane(own), steps, bodies, work, failure });
         }
         let lanes = format!("{} lanes", self.engine.width());
         let at_first = self.at_first.as_ref().unwrap_or(&self.engine);
         let mut engine = from.within(&lanes, |from| at_first.recalled(from))?;
-        for (lane, &Draws { trajectory, steps, .. }) in draws.iter().enumerate().take(engine.width()) {
-            engine.draw_as(lane, trajectory, steps);
+        for (lane, &draws) in draws.iter().enumerate().take(engine.width()) {
+            engine.draw_as(lane, draws);
         }
         let at_first = (!ended.is_empty()).then(|| engine.boxed());
         for (to, &from) in
@@ -521,6 +520,11 @@ impl<const D: usize> Group<D> for SideBySide<D> {
 
     fn failure(&self, trajectory: usize) -> Option<&Error> {
         self.ended(trajectory).map(|ended| &ended.failure)
+    }
+
+    fn work(&self, trajectory: usize) -> f64 {
+        let ended = self.ended(trajectory).map(|ended| ended.work);
+        ended.or_else(|| self.engine.work(trajectory)).unwrap_or(0.0)
     }
 
     fn bill(&self) -> Result<Bill, Error> {

@@ -1,5 +1,6 @@
 //! Splittings in lanes.
 
+use crate::effect::interval::Half;
 use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::error::Error;
@@ -8,19 +9,21 @@ use crate::motion::bodies::{Body, One};
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::stir;
-use crate::motion::system::System;
+use crate::motion::stir::{in_the_middle, stir};
+use crate::motion::system::{BodiesOf, System};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
-use crate::number::vector::add_scaled;
-use crate::number::vectors::at;
+use crate::number::vector::{add_scaled, dot, sum, two_sum};
+use crate::number::vectors::{at, put};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
-use crate::run::ensemble::engine::{Engine, Leg, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::lane_record;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::stirring::Stirring;
+use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
+use crate::run::fingerprint::beside;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::any::Any;
@@ -28,13 +31,18 @@ use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// A block, what its lanes obey, and the parts of a step.
+///
+/// Where flows act half before each step and half after it, momenta are ahead by no kick: that before a step is made
+/// once flows have acted.
 #[derive(Clone)]
 pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     laws: X,
     stages: Vec<Stage>,
     parts: Vec<Part>,
-    stirring: Option<Box<Stirring<L>>>,
+    stirring: Option<Box<Stirring<S, L, D>>>,
+    /// The work of flows on each lane; empty without flows.
+    work: Vec<f64>,
     h: f64,
     set: Fusing,
 }
@@ -46,11 +54,15 @@ where
     X: Laws<S, D>,
 {
     /// Lanes, none of them set, that obey these laws in steps of h of stages like these; flows act after so many of
-    /// them.
+    /// them, or after none half before each step and half after it.
     pub(crate) fn new(laws: X, stages: &[Stage], stirs_after: usize, h: f64, set: Fusing) -> Self {
         let stirring = Stirring::of(&laws, stirs_after, h);
-        let (block, stages, parts) = (Block::new(), stages.to_vec(), Part::of::<EQUAL>(stages));
-        Self { block, laws, stages, parts, stirring, h, set }
+        let (block, stages, mut apart) = (Block::new(), stages.to_vec(), stages.to_vec());
+        if stirring.is_some() && stirs_after == 0 {
+            apart[0].before = 0.0;
+        }
+        let (parts, work) = (Part::of::<EQUAL>(&apart), vec![0.0; if stirring.is_some() { L } else { 0 }]);
+        Self { block, laws, stages, parts, stirring, work, h, set }
     }
 }
 
@@ -60,6 +72,7 @@ where
 struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     scratch: Scratch<S, L, D>,
+    work: Vec<f64>,
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
@@ -81,9 +94,9 @@ where
     }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
-        let block = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
+        let (block, work) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());
-        Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), ..*self }))
+        Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), work, ..*self }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -94,6 +107,9 @@ where
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
+        if let Some(&work) = self.work.get(from) {
+            self.work[to] = work;
+        }
     }
 
     fn obey(&mut self, from: usize, to: usize) {
@@ -109,9 +125,19 @@ where
         }
     }
 
-    fn draw_as(&mut self, lane: usize, trajectory: u64, steps: u64) {
+    fn draw_as(&mut self, lane: usize, draws: Draws) {
         if let Some(stirring) = &mut self.stirring {
-            stirring.draw_as(lane, trajectory, steps);
+            stirring.draw_as(lane, draws);
+        }
+    }
+
+    fn work(&self, lane: usize) -> Option<f64> {
+        self.work.get(lane).copied()
+    }
+
+    fn book(&mut self, lane: usize, work: f64) {
+        if let Some(booked) = self.work.get_mut(lane) {
+            *booked = work;
         }
     }
 
@@ -128,11 +154,17 @@ where
         from: u64,
         steps: u64,
         parts: u32,
-    ) -> Result<Vec<Body<f64, D>>, Failure> {
+        place: &mut u64,
+    ) -> Result<Moved<D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let stirs = self.stirring.as_ref().map(|stirring| (stirring.after, stirring.noise(lane, from)));
-        by_itself::<S, _, D>(&system, &self.stages, stirs, steps, parts, bodies)
+        let Some(stirring) = &self.stirring else {
+            return by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies);
+        };
+        let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
+        let (after, work) = (stirring.after, self.work[lane]);
+        let stirred = StirredAlone { after, at: &at, place, work };
+        by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -147,16 +179,27 @@ where
 
     fn record(&self, to: &mut Record) {
         self.block.record(to);
+        if !self.work.is_empty() {
+            lane_record::write(vec![("work", &mut self.work.clone())], to);
+        }
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        Ok(Box::new(Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() }))
+        let (block, mut work) = (Block::recalled(from, self.parts.len())?, self.work.clone());
+        if !work.is_empty() {
+            lane_record::read(vec![("work", &mut work)], from)?;
+        }
+        Ok(Box::new(Self { block, work, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
         let mut marks = hallmarks(&self.laws, lane, &bodies[0]);
-        let stirring = self.stirring.as_ref();
-        marks.extend(stirring.map(|of| Hallmark::new("flow 0", "friction and noise", of.numbers(lane))));
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirring) = &self.stirring
+        {
+            let q = beside(bodies)[0].q.map(S::from_f64);
+            marks.extend(stirring.hallmarks(&self.laws, lane, q));
+        }
         marks
     }
 
@@ -190,46 +233,92 @@ impl Splits {
     }
 }
 
-/// Where bodies are after so many steps of these stages, each in so many equal parts; with flows that act after so many
-/// stages, and draw these random numbers in the first step.
+/// Where in the random numbers a trajectory is after so many steps, and when that is.
+type Whence<'a> = &'a dyn Fn(u64) -> (Noise, f64);
+
+/// How flows stir bodies that go by themselves.
+pub(super) struct StirredAlone<'a> {
+    /// After how many stages; after none half before each part of a step and half after it.
+    after: usize,
+    at: Whence<'a>,
+    /// Flows that acted before in the first step, when it was tried; and now.
+    place: &'a mut u64,
+    /// The work on them since the start.
+    work: f64,
+}
+
+/// Where bodies are after so many steps of these stages, each in so many equal parts.
 #[cold]
 #[inline(never)]
 pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
-    stirs: Option<(usize, Noise)>,
+    stirred: Option<StirredAlone<'_>>,
     steps: u64,
     parts: u32,
     places: &[Body<f64, D>],
-) -> Result<Vec<Body<f64, D>>, Failure> {
-    let (stages, whole) = Stage::parts(stages, parts);
+) -> Result<Moved<D>, Failure> {
     let mut bodies = system.bodies(&in_lanes(places), 0.0);
+    if let Some(StirredAlone { at, place, work, .. }) = &stirred {
+        let (noise, time) = at(0);
+        (bodies.noise, bodies.time) = (Noise { place: **place, ..noise }, time);
+        bodies.work = S::from_f64(*work);
+    }
+    let stirs = stirred.as_ref().map(|stirred| (stirred.after, stirred.at));
+    let gone = go::<S, Y, D>(system, stages, stirs, (steps, parts), &mut bodies);
+    if let Some(StirredAlone { place, .. }) = stirred {
+        *place = bodies.noise.place;
+    }
+    gone.map(|()| (out_of_lanes(&bodies.all()), bodies.work.to_f64()))
+}
+
+/// Moves bodies by themselves; see [`by_itself`].
+fn go<S: Lane, Y: System<S, D>, const D: usize>(
+    system: &Y,
+    stages: &[Stage],
+    stirs: Option<(usize, Whence<'_>)>,
+    (steps, parts): (u64, u32),
+    bodies: &mut BodiesOf<Y, S, D>,
+) -> Result<(), Failure> {
+    let (stages, whole) = Stage::parts(stages, parts);
+    let around = stirs.is_some_and(|(after, _)| after == 0);
     for step in 0..steps {
         if step > 0 {
-            system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
-        }
-        if let Some((_, first)) = stirs {
-            bodies.noise = Noise { step: first.step + step, ..first };
+            system.refresh(bodies); // as where a run is divided: bits depend on no division
+            if let Some((_, at)) = stirs {
+                bodies.noise = at(step).0;
+            }
         }
         let start = bodies.saved();
         for _ in 0..parts {
+            if const { Y::FLOWS > 0 } && around {
+                stir(Half::Before, 0.5 * whole, system, bodies)?;
+            }
             for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
-                system.drift(before, h, &mut bodies, &mut ())?;
+                system.drift(before, h, bodies, &mut ())?;
                 if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
-                    system.evaluate_forces(&mut bodies);
+                    system.evaluate_forces(bodies);
                 }
-                system.settle(after, h, &mut bodies, &mut ())?;
+                system.settle(after, h, bodies, &mut ())?;
                 if const { Y::FLOWS > 0 }
                     && let Some((after, _)) = stirs
                     && i + 1 == after
                 {
-                    stir::in_the_middle(whole, system, &mut bodies)?;
+                    in_the_middle(whole, system, bodies)?;
                 }
             }
+            if const { Y::FLOWS > 0 } && around {
+                stir(Half::After, 0.5 * whole, system, bodies)?;
+            }
         }
-        system.check_kinks(&start, &bodies)?;
+        system.check_kinks(&start, bodies)?;
+        if system.moves_with_time()
+            && let Some((_, at)) = stirs
+        {
+            system.set_time(bodies, at(step + 1).1);
+        }
     }
-    Ok(out_of_lanes(&bodies.all()))
+    Ok(())
 }
 
 /// Bodies in a lane's numbers.
@@ -256,27 +345,30 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    type Done = Result<Block<S, L, D, SUMS, EQUAL>, Stuck>;
+    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Vec<f64>), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let Self { lanes: SplittingLanes { block, laws, parts, stirring, .. }, tour } = self;
+        let Self { lanes: SplittingLanes { block, laws, stages, parts, stirring, work, set, .. }, tour } =
+            self;
         let laws = laws.clone(); // out of reach of what the loops write
         let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
         let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
+        let every = if stirring.is_some_and(Stirring::is_abrupt) { 1 } else { EVERY };
+        let stirring = stirring.map(|stirring| (stirring, stages[0].before, *set));
+        let mut desk = Desk { block: block.clone(), scratch: Scratch::new(), work: work.clone() };
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
                 desk.block.look_around(now, &laws, parts, least)?;
             }
             while now < end {
-                let stop = end.min((now / EVERY + 1) * EVERY);
+                let stop = end.min((now / every + 1) * every);
                 for now in now..stop {
                     stride(&mut desk, &laws, parts, stirring, now)?;
                 }
                 now = stop;
-                if now % EVERY == 0 || (now == end && shown) {
+                if now % every == 0 || (now == end && shown) {
                     desk.block.look_around(now, &laws, parts, least)?;
                 }
             }
@@ -288,9 +380,12 @@ where
                 written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
-        Ok(desk.block)
+        Ok((desk.block, desk.work))
     }
 }
+
+/// What stirs lanes, the kick before a step where flows act before that, and the instructions.
+type Stirs<'a, S, const L: usize, const D: usize> = Option<(&'a Stirring<S, L, D>, f64, Fusing)>;
 
 /// A step of the method, after so many.
 #[inline(always)]
@@ -298,23 +393,97 @@ fn whole_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQU
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
-    stirring: Option<&Stirring<L>>,
+    stirring: Stirs<'_, S, L, D>,
     steps: u64,
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    for done in 1..=if EQUAL { 1 } else { parts.len() } {
+    let number = if EQUAL { 1 } else { parts.len() };
+    let stirs = |after: usize| stirring.filter(|of| of.0.after == after);
+    if const { X::Forces::FLOWS > 0 }
+        && let Some((stirring, kick, set)) = stirs(0)
+    {
+        act(desk, laws, stirring, Half::Before, steps, set)?;
+        lead(&mut desk.block, laws, &parts[0], kick);
+    }
+    for done in 1..=number {
         step(&mut desk.block, laws, parts, &mut desk.scratch)?;
         if const { X::Forces::FLOWS > 0 }
-            && let Some(stirring) = stirring
-            && done == stirring.after
+            && let Some((stirring, _, set)) = stirs(done)
         {
-            stirring.act(steps, &mut desk.block, laws, &parts[done % parts.len()]);
+            if !stirring.at_once {
+                act(desk, laws, stirring, Half::After, steps, set)?;
+            }
+            act(desk, laws, stirring, Half::Before, steps, set)?;
+            lead(&mut desk.block, laws, &parts[done % number], 0.0);
         }
     }
+    if const { X::Forces::FLOWS > 0 }
+        && let Some((stirring, _, set)) = stirs(0)
+    {
+        act(desk, laws, stirring, Half::After, steps, set)?;
+    }
     Ok(())
+}
+
+/// Has all flows act in all lanes, for this half of a step after so many.
+#[inline(always)]
+fn act<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    stirring: &Stirring<S, L, D>,
+    half: Half,
+    steps: u64,
+    set: Fusing,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let Desk { block: Block { q, normal, square, way: p, way_low, .. }, work, .. } = desk;
+    let mut lost = [[S::default(); L]; D];
+    let low = way_low.first_mut().unwrap_or(&mut lost);
+    let stirred = Stirred { q, normal, square, p, low, work };
+    let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
+        set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
+    });
+    acted.map_err(|lane| Stuck { lane, failure: None })
+}
+
+/// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:
+/// what flows have changed is not extrapolated.
+#[inline(always)]
+fn lead<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &mut Block<S, L, D, SUMS, EQUAL>,
+    laws: &impl Laws<S, D>,
+    part: &Part,
+    kick: f64,
+) where
+    S: Lane,
+{
+    let Block { q, way, normal, square, guess, past: [last, earlier], way_low, .. } = block;
+    let [bends, before] = [-0.5 * (part.h / part.unit).powi(2), part.before].map(S::from_f64);
+    let kicks = kick != 0.0;
+    for l in 0..L {
+        let (q, n, old) = (at(q, l), at(normal, l), at(way, l));
+        let mut new = old;
+        if kicks {
+            let low = if SUMS == 1 { at(&way_low[0], l) } else { [S::default(); D] };
+            let change = laws.kick(l, &q, S::from_f64(kick), low);
+            let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
+            let (high, low) = two_sum(&old, &change);
+            new = high;
+            if SUMS == 1 {
+                put(&mut way_low[0], l, low);
+            }
+            put(way, l, new);
+        }
+        let [bend] = laws.constraint(l).borrow().jet(&q, &new).2;
+        guess[l] = bends * bend / square[l];
+        (last[l], earlier[l]) = (before * guess[l], before * guess[l]);
+    }
 }
 
 /// The same, which leads no lane across a kink.
@@ -323,7 +492,7 @@ fn stride<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: 
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
-    stirring: Option<&Stirring<L>>,
+    stirring: Stirs<'_, S, L, D>,
     steps: u64,
 ) -> Result<(), Stuck>
 where

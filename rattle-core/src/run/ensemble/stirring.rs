@@ -1,24 +1,33 @@
-//! Friction and noise in lanes: the Ornstein–Uhlenbeck process of the momenta, between two drifts of a step.
+//! Flows of momenta in lanes: half before each step and half after it, or in the middle of the step.
 //!
 //! ```text
-//! p ← c p + √variance Π ξ      ξ normal, Π onto momenta along the surface
+//! linear     δ(p) = A p + √variance ξ      A a matrix, ξ normal
+//! any other  δ(p) = Φₕ(p) − p              asked of the flow, lane by lane
+//!
+//! random     p ← p + δ(p) + N              N = μ∇g(q) such that p is along the surface
+//! symmetric  p ← p + δ(p + N/2) + N
 //! ```
 //!
-//! Random words are those of [`Noise`], a function of trajectory and step, and are drawn lane by lane; all else is done
-//! side by side. Momenta change at random, so the Λ of the drift to come is not extrapolated from past ones: its first
-//! guess is made from g̈ = 0.
+//! For linear flows μ has a formula, for others it is found by the secant rule, as [`crate::motion::stir`] does. A lane
+//! for which it is not found goes by itself. Random words are those of [`Noise`], a function of trajectory and step.
 
+use crate::effect::interval::{Half, Interval, Normals, Rule, UnitMasses};
 use crate::effect::list::Forces;
+use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
-use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::kernel::functions::ConstraintKernel;
+use crate::motion::record::{Hallmark, short_name};
+use crate::number::clock::after_steps;
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::{Fused, Lane};
 use crate::number::philox::unit;
 use crate::number::real::Real;
-use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, largest, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::block::{Block, Part};
+use crate::run::ensemble::block::is_finite;
+use crate::run::ensemble::engine::Draws;
 use crate::run::ensemble::laws::Laws;
+use crate::systems::surface::normal::Normal;
 use std::array::from_fn;
 use std::borrow::Borrow;
 use std::f64::consts::TAU;
@@ -27,109 +36,317 @@ use std::f64::consts::TAU;
 /// beyond that once in 5e8.
 const DEVIATIONS: f64 = 6.0;
 
+/// Lanes for which no μ is found in so many rounds go by themselves. Three are enough for flows that are linear.
+const MOST_ROUNDS: usize = 16;
+
 /// What stirs each lane.
 #[derive(Clone)]
-pub(super) struct Stirring<const L: usize> {
-    /// After how many parts of a step.
+pub(super) struct Stirring<S, const L: usize, const D: usize> {
+    flows: Vec<Stir<S, L, D>>,
+    /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
     pub(super) after: usize,
-    process: [OrnsteinUhlenbeck; L],
-    /// Of which trajectory and step the random numbers are drawn, before the first step.
-    first: [Noise; L],
+    /// Whether they act once in a step, not in two halves.
+    pub(super) at_once: bool,
+    /// The step, and the time for which flows act each time.
+    h: f64,
+    time: f64,
+    /// Whether a flow changes with time.
+    changes: bool,
+    draws: [Draws; L],
 }
 
-impl<const L: usize> Stirring<L> {
-    /// What stirs lanes that obey these laws for a time h, after so many parts of a step; none where nothing does.
-    pub(super) fn of<S: Lane, X: Laws<S, D>, const D: usize>(
-        laws: &X,
-        after: usize,
-        h: f64,
-    ) -> Option<Box<Self>> {
+/// A flow.
+#[derive(Clone)]
+enum Stir<S, const L: usize, const D: usize> {
+    Linear(Box<Linear<S, L, D>>),
+    /// By asking it.
+    Asked(Rule),
+}
+
+/// A flow that is linear in each lane, with noise.
+#[derive(Clone)]
+struct Linear<S, const L: usize, const D: usize> {
+    matrix: [[[S; L]; D]; D],
+    rule: Rule,
+    /// Whether there is noise; √variance, and the seeds.
+    draws: bool,
+    deviation: [f64; L],
+    seed: [u64; L],
+    /// The largest momentum to expect.
+    most: [f64; L],
+}
+
+/// What flows act on.
+pub(super) struct Stirred<'a, S, const L: usize, const D: usize> {
+    pub(super) q: &'a Vectors<S, L, D>,
+    pub(super) normal: &'a Vectors<S, L, D>,
+    pub(super) square: &'a [S; L],
+    /// Momenta, and what rounding took from them.
+    pub(super) p: &'a mut Vectors<S, L, D>,
+    pub(super) low: &'a mut Vectors<S, L, D>,
+    /// The work of all flows since the start.
+    pub(super) work: &'a mut [f64],
+}
+
+/// What is asked of a flow: what momenta change by.
+pub(super) struct Question<'a, S, const L: usize, const D: usize> {
+    number: usize,
+    half: Half,
+    /// Flows that acted earlier in this step, and steps taken.
+    place: u64,
+    steps: u64,
+    q: &'a Vectors<S, L, D>,
+    normal: &'a Vectors<S, L, D>,
+    square: &'a [S; L],
+    p: &'a Vectors<S, L, D>,
+}
+
+/// Who answers.
+type Answer<'a, S, const L: usize, const D: usize> =
+    dyn FnMut(Question<'_, S, L, D>, &mut Vectors<S, L, D>) + 'a;
+
+impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
+    /// What stirs lanes that obey these laws in steps of h, after so many parts of each; none where nothing does.
+    pub(super) fn of<X: Laws<S, D>>(laws: &X, after: usize, h: f64) -> Option<Box<Self>> {
         if const { X::Forces::FLOWS == 0 } {
             return None;
         }
-        let still = OrnsteinUhlenbeck { lost: 0.0, variance: 0.0, seed: 0 };
-        let process = |lane| laws.effects(lane).borrow().ornstein_uhlenbeck(h).unwrap_or(still);
-        let first = from_fn(|_| Noise::default());
-        Some(Box::new(Self { after, process: from_fn(process), first }))
+        let (effects, numbers) = (laws.effects(0), 0..X::Forces::FLOWS);
+        let effects = effects.borrow();
+        let rule = |number| effects.manner(number).0.rule;
+        let at_once = after > 0 && X::Forces::FLOWS == 1 && rule(0) == Rule::Random;
+        let time = if at_once { h } else { 0.5 * h };
+        let stir = |number| match Linear::of(laws, number, time, rule(number)) {
+            Some(linear) => Stir::Linear(linear),
+            None => Stir::Asked(rule(number)),
+        };
+        let (changes, draws) = (effects.changes_with_time(), [Draws::default(); L]);
+        Some(Box::new(Self { flows: numbers.map(stir).collect(), after, at_once, h, time, changes, draws }))
     }
 
     /// Has lane `to` be stirred as lane `from` is.
     pub(super) fn copy(&mut self, from: usize, to: usize) {
-        (self.process[to], self.first[to]) = (self.process[from], self.first[from]);
+        self.draws[to] = self.draws[from];
+        for flow in &mut self.flows {
+            if let Stir::Linear(linear) = flow {
+                linear.copy(from, to);
+            }
+        }
     }
 
-    /// Says of which trajectory a lane draws, and how many steps that had taken before its start.
-    pub(super) fn draw_as(&mut self, lane: usize, trajectory: u64, step: u64) {
-        self.first[lane] = Noise { trajectory, step, ..Noise::default() };
+    /// Says where a lane starts.
+    pub(super) fn draw_as(&mut self, lane: usize, draws: Draws) {
+        self.draws[lane] = draws;
     }
 
     /// Where the random numbers of a lane are after so many steps.
     pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
-        let first = self.first[lane];
-        Noise { step: first.step + steps, ..first }
+        let Draws { trajectory, steps: before, .. } = self.draws[lane];
+        Noise { trajectory, step: before + steps, ..Noise::default() }
     }
 
-    /// What tells the process of a lane from others.
-    pub(super) fn numbers(&self, lane: usize) -> Vec<f64> {
-        let OrnsteinUhlenbeck { lost, variance, seed } = self.process[lane];
-        vec![lost, variance, (seed >> 32) as f64, (seed & 0xFFFF_FFFF) as f64]
+    /// The time of a lane after so many steps, as flows are told it.
+    pub(super) fn now(&self, lane: usize, steps: u64) -> f64 {
+        let start = self.draws[lane].time;
+        if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
     }
 
     /// The largest momentum to expect of a lane.
     #[inline(always)]
     pub(super) fn momentum(&self, lane: usize) -> f64 {
-        DEVIATIONS * self.process[lane].temperature().sqrt()
+        let most = self.flows.iter().map(|flow| match flow {
+            Stir::Linear(linear) => linear.most[lane],
+            Stir::Asked(_) => 0.0,
+        });
+        most.fold(0.0, f64::max)
     }
 
-    /// Stirs all lanes, after so many steps and before the part of a step that is to come.
-    #[inline(always)]
-    pub(super) fn act<S, const D: usize, const SUMS: usize, const EQUAL: bool>(
-        &self,
-        steps: u64,
-        block: &mut Block<S, L, D, SUMS, EQUAL>,
-        laws: &impl Laws<S, D>,
-        part: &Part,
-    ) where
-        S: Lane,
-    {
-        let (mut noise, mut kept, mut spread) = ([[Fused(0.0); L]; D], [0.0; L], [0.0; L]);
-        self.draw(steps, &mut noise);
-        for l in 0..L {
-            let OrnsteinUhlenbeck { lost, variance, .. } = self.process[l];
-            (kept[l], spread[l]) = (lost, part.unit * variance.sqrt());
-        }
-        let Block { q, way, normal, square, guess, past: [last, earlier], way_low, .. } = block;
-        let [bends, before] = [-0.5 * (part.h / part.unit).powi(2), part.before].map(S::from_f64);
-        for l in 0..L {
-            let (n, old) = (at(normal, l), at(way, l));
-            let (lost, spread) = (S::from_f64(kept[l]), spread[l]);
-            let random = at(&noise, l).map(|x| S::from_f64(spread * x.0));
-            let mut change = sum(&scaled(lost, &old), &random);
-            if SUMS == 1 {
-                change = sum(&at(&way_low[0], l), &change);
+    /// Whether momenta may be any after the next step, whatever they are now.
+    pub(super) fn is_abrupt(&self) -> bool {
+        self.flows.iter().any(|flow| matches!(flow, Stir::Asked(Rule::Random)))
+    }
+
+    /// What tells the flows of a lane from others, asked beside this place.
+    pub(super) fn hallmarks<X: Laws<S, D>>(&self, laws: &X, lane: usize, q: [S; D]) -> Vec<Hallmark> {
+        let effects = laws.effects(lane);
+        let (effects, time) = (effects.borrow(), self.time);
+        let mark = |number: usize| {
+            let part = format!("flow {number}");
+            if let Some(of) = effects.ornstein_uhlenbeck(number, time) {
+                let seed = [(of.seed >> 32) as f64, (of.seed & 0xFFFF_FFFF) as f64];
+                return Hallmark::new(
+                    part,
+                    "friction and noise",
+                    vec![of.lost, of.variance, seed[0], seed[1]],
+                );
             }
-            let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
-            let new = if SUMS == 1 {
-                let (new, low) = two_sum(&old, &change);
-                put(&mut way_low[0], l, low);
-                new
-            } else {
-                sum(&old, &change)
-            };
-            put(way, l, new);
-            let [bend] = laws.constraint(l).borrow().jet(&at(q, l), &new).2;
-            guess[l] = bends * bend / square[l];
-            (last[l], earlier[l]) = (before * guess[l], before * guess[l]);
-        }
+            let (manner, name) = effects.manner(number);
+            let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
+            let (noise, mut changes) = (Noise { effect: number as u64, ..Noise::default() }, [q]);
+            let (at, normals) = ([q], [Normal::new(gradient)]);
+            let normals = &&normals[..];
+            let during = interval(time, Half::Before, 0.0, [&at, &at], normals, noise);
+            laws.flow(lane, number, &during, &mut changes);
+            let numbers = changes[0].map(S::to_f64).to_vec();
+            Hallmark::new(part, format!("{} ({manner:?})", short_name(name)), numbers)
+        };
+        (0..X::Forces::FLOWS).map(mark).collect()
     }
 
+    /// Has all flows act in all lanes, for this half of a step after so many. Momenta are along the surface then.
+    ///
+    /// # Errors
+    /// The first lane in which one of them cannot.
+    #[inline(never)]
+    pub(super) fn act(
+        &self,
+        set: Fusing,
+        half: Half,
+        steps: u64,
+        stirred: Stirred<'_, S, L, D>,
+        answer: &mut Answer<'_, S, L, D>,
+    ) -> Result<(), usize> {
+        set.run_lanes::<L, _>(Acting { stirring: self, half, steps, stirred, answer })
+    }
+}
+
+impl<S: Lane, const L: usize, const D: usize> Linear<S, L, D> {
+    /// Flow number `number` in a time h, if it is linear in all lanes.
+    fn of<X: Laws<S, D>>(laws: &X, number: usize, h: f64, rule: Rule) -> Option<Box<Self>> {
+        let (zero, none) = ([S::default(); L], [0.0; L]);
+        let (matrix, deviation, most) = ([[zero; D]; D], none, none);
+        let mut linear = Box::new(Self { matrix, rule, draws: false, deviation, seed: [0; L], most });
+        for lane in 0..L {
+            let effects = laws.effects(lane);
+            let effects: &X::Forces = effects.borrow();
+            let matrix = match effects.ornstein_uhlenbeck(number, h) {
+                Some(of) => {
+                    linear.draws |= of.variance != 0.0;
+                    linear.deviation[lane] = of.variance.sqrt();
+                    linear.seed[lane] = of.seed;
+                    linear.most[lane] = DEVIATIONS * of.temperature().sqrt();
+                    from_fn(|i| from_fn(|k| if i == k { of.lost } else { 0.0 }))
+                }
+                None => effects.linear(number, h)?,
+            };
+            for (to, from) in linear.matrix.as_flattened_mut().iter_mut().zip(matrix.as_flattened()) {
+                to[lane] = S::from_f64(*from);
+            }
+        }
+        Some(linear)
+    }
+
+    fn copy(&mut self, from: usize, to: usize) {
+        self.matrix.as_flattened_mut().iter_mut().for_each(|numbers| numbers[to] = numbers[from]);
+        (self.deviation[to], self.seed[to], self.most[to]) =
+            (self.deviation[from], self.seed[from], self.most[from]);
+    }
+
+    /// A x, of one lane.
+    #[inline(always)]
+    fn times(&self, lane: usize, x: &[S; D]) -> [S; D] {
+        from_fn(|i| {
+            let row = &self.matrix[i];
+            let mut sum = row[i][lane] * x[i];
+            for k in 0..D {
+                if k != i {
+                    sum = row[k][lane].multiply_add(x[k], sum);
+                }
+            }
+            sum
+        })
+    }
+
+    /// Acts in all lanes.
+    #[inline(always)]
+    fn act(&self, noise: &Vectors<Fused<f64>, L, D>, stirred: &mut Stirred<'_, S, L, D>) {
+        let Stirred { normal, square, p, low, work, .. } = stirred;
+        let (symmetric, half) = (self.rule == Rule::Symmetric, S::from_f64(0.5));
+        for l in 0..L {
+            let (n, old) = (at(normal, l), at(p, l));
+            let deviation = self.deviation[l];
+            let random = at(noise, l).map(|x| S::from_f64(deviation * x.0));
+            let mut change = sum(&self.times(l, &old), &random);
+            if symmetric {
+                let turned = self.times(l, &n);
+                let mu = -dot(&n, &sum(&old, &change)) / half.multiply_add(dot(&n, &turned), square[l]);
+                change = add_scaled(&change, mu, &add_scaled(&n, half, &turned));
+            }
+            work[l] += add(l, &change, &n, square[l], p, low).to_f64();
+        }
+    }
+}
+
+/// Adds a change to the momentum of a lane, and makes it one along the surface. Returns what that adds to the kinetic
+/// energy.
+#[inline(always)]
+fn add<S: Lane, const L: usize, const D: usize>(
+    lane: usize,
+    change: &[S; D],
+    n: &[S; D],
+    square: S,
+    p: &mut Vectors<S, L, D>,
+    low: &mut Vectors<S, L, D>,
+) -> S {
+    let (old, old_low) = (at(p, lane), at(low, lane));
+    let change = sum(&old_low, change);
+    let change = add_scaled(&change, -dot(n, &sum(&old, &change)) / square, n);
+    let (new, new_low) = two_sum(&old, &change);
+    put(p, lane, new);
+    put(low, lane, new_low);
+    let energy = |p: &[S; D], low: &[S; D]| S::from_f64(0.5).multiply_add(dot(p, p), dot(low, p));
+    energy(&new, &new_low) - energy(&old, &old_low)
+}
+
+/// All flows at work.
+struct Acting<'a, 'b, S, const L: usize, const D: usize> {
+    stirring: &'a Stirring<S, L, D>,
+    half: Half,
+    steps: u64,
+    stirred: Stirred<'a, S, L, D>,
+    answer: &'a mut Answer<'b, S, L, D>,
+}
+
+impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
+    type Done = Result<(), usize>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Done {
+        let Self { stirring, half, steps, mut stirred, answer } = self;
+        let n = stirring.flows.len();
+        let second = !stirring.at_once && (half == Half::After) == (stirring.after == 0);
+        for i in 0..n {
+            let number = if half == Half::Before { i } else { n - 1 - i };
+            let place = (if second { n + i } else { i }) as u64;
+            match &stirring.flows[number] {
+                Stir::Linear(linear) => {
+                    let mut noise = [[Fused(0.0); L]; D];
+                    if linear.draws {
+                        stirring.draw((number, place, steps), &linear.seed, &mut noise);
+                    }
+                    linear.act(&noise, &mut stirred);
+                }
+                Stir::Asked(rule) => ask(*rule, (number, half, place, steps), &mut stirred, answer)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
     /// Draws D normal numbers for each lane, those of [`Noise::normal`].
     #[inline(always)]
-    fn draw<const D: usize>(&self, steps: u64, numbers: &mut Vectors<Fused<f64>, L, D>) {
+    fn draw(
+        &self,
+        (number, place, steps): (usize, u64, u64),
+        seed: &[u64; L],
+        numbers: &mut Vectors<Fused<f64>, L, D>,
+    ) {
         for (draw, four) in (0..).zip(numbers.chunks_mut(4)) {
             let mut words = [[0; L]; 4];
             for l in 0..L {
-                let drawn = self.noise(l, steps).words(self.process[l].seed, draw);
+                let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+                let drawn = noise.words(seed[l], draw);
                 for (words, drawn) in words.iter_mut().zip(drawn) {
                     words[l] = drawn;
                 }
@@ -152,5 +369,149 @@ fn normal<const L: usize>([a, b]: &[[u64; L]; 2], numbers: &mut [[Fused<f64>; L]
     }
     for (numbers, drawn) in numbers.iter_mut().zip([cosines, sines]) {
         *numbers = drawn;
+    }
+}
+
+/// Has a flow that is asked act in all lanes.
+#[inline(always)]
+fn ask<S: Lane, const L: usize, const D: usize>(
+    rule: Rule,
+    (number, half, place, steps): (usize, Half, u64, u64),
+    stirred: &mut Stirred<'_, S, L, D>,
+    answer: &mut Answer<'_, S, L, D>,
+) -> Result<(), usize> {
+    let Stirred { q, normal, square, p, low, work } = stirred;
+    let zero = [S::default(); L];
+    let (mut changes, mut tried) = ([zero; D], **p);
+    let mut search = Search { mu: zero, before: zero, rest: zero, settled: [false; L] };
+    for round in 0..MOST_ROUNDS {
+        let question = Question { number, half, place, steps, q, normal, square, p: &tried };
+        answer(question, &mut changes);
+        search.judge(round == 0, normal, square, p, low, &changes, &mut tried);
+        if rule == Rule::Random || search.settled == [true; L] {
+            break;
+        }
+    }
+    if rule == Rule::Random {
+        for l in 0..L {
+            search.settled[l] = at(&changes, l).map(is_finite) == [true; D];
+            search.mu[l] = S::default();
+        }
+    }
+    if let Some(lane) = search.settled.iter().position(|&settled| !settled) {
+        return Err(lane);
+    }
+    for l in 0..L {
+        let n = at(normal, l);
+        let change = add_scaled(&at(&changes, l), search.mu[l], &n);
+        work[l] += add(l, &change, &n, square[l], p, low).to_f64();
+    }
+    Ok(())
+}
+
+/// μ of all lanes, by the secant rule.
+struct Search<S, const L: usize> {
+    mu: [S; L],
+    before: [S; L],
+    /// What is still to be added to μ, as seen the last time.
+    rest: [S; L],
+    settled: [bool; L],
+}
+
+impl<S: Lane, const L: usize> Search<S, L> {
+    /// Says by what momenta change where settled, and tries others elsewhere. μ of a lane that has settled stays what
+    /// it is.
+    #[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
+    #[inline(always)]
+    fn judge<const D: usize>(
+        &mut self,
+        first: bool,
+        normal: &Vectors<S, L, D>,
+        square: &[S; L],
+        p: &Vectors<S, L, D>,
+        low: &Vectors<S, L, D>,
+        changes: &Vectors<S, L, D>,
+        tried: &mut Vectors<S, L, D>,
+    ) {
+        let [zero, half, least] = [0.0, 0.5, f64::MIN_POSITIVE].map(S::from_f64);
+        let rounding = S::from_f64(8.0 * S::EPSILON);
+        for l in 0..L {
+            let (n, old, change, mu) = (at(normal, l), at(p, l), at(changes, l), self.mu[l]);
+            let new = sum(&old, &add_scaled(&sum(&at(low, l), &change), mu, &n));
+            let rest = -dot(&n, &new) / square[l];
+            let size = largest(&new).max(largest(&change)).max(least);
+            let settled = (rest.abs() * largest(&n)).le(rounding * size);
+            let slope = (rest - self.rest[l]) / (mu - self.before[l]);
+            let known = !first & (slope.lt(zero) | zero.lt(slope));
+            let step = S::select(known, -rest / slope, rest);
+            let next = S::select(settled, mu, mu + step);
+            (self.before[l], self.rest[l]) = (S::select(settled, self.before[l], mu), rest);
+            (self.mu[l], self.settled[l]) = (next, settled);
+            put(tried, l, add_scaled(&old, half * next, &n));
+        }
+    }
+}
+
+/// Who asks the flows of these laws.
+pub(super) struct Asking<'a, S, X, const L: usize, const D: usize> {
+    pub(super) laws: &'a X,
+    pub(super) stirring: &'a Stirring<S, L, D>,
+    pub(super) question: Question<'a, S, L, D>,
+    pub(super) changes: &'a mut Vectors<S, L, D>,
+}
+
+impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize> Work for Asking<'_, S, X, L, D> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { laws, stirring, question, changes } = self;
+        let Question { number, half, place, steps, q, normal, square, p } = question;
+        let Stirring { after, time, h, .. } = *stirring;
+        let passed = match (stirring.changes, half) {
+            (false, _) => 0.0,
+            (true, _) if after > 0 => 0.5 * h,
+            (true, Half::Before) => 0.0,
+            (true, Half::After) => h,
+        };
+        for l in 0..L {
+            let noise = Noise { effect: number as u64, place, ..stirring.noise(l, steps) };
+            let one = S::from_f64(1.0);
+            let normals = [Normal { gradient: at(normal, l), inverse_square: one / square[l] }];
+            let (now, mut change) = (stirring.now(l, steps) + passed, [[S::default(); D]]);
+            let (q, p, normals) = ([at(q, l)], [at(p, l)], &&normals[..]);
+            let during = interval(time, half, now, [&q, &p], normals, noise);
+            laws.flow(l, number, &during, &mut change);
+            put(changes, l, change[0]);
+        }
+    }
+}
+
+/// What a flow is shown of a body with this place and momentum.
+#[inline(always)]
+fn interval<'a, S: Lane, const D: usize>(
+    h: f64,
+    half: Half,
+    time: f64,
+    [positions, momenta]: [&'a [[S; D]]; 2],
+    surface: &'a dyn Normals<S, D>,
+    noise: Noise,
+) -> Interval<'a, S, D> {
+    Interval {
+        h,
+        before: half == Half::Before,
+        at: Moment { time, positions },
+        momenta,
+        velocities: momenta,
+        rates: &[],
+        holding: &[],
+        coming: &[],
+        imposed: S::default(),
+        inertia: &UnitMasses,
+        surface: Some(surface),
+        marks: &[],
+        tied: false,
+        freedom: D - 1,
+        noise,
     }
 }

@@ -3,6 +3,7 @@
 use crate::number::clock::steps_to;
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
+use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
 use crate::run::ensemble::grouping::{
     Alike, Different, Groups, HowInLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
@@ -10,7 +11,7 @@ use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
 use crate::run::ensemble::watching::{AnyObserver, Watching};
 
-use crate::effect::list::{Effects, Forces};
+use crate::effect::list::Effects;
 use crate::error::{Error, RecordMistake, StartFailure};
 use crate::motion::bodies::Count;
 use crate::motion::hold::{Hold, Kind};
@@ -42,6 +43,7 @@ pub struct Ensemble<const D: usize> {
     /// The number of the first trajectory of each group.
     first: Vec<usize>,
     pub(crate) len: usize,
+    plan: Plan,
     h: f64,
     pub(crate) steps: u64,
     pub(crate) set: InstructionSet,
@@ -185,7 +187,8 @@ impl<const D: usize> Ensemble<D> {
         let set = if set.is_present() { set } else { InstructionSet::Portable };
         let h = method.step_size();
         let mut lanes = HowInLanes::of(&method, set);
-        let mut ensemble = Self { groups: Vec::new(), first: Vec::new(), len: 0, h, steps: 0, set };
+        let (groups, first, plan) = (Vec::new(), Vec::new(), Plan::default());
+        let mut ensemble = Self { groups, first, len: 0, plan, h, steps: 0, set };
         loop {
             let (mut scenes, mut starts, mut ready) = (Vec::new(), Vec::new(), Vec::new());
             while scenes.len() < LANES
@@ -202,15 +205,23 @@ impl<const D: usize> Ensemble<D> {
             if scenes.is_empty() {
                 return Ok(ensemble);
             }
-            let mut goes = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
-            for scene in &scenes {
-                goes = goes && act_in_lanes::<S, C, _, D>(&scene.effects.forces(), h);
-            }
-            if goes && let Some(lanes) = &mut lanes {
+            let fits = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
+            let act = |scene: &&Scene<C, E, N, D>| act_in_lanes::<S, C, _, D>(&scene.effects.forces());
+            let placed = lanes.as_mut().map_err(|why| *why).and_then(|lanes| {
+                scenes.iter().try_for_each(act)?;
                 lanes.first = ensemble.len;
-                if let Some(groups) = in_lanes(&scenes, &starts, lanes) {
+                let groups = if fits { in_lanes(&scenes, &starts, lanes) } else { None };
+                groups.ok_or(NotInLanes::System)
+            });
+            match placed {
+                Ok(groups) => {
+                    ensemble.plan.in_lanes += scenes.len();
                     groups.into_iter().for_each(|group| ensemble.push(group));
                     continue;
+                }
+                Err(why) => {
+                    ensemble.plan.alone += scenes.len();
+                    ensemble.plan.reason.get_or_insert(why);
                 }
             }
             for ((scene, system), start) in scenes.into_iter().zip(ready).zip(&starts) {
@@ -511,6 +522,26 @@ impl<const D: usize> Ensemble<D> {
         self.state(trajectory).time()
     }
 
+    /// The work done on the bodies of a trajectory since the start, an energy: by [flows](crate::effect::Flow) of
+    /// momenta, moving constraints and potentials that change with time, see
+    /// [`Simulation::work`](crate::run::simulation::Simulation::work). Of a failed trajectory, until then.
+    ///
+    /// # Panics
+    /// If there is no trajectory of this number.
+    #[must_use]
+    #[track_caller]
+    pub fn work(&self, trajectory: usize) -> f64 {
+        assert!(trajectory < self.len, "trajectory {trajectory} of {}", self.len);
+        let (group, own) = self.group(trajectory);
+        group.work(own)
+    }
+
+    /// How trajectories are computed: how many in lanes, how many as simulations, and why those.
+    #[must_use]
+    pub fn plan(&self) -> Plan {
+        self.plan
+    }
+
     /// The instruction set used for trajectories in lanes.
     #[must_use]
     pub fn instruction_set(&self) -> InstructionSet {
@@ -562,14 +593,6 @@ impl<const D: usize> Ensemble<D> {
 /// After so many steps it is asked whether observers can go on: seldom, since all threads wait for the last, and where
 /// groups in lanes stop anyway.
 const UNWATCHED: u64 = 8 * STRETCH;
-
-/// Whether these effects can act in lanes: forces, and where the method applies flows inside its steps of size `h`, a
-/// single Ornstein–Uhlenbeck process on bodies on surfaces.
-fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(effects: &F, h: f64) -> bool {
-    let flows_do =
-        || const { S::STIRS && matches!(C::KIND, Kind::Other) } && effects.ornstein_uhlenbeck(h).is_some();
-    effects.in_lanes() && (F::FLOWS == 0 || flows_do())
-}
 
 /// What a checkpoint calls an ensemble.
 const AN_ENSEMBLE: &str = "an ensemble";

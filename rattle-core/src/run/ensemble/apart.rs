@@ -1,0 +1,75 @@
+//! Which trajectories of an ensemble are computed in lanes, and why others are not.
+
+use crate::effect::list::Forces;
+use crate::motion::hold::{Hold, Kind};
+use crate::motion::method::{Method, Splitting};
+use crate::number::instructions::InstructionSet;
+
+/// How the trajectories of an ensemble are computed.
+///
+/// ```
+/// # use rattle::effect::DryFriction;
+/// # use rattle::{surfaces::Torus, Rattle, Scene, State};
+/// let rough = Scene::on(Torus { major: 1.0, minor: 0.25 }).with(DryFriction { coefficient: 0.1 });
+/// let start = State::at([1.25, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+/// let plan = rough.ensemble(vec![start; 100], Rattle::new(0.01))?.plan();
+/// assert_eq!((plan.in_lanes, plan.alone), (0, 100));
+/// println!("{}", plan.reason.unwrap()); // flow `DryFriction` depends on forces, which are not known in lanes
+/// # Ok::<(), rattle::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Plan {
+    /// The number of trajectories in SIMD lanes.
+    pub in_lanes: usize,
+    /// The number of trajectories that are a simulation each.
+    pub alone: usize,
+    /// Why the first of those is not in a lane; `None` if there is none.
+    pub reason: Option<NotInLanes>,
+}
+
+/// Why a trajectory is computed as a simulation, not in a lane.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotInLanes {
+    /// Without fused multiply-add, lanes are slower than simulations.
+    #[error("the instruction set `{0}` has no fused multiply-add")]
+    Instructions(InstructionSet),
+    /// The method has no form in lanes. The name of the method.
+    #[error("`{0}` has no form in lanes")]
+    Method(&'static str),
+    /// Steps or stages are so short that momenta times their length lose digits. The step size.
+    #[error("steps of {0:e}, or their stages, are too short for lanes")]
+    ShortSteps(f64),
+    /// An effect needs working memory or a memory of its own, or is a force that changes with time. The name of its
+    /// type.
+    #[error("effect `{0}` needs a memory, or is a force that changes with time")]
+    Effect(&'static str),
+    /// A flow depends on [forces](crate::effect::Flow::FEELS_FORCES), which are not known in lanes. The name of its type.
+    #[error("flow `{0}` depends on forces, which are not known in lanes")]
+    FeelsForces(&'static str),
+    /// In lanes, flows of momenta act on one body on a surface, moved by a splitting into kicks and drifts.
+    #[error("flows of momenta act in lanes on one body on a surface alone, moved by kicks and drifts")]
+    Flows,
+    /// The bodies, or the constraints and links between them, have no form in lanes, or scenes of a sweep differ in
+    /// more than parameters.
+    #[error("these bodies and constraints have no form in lanes")]
+    System,
+}
+
+/// Whether these effects can act in lanes: forces, and flows on one body on a surface.
+///
+/// # Errors
+/// Why they cannot.
+pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(
+    effects: &F,
+) -> Result<(), NotInLanes> {
+    if let Some(effect) = effects.not_in_lanes() {
+        return Err(NotInLanes::Effect(effect));
+    }
+    let manners = (0..F::FLOWS).map(|number| effects.manner(number));
+    if let Some((_, effect)) = manners.into_iter().find(|(manner, _)| manner.feels) {
+        return Err(NotInLanes::FeelsForces(effect));
+    }
+    let flows_do = const { matches!(C::KIND, Kind::Other) && !matches!(S::SPLITTING, Splitting::Not) };
+    if F::FLOWS > 0 && !flows_do { Err(NotInLanes::Flows) } else { Ok(()) }
+}
