@@ -308,12 +308,12 @@ fn bits(state: &State<3>) -> String {
 /// division of a run, and not on a checkpoint between; also the work on those that rest.
 #[test]
 fn those_that_fail_disturb_no_other() {
-    fn check<E: Effects<3>>(scene: &Scene<Torus, E, rattle::bodies::One, 3>) {
+    fn check<E: Effects<3>>(scene: &Scene<Torus, E, rattle::bodies::One, 3>, speeds_up: bool) {
         let method = Rattle::new(0.05);
         let fast = |i: u64| i % 7 == 3;
         let begin = |i: u64| {
             let start = start(i).numbered(i);
-            let faster: Vec<_> = start.momenta().map(|p| (25.0 + i as f64) * p).collect();
+            let faster: Vec<_> = start.momenta().map(|p| (6.0 + 0.2 * i as f64) * p).collect();
             if fast(i) { start.with_momenta(faster) } else { start }
         };
         let of = |numbers: Vec<u64>| scene.ensemble(numbers.into_iter().map(begin), method).unwrap();
@@ -324,7 +324,8 @@ fn those_that_fail_disturb_no_other() {
         (0..9).for_each(|_| few.run(10));
         let failed: Vec<_> = all.failures().map(|(i, _)| i as u64).collect();
         assert!(failed.len() > 3 && failed.iter().all(|&i| fast(i)), "{failed:?}");
-        assert!(failed.iter().any(|&i| all.state(i as usize).steps() < 5 * i + 40));
+        let later = failed.iter().any(|&i| all.work(i as usize) != 0.0);
+        assert_eq!(later, speeds_up, "whether some fail on the way: {failed:?}");
         for (number, i) in (0..70).filter(|&i| !fast(i)).enumerate() {
             assert_eq!(bits(&few.state(number)), bits(&all.state(i as usize)), "{i}");
             assert_eq!(few.work(number).to_bits(), all.work(i as usize).to_bits(), "{i}");
@@ -337,8 +338,8 @@ fn those_that_fail_disturb_no_other() {
             assert_eq!(again.work(i).to_bits(), all.work(i).to_bits(), "{i}, from a checkpoint");
         }
     }
-    check(&ring().with(LinearDrag::along([0.1, 2.0, 0.7])).with(HEAT));
-    check(&ring().with(Combed(0.4)).with(Shaken(0.1)));
+    check(&ring().with(LinearDrag::along([0.1, 2.0, 0.7])).with(HEAT), false);
+    check(&ring().with(Combed(-0.5)).with(Shaken(0.1)), true);
 }
 
 /// A checkpoint of other flows is refused.

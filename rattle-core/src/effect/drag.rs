@@ -113,6 +113,7 @@ pub struct QuadraticDrag {
 }
 
 impl<const D: usize> Flow<D> for QuadraticDrag {
+    #[inline(always)] // into the loop over lanes
     fn flow<T: Real>(&self, during: &Interval<'_, T, D>, changes: &mut [[T; D]]) {
         let c = T::from_f64(self.coefficient);
         for (body, (change, p)) in changes.iter_mut().zip(during.momenta).enumerate() {
@@ -135,6 +136,7 @@ fn diagonal<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -
 /// What a momentum changes by in a time h under ṗ = −C(v) v, C diagonal: the implicit step p′ = p − h C(v) M⁻¹p′, whose
 /// error of first order goes by extrapolation, 2 X_{h/2}X_{h/2} − X_h. It is exact for C = c |v| and a mass that is a
 /// number.
+#[inline(always)]
 fn slowed<T: Real, const D: usize>(
     during: &Interval<'_, T, D>,
     body: usize,

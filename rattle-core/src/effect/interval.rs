@@ -82,6 +82,7 @@ pub trait Normals<T, const D: usize>: Debug {
 }
 
 /// The columns of M⁻¹ of a body.
+#[inline(always)]
 pub(crate) fn inverse_mass<T: Real, const D: usize>(inertia: &dyn Inertia<T, D>, body: usize) -> [[T; D]; D] {
     from_fn(|i| inertia.velocity(body, &from_fn(|k| T::from_f64(f64::from(u8::from(i == k))))))
 }

@@ -21,9 +21,8 @@ use crate::number::vector::{scaled, sum};
 ///
 /// With [`Rattle`](crate::methods::rattle::Rattle) a step is the splitting O B A B O (A: drift, B: kick, O: friction
 /// and noise); with [`Baoab`](crate::methods::baoab::Baoab) it is B A O A B. The latter has far smaller errors in
-/// averages over positions at the same cost, and ensembles of one body on a surface compute it in SIMD lanes: use it.
-/// Heat counts as [work](crate::run::simulation::Simulation::work),
-/// so the energy error is that of the method.
+/// averages over positions, and takes less time in the SIMD lanes of ensembles: use it. Heat counts as
+/// [work](crate::run::simulation::Simulation::work), so the energy error is that of the method.
 ///
 /// Source: B. Leimkuhler, C. Matthews, Proc. R. Soc. A 472 (2016) 20160138.
 ///

@@ -32,7 +32,7 @@ pub(crate) fn solve<const M: usize>(mut a: [[f64; M]; M], mut b: [f64; M]) -> Op
 /// The solution of a few linear equations whose matrix is near to a positive one, such as 1 + A with A small,
 /// antisymmetric or a product of positive ones: by elimination without exchanges. NaN or infinite where a pivot
 /// vanishes.
-#[inline]
+#[inline(always)]
 pub(crate) fn solve_positive<T: Real, const M: usize>(mut a: [[T; M]; M], mut x: [T; M]) -> [T; M] {
     for i in 0..M {
         for k in i + 1..M {

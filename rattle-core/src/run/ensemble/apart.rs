@@ -56,20 +56,28 @@ pub enum NotInLanes {
     System,
 }
 
-/// Whether these effects can act in lanes: forces, and flows on one body on a surface.
-///
-/// # Errors
-/// Why they cannot.
+impl Plan {
+    /// So many more are left alone: for this reason, or because of bodies and constraints.
+    pub(super) fn leave(&mut self, number: usize, why: Option<NotInLanes>) {
+        self.alone += number;
+        self.reason = self.reason.or(why).or(Some(NotInLanes::System));
+    }
+}
+
+/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface.
 pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(
     effects: &F,
-) -> Result<(), NotInLanes> {
+) -> Option<NotInLanes> {
     if let Some(effect) = effects.not_in_lanes() {
-        return Err(NotInLanes::Effect(effect));
+        return Some(NotInLanes::Effect(effect));
+    }
+    if const { F::FLOWS == 0 } {
+        return None;
     }
     let manners = (0..F::FLOWS).map(|number| effects.manner(number));
     if let Some((_, effect)) = manners.into_iter().find(|(manner, _)| manner.feels) {
-        return Err(NotInLanes::FeelsForces(effect));
+        return Some(NotInLanes::FeelsForces(effect));
     }
     let flows_do = const { matches!(C::KIND, Kind::Other) && !matches!(S::SPLITTING, Splitting::Not) };
-    if F::FLOWS > 0 && !flows_do { Err(NotInLanes::Flows) } else { Ok(()) }
+    if flows_do { None } else { Some(NotInLanes::Flows) }
 }

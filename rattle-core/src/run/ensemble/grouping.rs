@@ -64,7 +64,7 @@ impl HowInLanes {
         if !goes {
             return Err(NotInLanes::Method(method.name()));
         }
-        if h.abs() < SHORT || stages.iter().any(|stage| stage.h.abs() < SHORT) {
+        if !is_long(h, &stages) {
             return Err(NotInLanes::ShortSteps(h));
         }
         Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
@@ -75,6 +75,11 @@ impl HowInLanes {
         let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
         Splits::new(&self.stages, self.h, equal, P::compute(Sums), self.set)
     }
+}
+
+/// Whether a step and its stages are long enough.
+fn is_long(h: f64, stages: &[Stage]) -> bool {
+    h.abs() >= SHORT && stages.iter().all(|stage| stage.h.abs() >= SHORT)
 }
 
 /// Shown the surface, puts trajectories of one scene in lanes of the kind that a method wants, if it wants one.

@@ -76,6 +76,7 @@ mod stages;
 mod stirring;
 pub mod stream;
 pub mod trajectories;
+mod until;
 mod watching;
 
 use crate::number::lanes::Fused;
@@ -106,6 +107,8 @@ pub(crate) fn instances<const D: usize>() -> impl Copy {
         block::Block::<Fused<f64>, LANES, D, 0, false>::rows as *const (),
         block::Block::<Fused<f64>, LANES, D, 0, true>::rows as *const (),
         stirring::Stirring::<Fused<f64>, 1, D>::act as *const (),
+        stirring::Stirring::<Fused<f64>, 1, D>::clone as *const (),
+        stirring::Stirring::<Fused<f64>, LANES, D>::clone as *const (),
         stirring::Stirring::<Fused<f64>, LANES, D>::act as *const (),
         block::Part::of::<false> as *const (),
         block::Part::of::<true> as *const (),

@@ -19,7 +19,6 @@ use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
-use crate::run::ensemble::lane_record;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
@@ -41,8 +40,8 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     stages: Vec<Stage>,
     parts: Vec<Part>,
     stirring: Option<Box<Stirring<S, L, D>>>,
-    /// The work of flows on each lane; empty without flows.
-    work: Vec<f64>,
+    /// The work of flows on each lane.
+    work: Option<Box<[f64; L]>>,
     h: f64,
     set: Fusing,
 }
@@ -56,13 +55,15 @@ where
     /// Lanes, none of them set, that obey these laws in steps of h of stages like these; flows act after so many of
     /// them, or after none half before each step and half after it.
     pub(crate) fn new(laws: X, stages: &[Stage], stirs_after: usize, h: f64, set: Fusing) -> Self {
-        let stirring = Stirring::of(&laws, stirs_after, h);
-        let (block, stages, mut apart) = (Block::new(), stages.to_vec(), stages.to_vec());
-        if stirring.is_some() && stirs_after == 0 {
-            apart[0].before = 0.0;
+        let (block, stirring) = (Block::new(), Stirring::of(&laws, stirs_after, h));
+        let (mut parts, mut work) = (Part::of::<EQUAL>(stages), None);
+        if const { X::Forces::FLOWS > 0 } {
+            work = Some(Box::new([0.0; L]));
+            if stirs_after == 0 {
+                parts = Part::of::<EQUAL>(&without_first_kick(stages));
+            }
         }
-        let (parts, work) = (Part::of::<EQUAL>(&apart), vec![0.0; if stirring.is_some() { L } else { 0 }]);
-        Self { block, laws, stages, parts, stirring, work, h, set }
+        Self { block, laws, stages: stages.to_vec(), parts, stirring, work, h, set }
     }
 }
 
@@ -72,7 +73,6 @@ where
 struct Desk<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> {
     block: Block<S, L, D, SUMS, EQUAL>,
     scratch: Scratch<S, L, D>,
-    work: Vec<f64>,
 }
 
 impl<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool> Engine<D>
@@ -107,14 +107,16 @@ where
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
-        if let Some(&work) = self.work.get(from) {
-            self.work[to] = work;
+        if let Some(work) = &mut self.work {
+            work[to] = work[from];
         }
     }
 
     fn obey(&mut self, from: usize, to: usize) {
         self.laws.copy(from, to);
-        if let Some(stirring) = &mut self.stirring {
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirring) = &mut self.stirring
+        {
             stirring.copy(from, to);
         }
     }
@@ -126,18 +128,20 @@ where
     }
 
     fn draw_as(&mut self, lane: usize, draws: Draws) {
-        if let Some(stirring) = &mut self.stirring {
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirring) = &mut self.stirring
+        {
             stirring.draw_as(lane, draws);
         }
     }
 
     fn work(&self, lane: usize) -> Option<f64> {
-        self.work.get(lane).copied()
+        self.work.as_ref().map(|work| work[lane])
     }
 
     fn book(&mut self, lane: usize, work: f64) {
-        if let Some(booked) = self.work.get_mut(lane) {
-            *booked = work;
+        if let Some(booked) = &mut self.work {
+            booked[lane] = work;
         }
     }
 
@@ -158,13 +162,15 @@ where
     ) -> Result<Moved<D>, Failure> {
         let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
-        let Some(stirring) = &self.stirring else {
-            return by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies);
-        };
-        let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
-        let (after, work) = (stirring.after, self.work[lane]);
-        let stirred = StirredAlone { after, at: &at, place, work };
-        by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies)
+        if const { X::Forces::FLOWS > 0 }
+            && let Some(stirring) = &self.stirring
+        {
+            let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
+            let (after, work) = (stirring.after, self.work(lane).unwrap_or(0.0));
+            let stirred = StirredAlone { after, at: &at, place, work };
+            return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies);
+        }
+        by_itself::<S, _, D>(&system, &self.stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -179,17 +185,17 @@ where
 
     fn record(&self, to: &mut Record) {
         self.block.record(to);
-        if !self.work.is_empty() {
-            lane_record::write(vec![("work", &mut self.work.clone())], to);
+        if let Some(work) = &self.work {
+            to.list("work", &work[..]);
         }
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        let (block, mut work) = (Block::recalled(from, self.parts.len())?, self.work.clone());
-        if !work.is_empty() {
-            lane_record::read(vec![("work", &mut work)], from)?;
+        let mut again = Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() };
+        if const { X::Forces::FLOWS > 0 } {
+            again.work = Some(Box::new(from.array("work")?));
         }
-        Ok(Box::new(Self { block, work, ..self.clone() }))
+        Ok(Box::new(again))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
@@ -233,18 +239,60 @@ impl Splits {
     }
 }
 
-/// Where in the random numbers a trajectory is after so many steps, and when that is.
-type Whence<'a> = &'a dyn Fn(u64) -> (Noise, f64);
+/// These stages, of which the first has no kick before it.
+fn without_first_kick(stages: &[Stage]) -> Vec<Stage> {
+    let mut stages = stages.to_vec();
+    stages[0].before = 0.0;
+    stages
+}
 
 /// How flows stir bodies that go by themselves.
 pub(super) struct StirredAlone<'a> {
     /// After how many stages; after none half before each part of a step and half after it.
     after: usize,
-    at: Whence<'a>,
-    /// Flows that acted before in the first step, when it was tried; and now.
+    /// Where in the random numbers a trajectory is after so many steps, and when that is.
+    at: &'a dyn Fn(u64) -> (Noise, f64),
+    /// Flows that acted in the first step where it was tried before; and now.
     place: &'a mut u64,
     /// The work on them since the start.
     work: f64,
+}
+
+impl StirredAlone<'_> {
+    /// Makes bodies ready for the next step, after so many.
+    fn begin<S: Lane, Y: System<S, D>, const D: usize>(
+        &self,
+        step: u64,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, S, D>,
+    ) {
+        let (noise, time) = (self.at)(step);
+        if step == 0 {
+            (bodies.noise, bodies.time) = (Noise { place: *self.place, ..noise }, time);
+            bodies.work = S::from_f64(self.work);
+            return;
+        }
+        bodies.noise = noise;
+        if system.moves_with_time() {
+            system.set_time(bodies, time);
+        }
+    }
+
+    /// Has flows act for a time h in the middle of a step, or for half of it.
+    fn act<S: Lane, Y: System<S, D>, const D: usize>(
+        &mut self,
+        half: Option<Half>,
+        h: f64,
+        system: &Y,
+        bodies: &mut BodiesOf<Y, S, D>,
+    ) -> Result<(), Failure> {
+        let acted = match half {
+            Some(half) => stir(half, 0.5 * h, system, bodies),
+            None => in_the_middle(h, system, bodies),
+        };
+        *self.place = bodies.noise.place;
+        acted
+    }
 }
 
 /// Where bodies are after so many steps of these stages, each in so many equal parts.
@@ -253,72 +301,50 @@ pub(super) struct StirredAlone<'a> {
 pub(super) fn by_itself<S: Lane, Y: System<S, D>, const D: usize>(
     system: &Y,
     stages: &[Stage],
-    stirred: Option<StirredAlone<'_>>,
+    mut stirred: Option<StirredAlone<'_>>,
     steps: u64,
     parts: u32,
     places: &[Body<f64, D>],
 ) -> Result<Moved<D>, Failure> {
-    let mut bodies = system.bodies(&in_lanes(places), 0.0);
-    if let Some(StirredAlone { at, place, work, .. }) = &stirred {
-        let (noise, time) = at(0);
-        (bodies.noise, bodies.time) = (Noise { place: **place, ..noise }, time);
-        bodies.work = S::from_f64(*work);
-    }
-    let stirs = stirred.as_ref().map(|stirred| (stirred.after, stirred.at));
-    let gone = go::<S, Y, D>(system, stages, stirs, (steps, parts), &mut bodies);
-    if let Some(StirredAlone { place, .. }) = stirred {
-        *place = bodies.noise.place;
-    }
-    gone.map(|()| (out_of_lanes(&bodies.all()), bodies.work.to_f64()))
-}
-
-/// Moves bodies by themselves; see [`by_itself`].
-fn go<S: Lane, Y: System<S, D>, const D: usize>(
-    system: &Y,
-    stages: &[Stage],
-    stirs: Option<(usize, Whence<'_>)>,
-    (steps, parts): (u64, u32),
-    bodies: &mut BodiesOf<Y, S, D>,
-) -> Result<(), Failure> {
     let (stages, whole) = Stage::parts(stages, parts);
-    let around = stirs.is_some_and(|(after, _)| after == 0);
+    let mut bodies = system.bodies(&in_lanes(places), 0.0);
     for step in 0..steps {
         if step > 0 {
-            system.refresh(bodies); // as where a run is divided: bits depend on no division
-            if let Some((_, at)) = stirs {
-                bodies.noise = at(step).0;
-            }
+            system.refresh(&mut bodies); // as where a run is divided: bits depend on no division
+        }
+        if const { Y::FLOWS > 0 }
+            && let Some(stirred) = &stirred
+        {
+            stirred.begin(step, system, &mut bodies);
         }
         let start = bodies.saved();
         for _ in 0..parts {
-            if const { Y::FLOWS > 0 } && around {
-                stir(Half::Before, 0.5 * whole, system, bodies)?;
+            if const { Y::FLOWS > 0 }
+                && let Some(stirred) = stirred.as_mut().filter(|of| of.after == 0)
+            {
+                stirred.act(Some(Half::Before), whole, system, &mut bodies)?;
             }
             for (i, &Stage { before, h, after }) in stages.iter().enumerate() {
-                system.drift(before, h, bodies, &mut ())?;
+                system.drift(before, h, &mut bodies, &mut ())?;
                 if after != 0.0 || stages[(i + 1) % stages.len()].before != 0.0 {
-                    system.evaluate_forces(bodies);
+                    system.evaluate_forces(&mut bodies);
                 }
-                system.settle(after, h, bodies, &mut ())?;
+                system.settle(after, h, &mut bodies, &mut ())?;
                 if const { Y::FLOWS > 0 }
-                    && let Some((after, _)) = stirs
-                    && i + 1 == after
+                    && let Some(stirred) = stirred.as_mut().filter(|of| of.after == i + 1)
                 {
-                    in_the_middle(whole, system, bodies)?;
+                    stirred.act(None, whole, system, &mut bodies)?;
                 }
             }
-            if const { Y::FLOWS > 0 } && around {
-                stir(Half::After, 0.5 * whole, system, bodies)?;
+            if const { Y::FLOWS > 0 }
+                && let Some(stirred) = stirred.as_mut().filter(|of| of.after == 0)
+            {
+                stirred.act(Some(Half::After), whole, system, &mut bodies)?;
             }
         }
-        system.check_kinks(&start, bodies)?;
-        if system.moves_with_time()
-            && let Some((_, at)) = stirs
-        {
-            system.set_time(bodies, at(step + 1).1);
-        }
+        system.check_kinks(&start, &bodies)?;
     }
-    Ok(())
+    Ok((out_of_lanes(&bodies.all()), bodies.work.to_f64()))
 }
 
 /// Bodies in a lane's numbers.
@@ -345,18 +371,25 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Vec<f64>), Stuck>;
+    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Option<Box<[f64; L]>>), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
         let Self { lanes: SplittingLanes { block, laws, stages, parts, stirring, work, set, .. }, tour } =
             self;
         let laws = laws.clone(); // out of reach of what the loops write
-        let stirring = stirring.as_deref().filter(|_| const { X::Forces::FLOWS > 0 });
-        let least = |lane| stirring.map_or(0.0, |stirring| stirring.momentum(lane));
-        let every = if stirring.is_some_and(Stirring::is_abrupt) { 1 } else { EVERY };
-        let stirring = stirring.map(|stirring| (stirring, stages[0].before, *set));
-        let mut desk = Desk { block: block.clone(), scratch: Scratch::new(), work: work.clone() };
+        let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
+        let (mut stirs, mut booked, mut every) = (None, work.clone(), EVERY);
+        if const { X::Forces::FLOWS > 0 }
+            && let (Some(stirring), Some(work)) = (stirring, &mut booked)
+        {
+            stirs = Some(Stirs { stirring, kick: stages[0].before, set: *set, work });
+            every = if stirring.is_abrupt() { 1 } else { EVERY };
+        }
+        let least = |lane| match stirring {
+            Some(stirring) if const { X::Forces::FLOWS > 0 } => stirring.momentum(lane),
+            _ => 0.0,
+        };
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
@@ -365,7 +398,7 @@ where
             while now < end {
                 let stop = end.min((now / every + 1) * every);
                 for now in now..stop {
-                    stride(&mut desk, &laws, parts, stirring, now)?;
+                    stride(&mut desk, &laws, parts, stirs.as_mut(), now)?;
                 }
                 now = stop;
                 if now % every == 0 || (now == end && shown) {
@@ -380,12 +413,18 @@ where
                 written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
-        Ok((desk.block, desk.work))
+        Ok((desk.block, booked))
     }
 }
 
-/// What stirs lanes, the kick before a step where flows act before that, and the instructions.
-type Stirs<'a, S, const L: usize, const D: usize> = Option<(&'a Stirring<S, L, D>, f64, Fusing)>;
+/// What stirs lanes, the kick before a step where flows act before that, the instructions, and the work of flows on
+/// each lane.
+struct Stirs<'a, S, const L: usize, const D: usize> {
+    stirring: &'a Stirring<S, L, D>,
+    kick: f64,
+    set: Fusing,
+    work: &'a mut [f64; L],
+}
 
 /// A step of the method, after so many.
 #[inline(always)]
@@ -393,37 +432,55 @@ fn whole_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQU
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
-    stirring: Stirs<'_, S, L, D>,
+    stirs: Option<&mut Stirs<'_, S, L, D>>,
     steps: u64,
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    let number = if EQUAL { 1 } else { parts.len() };
-    let stirs = |after: usize| stirring.filter(|of| of.0.after == after);
     if const { X::Forces::FLOWS > 0 }
-        && let Some((stirring, kick, set)) = stirs(0)
+        && let Some(stirs) = stirs
     {
-        act(desk, laws, stirring, Half::Before, steps, set)?;
-        lead(&mut desk.block, laws, &parts[0], kick);
+        return stirred_step(desk, laws, parts, stirs, steps);
     }
-    for done in 1..=number {
+    for _ in 0..if EQUAL { 1 } else { parts.len() } {
         step(&mut desk.block, laws, parts, &mut desk.scratch)?;
-        if const { X::Forces::FLOWS > 0 }
-            && let Some((stirring, _, set)) = stirs(done)
-        {
-            if !stirring.at_once {
-                act(desk, laws, stirring, Half::After, steps, set)?;
+    }
+    Ok(())
+}
+
+/// The same with flows.
+#[inline(always)]
+fn stirred_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+    stirs: &mut Stirs<'_, S, L, D>,
+    steps: u64,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let Stirring { after, at_once, .. } = *stirs.stirring;
+    let around = after == 0;
+    if around {
+        act(desk, laws, stirs, Half::Before, steps)?;
+        lead(&mut desk.block, laws, &parts[0], stirs.kick);
+    }
+    for done in 1..=parts.len() {
+        step(&mut desk.block, laws, parts, &mut desk.scratch)?;
+        if done == after {
+            if !at_once {
+                act(desk, laws, stirs, Half::After, steps)?;
             }
-            act(desk, laws, stirring, Half::Before, steps, set)?;
-            lead(&mut desk.block, laws, &parts[done % number], 0.0);
+            act(desk, laws, stirs, Half::Before, steps)?;
+            lead(&mut desk.block, laws, &parts[done % parts.len()], 0.0);
         }
     }
-    if const { X::Forces::FLOWS > 0 }
-        && let Some((stirring, _, set)) = stirs(0)
-    {
-        act(desk, laws, stirring, Half::After, steps, set)?;
+    if around {
+        act(desk, laws, stirs, Half::After, steps)?;
     }
     Ok(())
 }
@@ -433,16 +490,16 @@ where
 fn act<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
-    stirring: &Stirring<S, L, D>,
+    stirs: &mut Stirs<'_, S, L, D>,
     half: Half,
     steps: u64,
-    set: Fusing,
 ) -> Result<(), Stuck>
 where
     S: Lane,
     X: Laws<S, D>,
 {
-    let Desk { block: Block { q, normal, square, way: p, way_low, .. }, work, .. } = desk;
+    let Block { q, normal, square, way: p, way_low, .. } = &mut desk.block;
+    let Stirs { stirring, set, ref mut work, .. } = *stirs;
     let mut lost = [[S::default(); L]; D];
     let low = way_low.first_mut().unwrap_or(&mut lost);
     let stirred = Stirred { q, normal, square, p, low, work };
@@ -492,7 +549,7 @@ fn stride<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: 
     desk: &mut Desk<S, L, D, SUMS, EQUAL>,
     laws: &X,
     parts: &[Part],
-    stirring: Stirs<'_, S, L, D>,
+    stirs: Option<&mut Stirs<'_, S, L, D>>,
     steps: u64,
 ) -> Result<(), Stuck>
 where
@@ -500,10 +557,10 @@ where
     X: Laws<S, D>,
 {
     if const { X::Constraint::KINKS.is_empty() } {
-        return whole_step(desk, laws, parts, stirring, steps);
+        return whole_step(desk, laws, parts, stirs, steps);
     }
     let (from, way) = (desk.block.q, desk.block.way);
-    let stepped = whole_step(desk, laws, parts, stirring, steps);
+    let stepped = whole_step(desk, laws, parts, stirs, steps);
     if let Err(Stuck { lane, failure }) = stepped {
         let ahead = S::from_f64(parts.iter().map(|part| part.h).sum::<f64>() / parts[0].unit);
         let from = at(&from, lane);

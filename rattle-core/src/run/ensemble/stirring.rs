@@ -40,7 +40,6 @@ const DEVIATIONS: f64 = 6.0;
 const MOST_ROUNDS: usize = 16;
 
 /// What stirs each lane.
-#[derive(Clone)]
 pub(super) struct Stirring<S, const L: usize, const D: usize> {
     flows: Vec<Stir<S, L, D>>,
     /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
@@ -85,7 +84,7 @@ pub(super) struct Stirred<'a, S, const L: usize, const D: usize> {
     pub(super) p: &'a mut Vectors<S, L, D>,
     pub(super) low: &'a mut Vectors<S, L, D>,
     /// The work of all flows since the start.
-    pub(super) work: &'a mut [f64],
+    pub(super) work: &'a mut [f64; L],
 }
 
 /// What is asked of a flow: what momenta change by.
@@ -104,6 +103,13 @@ pub(super) struct Question<'a, S, const L: usize, const D: usize> {
 /// Who answers.
 type Answer<'a, S, const L: usize, const D: usize> =
     dyn FnMut(Question<'_, S, L, D>, &mut Vectors<S, L, D>) + 'a;
+
+impl<S: Clone, const L: usize, const D: usize> Clone for Stirring<S, L, D> {
+    #[inline(never)] // compiled for those without flows, too
+    fn clone(&self) -> Self {
+        Self { flows: self.flows.clone(), ..*self }
+    }
+}
 
 impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
     /// What stirs lanes that obey these laws in steps of h, after so many parts of each; none where nothing does.
@@ -242,60 +248,105 @@ impl<S: Lane, const L: usize, const D: usize> Linear<S, L, D> {
             (self.deviation[from], self.seed[from], self.most[from]);
     }
 
-    /// A x, of one lane.
+    /// Acts in all lanes, with these random numbers.
     #[inline(always)]
-    fn times(&self, lane: usize, x: &[S; D]) -> [S; D] {
-        from_fn(|i| {
-            let row = &self.matrix[i];
-            let mut sum = row[i][lane] * x[i];
-            for k in 0..D {
-                if k != i {
-                    sum = row[k][lane].multiply_add(x[k], sum);
-                }
-            }
-            sum
-        })
-    }
-
-    /// Acts in all lanes.
-    #[inline(always)]
-    fn act(&self, noise: &Vectors<Fused<f64>, L, D>, stirred: &mut Stirred<'_, S, L, D>) {
+    fn act(&self, noise: Option<&Vectors<Fused<f64>, L, D>>, stirred: &mut Stirred<'_, S, L, D>) {
         let Stirred { normal, square, p, low, work, .. } = stirred;
-        let (symmetric, half) = (self.rule == Rule::Symmetric, S::from_f64(0.5));
-        for l in 0..L {
-            let (n, old) = (at(normal, l), at(p, l));
-            let deviation = self.deviation[l];
-            let random = at(noise, l).map(|x| S::from_f64(deviation * x.0));
-            let mut change = sum(&self.times(l, &old), &random);
-            if symmetric {
-                let turned = self.times(l, &n);
-                let mu = -dot(&n, &sum(&old, &change)) / half.multiply_add(dot(&n, &turned), square[l]);
-                change = add_scaled(&change, mu, &add_scaled(&n, half, &turned));
-            }
-            work[l] += add(l, &change, &n, square[l], p, low).to_f64();
+        let mut changes = [[S::default(); L]; D];
+        multiply(&self.matrix, p, &mut changes);
+        if let Some(noise) = noise {
+            add_random(&self.deviation, noise, &mut changes);
         }
+        if self.rule == Rule::Symmetric {
+            hold(&self.matrix, normal, square, p, &mut changes);
+        }
+        add(&changes, normal, square, p, low, work);
     }
 }
 
-/// Adds a change to the momentum of a lane, and makes it one along the surface. Returns what that adds to the kinetic
+/// A x, of one lane.
+#[inline(always)]
+fn times<S: Lane, const L: usize, const D: usize>(
+    matrix: &[[[S; L]; D]; D],
+    lane: usize,
+    x: &[S; D],
+) -> [S; D] {
+    from_fn(|i| {
+        let mut sum = matrix[i][i][lane] * x[i];
+        for k in 0..D {
+            if k != i {
+                sum = matrix[i][k][lane].multiply_add(x[k], sum);
+            }
+        }
+        sum
+    })
+}
+
+/// A p of all lanes.
+#[inline(always)]
+fn multiply<S: Lane, const L: usize, const D: usize>(
+    matrix: &[[[S; L]; D]; D],
+    p: &Vectors<S, L, D>,
+    changes: &mut Vectors<S, L, D>,
+) {
+    for l in 0..L {
+        put(changes, l, times(matrix, l, &at(p, l)));
+    }
+}
+
+/// Adds noise.
+#[inline(always)]
+fn add_random<S: Lane, const L: usize, const D: usize>(
+    deviation: &[f64; L],
+    noise: &Vectors<Fused<f64>, L, D>,
+    changes: &mut Vectors<S, L, D>,
+) {
+    for l in 0..L {
+        let random = at(noise, l).map(|x| S::from_f64(deviation[l] * x.0));
+        put(changes, l, sum(&at(changes, l), &random));
+    }
+}
+
+/// Adds N, and what flows of this matrix make of half of it, such that momenta are along the surface.
+#[inline(always)]
+fn hold<S: Lane, const L: usize, const D: usize>(
+    matrix: &[[[S; L]; D]; D],
+    normal: &Vectors<S, L, D>,
+    square: &[S; L],
+    p: &Vectors<S, L, D>,
+    changes: &mut Vectors<S, L, D>,
+) {
+    let half = S::from_f64(0.5);
+    for l in 0..L {
+        let (n, change) = (at(normal, l), at(changes, l));
+        let turned = times(matrix, l, &n);
+        let mu = -dot(&n, &sum(&at(p, l), &change)) / half.multiply_add(dot(&n, &turned), square[l]);
+        put(changes, l, add_scaled(&change, mu, &add_scaled(&n, half, &turned)));
+    }
+}
+
+/// Adds changes to the momenta of all lanes, makes them ones along the surface, and books what that adds to the kinetic
 /// energy.
 #[inline(always)]
 fn add<S: Lane, const L: usize, const D: usize>(
-    lane: usize,
-    change: &[S; D],
-    n: &[S; D],
-    square: S,
+    changes: &Vectors<S, L, D>,
+    normal: &Vectors<S, L, D>,
+    square: &[S; L],
     p: &mut Vectors<S, L, D>,
     low: &mut Vectors<S, L, D>,
-) -> S {
-    let (old, old_low) = (at(p, lane), at(low, lane));
-    let change = sum(&old_low, change);
-    let change = add_scaled(&change, -dot(n, &sum(&old, &change)) / square, n);
-    let (new, new_low) = two_sum(&old, &change);
-    put(p, lane, new);
-    put(low, lane, new_low);
-    let energy = |p: &[S; D], low: &[S; D]| S::from_f64(0.5).multiply_add(dot(p, p), dot(low, p));
-    energy(&new, &new_low) - energy(&old, &old_low)
+    work: &mut [f64; L],
+) {
+    let half = S::from_f64(0.5);
+    for l in 0..L {
+        let (n, old, old_low) = (at(normal, l), at(p, l), at(low, l));
+        let change = sum(&old_low, &at(changes, l));
+        let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
+        let (new, new_low) = two_sum(&old, &change);
+        put(p, l, new);
+        put(low, l, new_low);
+        let energy = |p: &[S; D], low: &[S; D]| half.multiply_add(dot(p, p), dot(low, p));
+        work[l] += (energy(&new, &new_low) - energy(&old, &old_low)).to_f64();
+    }
 }
 
 /// All flows at work.
@@ -320,11 +371,13 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
             let place = (if second { n + i } else { i }) as u64;
             match &stirring.flows[number] {
                 Stir::Linear(linear) => {
-                    let mut noise = [[Fused(0.0); L]; D];
                     if linear.draws {
+                        let mut noise = [[Fused(0.0); L]; D];
                         stirring.draw((number, place, steps), &linear.seed, &mut noise);
+                        linear.act(Some(&noise), &mut stirred);
+                    } else {
+                        linear.act(None, &mut stirred);
                     }
-                    linear.act(&noise, &mut stirred);
                 }
                 Stir::Asked(rule) => ask(*rule, (number, half, place, steps), &mut stirred, answer)?,
             }
@@ -402,10 +455,10 @@ fn ask<S: Lane, const L: usize, const D: usize>(
         return Err(lane);
     }
     for l in 0..L {
-        let n = at(normal, l);
-        let change = add_scaled(&at(&changes, l), search.mu[l], &n);
-        work[l] += add(l, &change, &n, square[l], p, low).to_f64();
+        let change = add_scaled(&at(&changes, l), search.mu[l], &at(normal, l));
+        put(&mut changes, l, change);
     }
+    add(&changes, normal, square, p, low, work);
     Ok(())
 }
 

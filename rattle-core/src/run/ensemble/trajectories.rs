@@ -1,9 +1,8 @@
 //! Many independent trajectories, run and observed together.
 
-use crate::number::clock::steps_to;
 use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
-use crate::run::ensemble::apart::{NotInLanes, Plan, act_in_lanes};
+use crate::run::ensemble::apart::{Plan, act_in_lanes};
 use crate::run::ensemble::grouping::{
     Alike, Different, Groups, HowInLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
@@ -44,7 +43,7 @@ pub struct Ensemble<const D: usize> {
     first: Vec<usize>,
     pub(crate) len: usize,
     plan: Plan,
-    h: f64,
+    pub(super) h: f64,
     pub(crate) steps: u64,
     pub(crate) set: InstructionSet,
 }
@@ -206,24 +205,22 @@ impl<const D: usize> Ensemble<D> {
                 return Ok(ensemble);
             }
             let fits = !matches!(C::KIND, Kind::Other) || starts.iter().all(|start| start.len() == 1);
-            let act = |scene: &&Scene<C, E, N, D>| act_in_lanes::<S, C, _, D>(&scene.effects.forces());
-            let placed = lanes.as_mut().map_err(|why| *why).and_then(|lanes| {
-                scenes.iter().try_for_each(act)?;
+            let mut why = lanes.as_ref().err().copied();
+            for scene in &scenes {
+                why = why.or_else(|| act_in_lanes::<S, C, _, D>(&scene.effects.forces()));
+            }
+            if fits
+                && why.is_none()
+                && let Ok(lanes) = &mut lanes
+            {
                 lanes.first = ensemble.len;
-                let groups = if fits { in_lanes(&scenes, &starts, lanes) } else { None };
-                groups.ok_or(NotInLanes::System)
-            });
-            match placed {
-                Ok(groups) => {
+                if let Some(groups) = in_lanes(&scenes, &starts, lanes) {
                     ensemble.plan.in_lanes += scenes.len();
                     groups.into_iter().for_each(|group| ensemble.push(group));
                     continue;
                 }
-                Err(why) => {
-                    ensemble.plan.alone += scenes.len();
-                    ensemble.plan.reason.get_or_insert(why);
-                }
             }
+            ensemble.plan.leave(scenes.len(), why);
             for ((scene, system), start) in scenes.into_iter().zip(ready).zip(&starts) {
                 let simulation = scene.begin(system, start, method.clone(), ensemble.len as u64)?;
                 ensemble.push(Box::new(Alone::new(simulation)));
@@ -272,73 +269,6 @@ impl<const D: usize> Ensemble<D> {
             groups => groups.par_iter_mut().for_each(|group| group.run(steps, set, None)),
         }
         self.steps = self.steps.saturating_add(steps);
-    }
-
-    /// Takes as many steps as lead every trajectory that has not failed to `time`, or less than one step beyond it.
-    ///
-    /// All take the same number of steps: where starts have different times, the trajectory that is farthest away says
-    /// how many, as [`Simulation::run_until`](crate::run::simulation::Simulation::run_until) would. Where a method
-    /// chooses the lengths of its steps, some may end farther beyond.
-    ///
-    /// ```
-    /// # use rattle::{Scene, State, Rattle};
-    /// let starts = (0..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
-    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.1))?;
-    /// ensemble.run_until(0.3)?;
-    /// assert_eq!(ensemble.steps(), 3);
-    /// # Ok::<(), rattle::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`Error::EndTime`] for a time that is not finite. Trajectories that fail are told by
-    /// [`failures`](Self::failures).
-    #[allow(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a whole number, which is above 0"
-    )]
-    #[doc(alias = "end time")]
-    #[inline(never)]
-    pub fn run_until(&mut self, time: f64) -> Result<(), Error> {
-        if !time.is_finite() {
-            return Err(Error::EndTime(time));
-        }
-        loop {
-            let going = self.groups.iter().flat_map(|group| {
-                (0..group.len())
-                    .filter(|&own| group.failure(own).is_none())
-                    .map(|own| group.state(own).time())
-            });
-            let left = going.map(|now| steps_to(time, now, self.h)).fold(0.0, f64::max);
-            if left <= 0.0 {
-                return Ok(());
-            }
-            self.run(left as u64);
-        }
-    }
-
-    /// Takes steps as long as `go_on` returns true for the ensemble, at most `steps`; returns how many were taken. It is
-    /// asked before the first step and after every `every` steps.
-    ///
-    /// ```
-    /// # use rattle::{Scene, State, Rattle};
-    /// let starts = (1..100).map(|i| State::at([0.0]).moving([f64::from(i)]));
-    /// let mut ensemble = Scene::points::<1>(1).ensemble(starts, Rattle::new(0.1))?;
-    /// let steps = ensemble.run_while(1_000_000, 10, |now| now.state(0).positions().all(|q| q.x < 4.5));
-    /// assert_eq!(steps, 50);
-    /// # Ok::<(), rattle::Error>(())
-    /// ```
-    ///
-    /// # Panics
-    /// If `every` is 0.
-    #[doc(alias = "stop early")]
-    pub fn run_while(&mut self, steps: u64, every: u64, mut go_on: impl FnMut(&Self) -> bool) -> u64 {
-        assert!(every > 0, "an ensemble is asked after every 1 or more steps");
-        let begun = self.steps;
-        while self.steps - begun < steps && go_on(self) {
-            self.run(every.min(steps - (self.steps - begun)));
-        }
-        self.steps - begun
     }
 
     /// Takes `steps` steps, and shows each trajectory to an observer after every `every` steps.
