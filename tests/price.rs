@@ -104,6 +104,24 @@ fn lanes_are_priced_beside_simulations() {
     assert!(alone.clone().all(|refused| matches!(refused.why, Some(Error::Price(PriceMistake::OneByOne)))));
 }
 
+/// What drag takes is no error of the energy, in lanes as in simulations.
+#[test]
+fn work_is_no_error() {
+    let surface = Counted::new(Several { sphere: 1.0, ..NONE });
+    let counts = surface.counts();
+    let clock = Clock::of(move || 1e-6 * counts.all() as f64);
+    let (slow, start) = (Scene::on(surface).with(LinearDrag::new(1.0)), sphere().start);
+    let prices = slow.price(&start, 2.0).side_by_side(vec![start.clone(); 15]).budget(2.0).clock(clock);
+    let prices = prices.measure().unwrap();
+    let double = |row: &&Price| match row.method {
+        Candidate::InLanes(_, numbers) => numbers != Numbers::Single,
+        method => method == Candidate::Rattle,
+    };
+    let rows: Vec<_> = prices.rows.iter().filter(double).collect();
+    assert!(rows.iter().filter(|row| row.method.is_in_lanes()).count() > 2, "{prices}");
+    rows.iter().for_each(|row| assert!(row.energy < 1e-13, "{}: {:e}", row.method, row.energy));
+}
+
 /// In double precision, and not by Lobatto's methods.
 #[test]
 fn links_are_priced_side_by_side() {

@@ -113,6 +113,6 @@ impl<const D: usize> Moving for FirstOfEnsemble<'_, D> {
         now.sights(group.source(), 0).next().map_or(f64::NAN, |first| first.energy())
     }
     fn energy_error(&self) -> f64 {
-        self.energy() - self.energy
+        self.energy() - self.energy - self.ensemble.work(0)
     }
 }

@@ -70,8 +70,6 @@ pub(super) struct Path {
     pub(super) observed: Vec<Vec<f64>>,
     pub(super) largest_momentum: f64,
     pub(super) kinetic: f64,
-    /// The largest work up to a look.
-    pub(super) work: f64,
     pub(super) iterations: Option<u64>,
     /// Seconds that it took, looks included.
     pub(super) seconds: f64,
@@ -126,7 +124,6 @@ impl Runner<'_> {
             path.observed.push(moving.observed());
             path.largest_momentum = path.largest_momentum.max(moving.largest_momentum());
             path.kinetic = path.kinetic.max(moving.kinetic_energy());
-            path.work = path.work.max(moving.work().abs());
         }
         path.seconds = self.clock.now() - begun;
         path.iterations = moving.iterations();

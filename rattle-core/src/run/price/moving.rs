@@ -39,10 +39,6 @@ pub(super) trait Moving {
     fn kinetic_energy(&self) -> f64 {
         0.0
     }
-    /// What time or walls that move did.
-    fn work(&self) -> f64 {
-        0.0
-    }
     fn iterations(&self) -> Option<u64> {
         None
     }

@@ -112,8 +112,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
     /// precision (on surfaces) and with compensated sums. Rows [in lanes](Candidate::InLanes) tell the error of the
     /// trajectory from the start and the cost of one of all trajectories.
     ///
-    /// The energy of such a row is compared with that at the start, and NaN where the time does work on the scene;
-    /// averages are not told.
+    /// The energy of such a row is compared with that at the start and the work done since; averages are not told.
     ///
     /// ```
     /// # use rattle::{potentials::Gravity, surfaces::Torus, Scene, State};
@@ -396,7 +395,7 @@ pub(super) fn price(
         timed.map_or((path.seconds, 1.0), |(median, spread)| (median.min(path.seconds), spread));
     let distances = distances(&path, &reference.path, runner.scene.dimension());
     let lanes = rung.candidate.is_in_lanes();
-    let energy = if lanes && reference.path.work > 0.0 { f64::NAN } else { most(&path.energy) };
+    let energy = most(&path.energy);
     let averages = if lanes { vec![f64::NAN; reference.averages.len()] } else { averages(&path) };
     let off = |(a, b): (f64, &f64)| (a - b).abs();
     let price = Price {

@@ -92,9 +92,6 @@ impl<const D: usize> Moving for Observing<'_, D> {
     fn energy_error(&self) -> f64 {
         self.simulation.energy_error()
     }
-    fn work(&self) -> f64 {
-        self.simulation.work()
-    }
     fn kinetic_energy(&self) -> f64 {
         self.simulation.kinetic_energy()
     }
