@@ -306,10 +306,11 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         if number < F::FLOWS { self.others.linear(number, h) } else { self.effect.linear(h) }
     }
     fn not_in_lanes(&self) -> Option<&'static str> {
-        self.others.not_in_lanes().or_else(|| {
-            let timed = !A::FLOWS && self.effect.changes_with_time();
-            (size_of::<A::Room>() > 0 || A::REMEMBERS || timed).then_some(self.name)
-        })
+        let timed = !A::FLOWS && self.effect.changes_with_time();
+        match self.others.not_in_lanes() {
+            None if size_of::<A::Room>() > 0 || A::REMEMBERS || timed => Some(self.name),
+            other => other,
+        }
     }
     #[inline(always)]
     fn evaluate(&self, at: Moment<'_, T, D>, room: &mut Self::Room, forces: &mut [[T; D]]) {

@@ -40,8 +40,8 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     stages: Vec<Stage>,
     parts: Vec<Part>,
     stirring: Option<Box<Stirring<S, L, D>>>,
-    /// The work of flows on each lane.
-    work: Option<Box<[f64; L]>>,
+    /// The work of flows on each lane; empty without flows.
+    work: Vec<f64>,
     h: f64,
     set: Fusing,
 }
@@ -56,9 +56,9 @@ where
     /// them, or after none half before each step and half after it.
     pub(crate) fn new(laws: X, stages: &[Stage], stirs_after: usize, h: f64, set: Fusing) -> Self {
         let (block, stirring) = (Block::new(), Stirring::of(&laws, stirs_after, h));
-        let (mut parts, mut work) = (Part::of::<EQUAL>(stages), None);
+        let (mut parts, mut work) = (Part::of::<EQUAL>(stages), Vec::new());
         if const { X::Forces::FLOWS > 0 } {
-            work = Some(Box::new([0.0; L]));
+            work = vec![0.0; L];
             if stirs_after == 0 {
                 parts = Part::of::<EQUAL>(&without_first_kick(stages));
             }
@@ -107,8 +107,8 @@ where
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
-        if let Some(work) = &mut self.work {
-            work[to] = work[from];
+        if const { X::Forces::FLOWS > 0 } {
+            self.work[to] = self.work[from];
         }
     }
 
@@ -136,12 +136,12 @@ where
     }
 
     fn work(&self, lane: usize) -> Option<f64> {
-        self.work.as_ref().map(|work| work[lane])
+        self.work.get(lane).copied()
     }
 
     fn book(&mut self, lane: usize, work: f64) {
-        if let Some(booked) = &mut self.work {
-            booked[lane] = work;
+        if const { X::Forces::FLOWS > 0 } {
+            self.work[lane] = work;
         }
     }
 
@@ -166,7 +166,7 @@ where
             && let Some(stirring) = &self.stirring
         {
             let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
-            let (after, work) = (stirring.after, self.work(lane).unwrap_or(0.0));
+            let (after, work) = (stirring.after, self.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
             return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies);
         }
@@ -185,17 +185,18 @@ where
 
     fn record(&self, to: &mut Record) {
         self.block.record(to);
-        if let Some(work) = &self.work {
-            to.list("work", &work[..]);
+        if const { X::Forces::FLOWS > 0 } {
+            to.list("work", &self.work);
         }
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        let mut again = Self { block: Block::recalled(from, self.parts.len())?, ..self.clone() };
+        let block = Block::recalled(from, self.parts.len())?;
         if const { X::Forces::FLOWS > 0 } {
-            again.work = Some(Box::new(from.array("work")?));
+            let work = from.numbers("work", &[L])?.to_vec();
+            return Ok(Box::new(Self { block, work, ..self.clone() }));
         }
-        Ok(Box::new(again))
+        Ok(Box::new(Self { block, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {
@@ -371,7 +372,7 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Option<Box<[f64; L]>>), Stuck>;
+    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Vec<f64>), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
@@ -379,9 +380,13 @@ where
             self;
         let laws = laws.clone(); // out of reach of what the loops write
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        let (mut stirs, mut booked, mut every) = (None, work.clone(), EVERY);
+        let (mut stirs, mut booked, mut every) = (None, Vec::new(), EVERY);
+        if const { X::Forces::FLOWS > 0 } {
+            booked.clone_from(work);
+        }
         if const { X::Forces::FLOWS > 0 }
-            && let (Some(stirring), Some(work)) = (stirring, &mut booked)
+            && let Some(stirring) = stirring
+            && let Ok(work) = <&mut [f64; L]>::try_from(&mut booked[..])
         {
             stirs = Some(Stirs { stirring, kick: stages[0].before, set: *set, work });
             every = if stirring.is_abrupt() { 1 } else { EVERY };
