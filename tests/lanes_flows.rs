@@ -223,7 +223,8 @@ fn drag_of_geodesics() {
     }
 }
 
-/// A field does no work, whatever its direction; and bodies on a sphere in a field along z keep p_φ + B r² sin²θ / 2.
+/// A field does no work, whatever its direction; and bodies on a sphere in a field along z keep
+/// (q × p)_z + B (x² + y²)/2.
 #[test]
 fn fields_keep_energy() {
     let tilted = Scene::on(Sphere { r: 1.7 }).with(MagneticField::new(FIELD));
@@ -432,8 +433,8 @@ fn shells_are_kept() {
     let mut kept = 0;
     for k in [30.0, 100.0, 1e3] {
         let shells = Scene::on(Shells { k });
-        kept += check(&shells.clone().with(Langevin { friction: 5.0, temperature: 1.0, seed: 3 }), k);
-        kept += check(&shells.clone().with(Andersen { rate: 0.5, temperature: 2.0, seed: 3 }), k);
+        kept += check(&shells.with(Langevin { friction: 5.0, temperature: 1.0, seed: 3 }), k);
+        kept += check(&shells.with(Andersen { rate: 0.5, temperature: 2.0, seed: 3 }), k);
         kept += check(&shells.with(Wind { c: 1.0 }), k);
     }
     println!("{kept} of 288 kept their shell for 60 steps");
