@@ -441,6 +441,115 @@ fn shells_are_kept() {
     assert!(kept > 100, "{kept}");
 }
 
+/// ṗ = r p.
+#[derive(Debug, Clone)]
+struct Growing {
+    r: f64,
+    as_matrix: bool,
+}
+
+impl Flow<3> for Growing {
+    #[inline(always)]
+    fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
+        let gained = T::from_f64((self.r * during.h).exp_m1());
+        for (change, p) in changes.iter_mut().zip(during.momenta) {
+            *change = p.map(|p| gained * p);
+        }
+    }
+    fn linear(&self, h: f64) -> Option<[[f64; 3]; 3]> {
+        let gained = (self.r * h).exp_m1();
+        self.as_matrix.then_some([[gained, 0.0, 0.0], [0.0, gained, 0.0], [0.0, 0.0, gained]])
+    }
+}
+
+/// A force about the z axis and up, that changes with time.
+#[derive(Debug, Clone)]
+struct Timed(f64);
+
+impl Flow<3> for Timed {
+    #[inline(always)]
+    fn flow<T: Real>(&self, during: &Interval<'_, T, 3>, changes: &mut [[T; 3]]) {
+        let push = T::from_f64(self.0 * during.h * (5.0 * during.at.time).sin());
+        for (change, [x, y, _]) in changes.iter_mut().zip(during.at.positions) {
+            *change = [push * *y, -(push * *x), push];
+        }
+    }
+    fn changes_with_time(&self) -> bool {
+        self.0 != 0.0
+    }
+}
+
+/// Flows that make momenta ten times as large within some steps: on spheres of radius 1 + nπ/k a simulation stays on its
+/// own, and so does a lane.
+#[test]
+fn shells_are_kept_by_those_that_flows_speed_up() {
+    constraint! { struct Shells { k } |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1)) }
+    force! { struct Gale { c } |_q: [f64; 3], v: [f64; 3]| [c * (8 - v[0]), c * (8 - v[1]), c * (8 - v[2])] }
+    fn check<E: Effects<3>>(scene: &Scene<Shells, E, rattle::bodies::One, 3>, k: f64, h: f64) -> usize {
+        let begin = |i: u64| {
+            let (a, slow) = (0.01 * i as f64, 0.01 * i as f64 / 32.0);
+            State::at([a.cos(), a.sin(), 0.0]).moving([-slow * a.sin(), slow * a.cos(), 0.003])
+        };
+        let mut ensemble = scene.ensemble((0..32).map(begin), Rattle::new(h)).unwrap();
+        in_lanes(&ensemble);
+        ensemble.run(40);
+        let shown = ensemble.states().map(|state| state.positions().next().unwrap().norm() - 1.0);
+        shown.filter(|off| off.abs() > 0.5 / k).count()
+    }
+    let mut astray = 0;
+    for (k, h) in [(300.0, 0.05), (500.0, 0.02), (1e3, 0.05), (2e3, 0.02), (3e3, 0.05)] {
+        let shells = || Scene::on(Shells { k });
+        for c in [5.0, 20.0, 60.0] {
+            astray += check(&shells().with(Gale { c }), k, h);
+            astray += check(&shells().with(Timed(8.0 * c)), k, h);
+        }
+        for r in [10.0, 20.0, 40.0] {
+            let drag = QuadraticDrag { coefficient: r / 12.0 };
+            astray += check(&shells().with(Growing { r, as_matrix: true }).with(drag), k, h);
+            astray += check(&shells().with(Growing { r, as_matrix: false }).with(drag), k, h);
+        }
+    }
+    assert_eq!(astray, 0, "of 1920");
+}
+
+/// In a sweep one scene may stand still and the next change with time.
+#[test]
+fn some_scenes_change_with_time() {
+    let scenes = [0.0, 2.0, 0.0, 1.0].map(|a| Scene::on(Sphere { r: 1.0 }).with(Timed(a)));
+    let begin = || State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.0]);
+    let mut ensemble =
+        Ensemble::sweep(Double, scenes.iter().map(|scene| (scene, begin())), Rattle::new(0.01)).unwrap();
+    in_lanes(&ensemble);
+    ensemble.run(100);
+    for (i, scene) in scenes.iter().enumerate() {
+        let mut alone = scene.simulate(begin(), Rattle::new(0.01)).unwrap();
+        alone.run(100).unwrap();
+        assert!(off(&alone.state(), &ensemble.state(i)) < 1e-12, "{i}");
+    }
+}
+
+/// However far a field turns momenta in half a step, by an angle of 2 atan a, it does no work, but for the rounding of
+/// that map, which goes with a². Where it leaves the impulse of the surface undetermined, a lane goes by itself, and is
+/// refused as a simulation is.
+#[test]
+fn strong_fields_do_no_work() {
+    let mut refused = 0;
+    for b in [10.0, 1e3, 1e5, 1e6, 1e7] {
+        let scene = Scene::on(Sphere { r: 1.0 }).with(MagneticField::new([b, 2.0 * b, -b]));
+        let begin = |i: u64| State::at([(i as f64).cos(), (i as f64).sin(), 0.0]).moving([0.0, 0.0, 0.5]);
+        let mut ensemble = scene.ensemble((0..20).map(begin), Rattle::new(0.02)).unwrap();
+        in_lanes(&ensemble);
+        ensemble.run(20);
+        let work = (0..20).map(|i| ensemble.work(i).abs()).fold(0.0, f64::max);
+        println!("{b:e}: {work:e}, {} refused", ensemble.failures().count());
+        // Of 0.125, in 40 halves of steps. Impulses are 32 times as large as momenta at most.
+        let a = 0.005 * 6_f64.sqrt() * b;
+        assert!(work < 5.0 * f64::EPSILON * (a * a).max(1024.0), "{b:e}: {work:e}");
+        refused += ensemble.failures().count();
+    }
+    assert!(refused > 0);
+}
+
 /// Why trajectories go alone.
 #[test]
 fn plans() {

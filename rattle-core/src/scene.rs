@@ -257,8 +257,8 @@ impl<C: Tie<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
 }
 
 impl<C: Constraint<D, 1>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
-    /// The system of this scene over the scalar `T`, to be moved step by step by a [method](crate::motion::method): over
-    /// complex numbers or dual ones a step has its derivatives with it.
+    /// The system of this scene over the scalar `T`, to be moved step by step by a [method](crate::motion::method):
+    /// over complex numbers or dual ones a step has its derivatives with it.
     pub fn system<T: Scalar>(&self) -> OnSurface<C::Kernel<T>, E::Forces<T>, N, OneByOne> {
         OnSurface::new(self.constraint.kernel(), OneByOne, self.effects.forces(), self.count)
     }

@@ -153,8 +153,8 @@ fn entries_are_vectorised() {
                 assert!(vectors >= 3, "{name} {vectors} divisions of vectors");
                 assert!(roots >= 3 || count(&["vsqrt"]) == 0, "{name} {roots} roots of vectors");
                 assert!(larger >= 5, "{name} {larger} comparisons of vectors");
-                // Of all functions that have a name in Rust, only those of lanes that are solved alone, begin anew, fail,
-                // or cross a kink.
+                // Of all functions that have a name in Rust, only those of lanes that are solved alone, begin anew,
+                // fail, or cross a kink.
                 let known = ["5alone", "10guess_anew", "10not_finite", "8crossing4kink"];
                 let seldom = |line: &str| known.iter().any(|known| line.contains(known));
                 let named =

@@ -71,8 +71,8 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     /// Working memory for `bodies` bodies. Everything must be allocated here.
     fn room(&self, bodies: usize) -> Self::Room;
 
-    /// Whether forces at fixed positions, or the flow, change with time. Such forces are not computed in lanes, and have
-    /// no power series.
+    /// Whether forces at fixed positions, or the flow, change with time. Such forces are not computed in lanes, and
+    /// have no power series.
     #[inline(always)]
     fn changes_with_time(&self) -> bool {
         false

@@ -44,7 +44,8 @@ pub enum NotInLanes {
     /// type.
     #[error("effect `{0}` needs a memory, or is a force that changes with time")]
     Effect(&'static str),
-    /// A flow depends on [forces](crate::effect::Flow::FEELS_FORCES), which are not known in lanes. The name of its type.
+    /// A flow depends on [forces](crate::effect::Flow::FEELS_FORCES), which are not known in lanes. The name of its
+    /// type.
     #[error("flow `{0}` depends on forces, which are not known in lanes")]
     FeelsForces(&'static str),
     /// In lanes, flows of momenta act on one body on a surface, moved by a splitting into kicks and drifts.

@@ -14,9 +14,9 @@
 //! several trajectories, one in each lane of a register. This is done for
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), or a Lobatto method;
-//!   except for Lobatto methods also with [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic
-//!   fields, unless they [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
+//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), or a Lobatto
+//!   method; except for Lobatto methods also with [flows](crate::effect::Flow) of momenta, such as heat, drag and
+//!   magnetic fields, unless they [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
 //! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
@@ -73,6 +73,7 @@ mod row;
 mod side_by_side;
 mod splitting_lanes;
 mod stages;
+mod stirred;
 mod stirring;
 pub mod stream;
 pub mod trajectories;

@@ -13,15 +13,16 @@ use crate::motion::stir::{in_the_middle, stir};
 use crate::motion::system::{BodiesOf, System};
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
-use crate::number::vector::{add_scaled, dot, sum, two_sum};
-use crate::number::vectors::{at, put};
+use crate::number::vector::add_scaled;
+use crate::number::vectors::at;
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::loops::step;
-use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
+use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
+use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::beside;
 use crate::solve::crowd::EVERY;
 use crate::systems::surface::kept::{OnSurface, OneByOne};
@@ -40,8 +41,7 @@ pub(crate) struct SplittingLanes<S, X, const L: usize, const D: usize, const SUM
     stages: Vec<Stage>,
     parts: Vec<Part>,
     stirring: Option<Box<Stirring<S, L, D>>>,
-    /// The work of flows on each lane; empty without flows.
-    work: Vec<f64>,
+    account: Account,
     h: f64,
     set: Fusing,
 }
@@ -56,15 +56,24 @@ where
     /// them, or after none half before each step and half after it.
     pub(crate) fn new(laws: X, stages: &[Stage], stirs_after: usize, h: f64, set: Fusing) -> Self {
         let (block, stirring) = (Block::new(), Stirring::of(&laws, stirs_after, h));
-        let (mut parts, mut work) = (Part::of::<EQUAL>(stages), Vec::new());
+        let (mut parts, mut account) = (Part::of::<EQUAL>(stages), Account::default());
         if const { X::Forces::FLOWS > 0 } {
-            work = vec![0.0; L];
+            account = Account { work: vec![0.0; L], limits: vec![0.0; L] };
             if stirs_after == 0 {
                 parts = Part::of::<EQUAL>(&without_first_kick(stages));
             }
         }
-        Self { block, laws, stages: stages.to_vec(), parts, stirring, work, h, set }
+        Self { block, laws, stages: stages.to_vec(), parts, stirring, account, h, set }
     }
+}
+
+/// What is kept of each lane where flows act; empty without flows.
+#[derive(Clone, Default)]
+struct Account {
+    /// The work of flows.
+    work: Vec<f64>,
+    /// The work after which it is asked at once whether other sheets are near.
+    limits: Vec<f64>,
 }
 
 /// What a thread works on. All in one place, at a place of the same kind each time: processors take numbers for the
@@ -94,21 +103,25 @@ where
     }
 
     fn go(&self, tour: &mut dyn Tour<D>) -> Result<Box<dyn Engine<D>>, Stuck> {
-        let (block, work) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
+        let (block, account) = self.set.run_lanes::<L, _>(Going { lanes: self, tour })?;
         let (laws, stages, parts) = (self.laws.clone(), self.stages.clone(), self.parts.clone());
-        Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), work, ..*self }))
+        Ok(Box::new(Self { block, laws, stages, parts, stirring: self.stirring.clone(), account, ..*self }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
         let Body { q, q_low, p, p_low } = bodies[0].map(S::from_f64);
         let holds = self.block.set(lane, &self.laws, &self.parts, [q, q_low], [p, p_low]);
+        if const { X::Forces::FLOWS > 0 } {
+            self.book(lane, self.account.work[lane]);
+        }
         holds && self.block.momentum(lane, &self.laws, &self.parts)[0].iter().all(|p| p.to_f64().is_finite())
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.block.copy(from, to);
         if const { X::Forces::FLOWS > 0 } {
-            self.work[to] = self.work[from];
+            let Account { work, limits } = &mut self.account;
+            (work[to], limits[to]) = (work[from], limits[from]);
         }
     }
 
@@ -136,12 +149,13 @@ where
     }
 
     fn work(&self, lane: usize) -> Option<f64> {
-        self.work.get(lane).copied()
+        self.account.work.get(lane).copied()
     }
 
     fn book(&mut self, lane: usize, work: f64) {
         if const { X::Forces::FLOWS > 0 } {
-            self.work[lane] = work;
+            let limit = limit(work, &at(&self.block.way, lane), 0.0);
+            (self.account.work[lane], self.account.limits[lane]) = (work, limit);
         }
     }
 
@@ -166,7 +180,7 @@ where
             && let Some(stirring) = &self.stirring
         {
             let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
-            let (after, work) = (stirring.after, self.work[lane]);
+            let (after, work) = (stirring.after, self.account.work[lane]);
             let stirred = StirredAlone { after, at: &at, place, work };
             return by_itself::<S, _, D>(&system, &self.stages, Some(stirred), steps, parts, bodies);
         }
@@ -186,7 +200,8 @@ where
     fn record(&self, to: &mut Record) {
         self.block.record(to);
         if const { X::Forces::FLOWS > 0 } {
-            to.list("work", &self.work);
+            to.list("work", &self.account.work);
+            to.list("work to ask at", &self.account.limits);
         }
     }
 
@@ -194,7 +209,8 @@ where
         let block = Block::recalled(from, self.parts.len())?;
         if const { X::Forces::FLOWS > 0 } {
             let work = from.numbers("work", &[L])?.to_vec();
-            return Ok(Box::new(Self { block, work, ..self.clone() }));
+            let limits = from.numbers("work to ask at", &[L])?.to_vec();
+            return Ok(Box::new(Self { block, account: Account { work, limits }, ..self.clone() }));
         }
         Ok(Box::new(Self { block, ..self.clone() }))
     }
@@ -372,33 +388,30 @@ where
     S: Lane,
     X: Laws<S, D>,
 {
-    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Vec<f64>), Stuck>;
+    type Done = Result<(Block<S, L, D, SUMS, EQUAL>, Account), Stuck>;
 
     #[inline(always)]
     fn run(self) -> Self::Done {
-        let Self { lanes: SplittingLanes { block, laws, stages, parts, stirring, work, set, .. }, tour } =
+        let Self { lanes: SplittingLanes { block, laws, stages, parts, stirring, account, set, .. }, tour } =
             self;
         let laws = laws.clone(); // out of reach of what the loops write
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        let (mut stirs, mut booked, mut every) = (None, Vec::new(), EVERY);
+        let (mut stirs, mut kept, mut every) = (None, Account::default(), EVERY);
         if const { X::Forces::FLOWS > 0 } {
-            booked.clone_from(work);
+            kept.clone_from(account);
         }
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = stirring
-            && let Ok(work) = <&mut [f64; L]>::try_from(&mut booked[..])
+            && let Ok(work) = <&mut [f64; L]>::try_from(&mut kept.work[..])
+            && let Ok(limits) = <&mut [f64; L]>::try_from(&mut kept.limits[..])
         {
-            stirs = Some(Stirs { stirring, kick: stages[0].before, set: *set, work });
+            stirs = Some(Stirs { stirring, kick: stages[0].before, set: *set, work, limits });
             every = if stirring.is_abrupt() { 1 } else { EVERY };
         }
-        let least = |lane| match stirring {
-            Some(stirring) if const { X::Forces::FLOWS > 0 } => stirring.momentum(lane),
-            _ => 0.0,
-        };
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
             let (mut now, end) = (from, from + steps);
             if now == 0 && end > 0 {
-                desk.block.look_around(now, &laws, parts, least)?;
+                look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
             }
             while now < end {
                 let stop = end.min((now / every + 1) * every);
@@ -407,7 +420,7 @@ where
                 }
                 now = stop;
                 if now % every == 0 || (now == end && shown) {
-                    desk.block.look_around(now, &laws, parts, least)?;
+                    look_around(&desk.block, &laws, parts, stirs.as_mut(), now)?;
                 }
             }
             if shown || written.is_none() {
@@ -418,17 +431,8 @@ where
                 written.fill(L, |lane| at(&q, lane).map(S::to_f64), |lane| at(&p, lane).map(S::to_f64));
             }
         }
-        Ok((desk.block, booked))
+        Ok((desk.block, kept))
     }
-}
-
-/// What stirs lanes, the kick before a step where flows act before that, the instructions, and the work of flows on
-/// each lane.
-struct Stirs<'a, S, const L: usize, const D: usize> {
-    stirring: &'a Stirring<S, L, D>,
-    kick: f64,
-    set: Fusing,
-    work: &'a mut [f64; L],
 }
 
 /// A step of the method, after so many.
@@ -447,105 +451,12 @@ where
     if const { X::Forces::FLOWS > 0 }
         && let Some(stirs) = stirs
     {
-        return stirred_step(desk, laws, parts, stirs, steps);
+        return stirred_step(&mut desk.block, &mut desk.scratch, laws, parts, stirs, steps);
     }
     for _ in 0..if EQUAL { 1 } else { parts.len() } {
         step(&mut desk.block, laws, parts, &mut desk.scratch)?;
     }
     Ok(())
-}
-
-/// The same with flows.
-#[inline(always)]
-fn stirred_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    parts: &[Part],
-    stirs: &mut Stirs<'_, S, L, D>,
-    steps: u64,
-) -> Result<(), Stuck>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    let Stirring { after, at_once, .. } = *stirs.stirring;
-    let around = after == 0;
-    if around {
-        act(desk, laws, stirs, Half::Before, steps)?;
-        lead(&mut desk.block, laws, &parts[0], stirs.kick);
-    }
-    for done in 1..=parts.len() {
-        step(&mut desk.block, laws, parts, &mut desk.scratch)?;
-        if done == after {
-            if !at_once {
-                act(desk, laws, stirs, Half::After, steps)?;
-            }
-            act(desk, laws, stirs, Half::Before, steps)?;
-            lead(&mut desk.block, laws, &parts[done % parts.len()], 0.0);
-        }
-    }
-    if around {
-        act(desk, laws, stirs, Half::After, steps)?;
-    }
-    Ok(())
-}
-
-/// Has all flows act in all lanes, for this half of a step after so many.
-#[inline(always)]
-fn act<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    desk: &mut Desk<S, L, D, SUMS, EQUAL>,
-    laws: &X,
-    stirs: &mut Stirs<'_, S, L, D>,
-    half: Half,
-    steps: u64,
-) -> Result<(), Stuck>
-where
-    S: Lane,
-    X: Laws<S, D>,
-{
-    let Block { q, normal, square, way: p, way_low, .. } = &mut desk.block;
-    let Stirs { stirring, set, ref mut work, .. } = *stirs;
-    let mut lost = [[S::default(); L]; D];
-    let low = way_low.first_mut().unwrap_or(&mut lost);
-    let stirred = Stirred { q, normal, square, p, low, work };
-    let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
-        set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
-    });
-    acted.map_err(|lane| Stuck { lane, failure: None })
-}
-
-/// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:
-/// what flows have changed is not extrapolated.
-#[inline(always)]
-fn lead<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    block: &mut Block<S, L, D, SUMS, EQUAL>,
-    laws: &impl Laws<S, D>,
-    part: &Part,
-    kick: f64,
-) where
-    S: Lane,
-{
-    let Block { q, way, normal, square, guess, past: [last, earlier], way_low, .. } = block;
-    let [bends, before] = [-0.5 * (part.h / part.unit).powi(2), part.before].map(S::from_f64);
-    let kicks = kick != 0.0;
-    for l in 0..L {
-        let (q, n, old) = (at(q, l), at(normal, l), at(way, l));
-        let mut new = old;
-        if kicks {
-            let low = if SUMS == 1 { at(&way_low[0], l) } else { [S::default(); D] };
-            let change = laws.kick(l, &q, S::from_f64(kick), low);
-            let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
-            let (high, low) = two_sum(&old, &change);
-            new = high;
-            if SUMS == 1 {
-                put(&mut way_low[0], l, low);
-            }
-            put(way, l, new);
-        }
-        let [bend] = laws.constraint(l).borrow().jet(&q, &new).2;
-        guess[l] = bends * bend / square[l];
-        (last[l], earlier[l]) = (before * guess[l], before * guess[l]);
-    }
 }
 
 /// The same, which leads no lane across a kink.

@@ -126,7 +126,8 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
             Some(linear) => Stir::Linear(linear),
             None => Stir::Asked(rule(number)),
         };
-        let (changes, draws) = (effects.changes_with_time(), [Draws::default(); L]);
+        let (changes, draws) =
+            ((0..L).any(|lane| laws.effects(lane).borrow().changes_with_time()), [Draws::default(); L]);
         Some(Box::new(Self { flows: numbers.map(stir).collect(), after, at_once, h, time, changes, draws }))
     }
 
@@ -250,7 +251,11 @@ impl<S: Lane, const L: usize, const D: usize> Linear<S, L, D> {
 
     /// Acts in all lanes, with these random numbers.
     #[inline(always)]
-    fn act(&self, noise: Option<&Vectors<Fused<f64>, L, D>>, stirred: &mut Stirred<'_, S, L, D>) {
+    fn act(
+        &self,
+        noise: Option<&Vectors<Fused<f64>, L, D>>,
+        stirred: &mut Stirred<'_, S, L, D>,
+    ) -> Result<(), usize> {
         let Stirred { normal, square, p, low, work, .. } = stirred;
         let mut changes = [[S::default(); L]; D];
         multiply(&self.matrix, p, &mut changes);
@@ -258,9 +263,10 @@ impl<S: Lane, const L: usize, const D: usize> Linear<S, L, D> {
             add_random(&self.deviation, noise, &mut changes);
         }
         if self.rule == Rule::Symmetric {
-            hold(&self.matrix, normal, square, p, &mut changes);
+            hold(&self.matrix, normal, square, p, &mut changes)?;
         }
         add(&changes, normal, square, p, low, work);
+        Ok(())
     }
 }
 
@@ -307,7 +313,12 @@ fn add_random<S: Lane, const L: usize, const D: usize>(
     }
 }
 
-/// Adds N, and what flows of this matrix make of half of it, such that momenta are along the surface.
+/// What a flow leaves of a normal's half, and that half, are less than this part of the normal where the impulse that
+/// holds momenta along the surface is hardly known: a field turns them by 160° in half a step.
+const HELD: f64 = 1.0 / 32.0;
+
+/// Adds N, and what flows of this matrix make of half of it, such that momenta are along the surface. An error for the
+/// first lane that has to find N by itself.
 #[inline(always)]
 fn hold<S: Lane, const L: usize, const D: usize>(
     matrix: &[[[S; L]; D]; D],
@@ -315,14 +326,18 @@ fn hold<S: Lane, const L: usize, const D: usize>(
     square: &[S; L],
     p: &Vectors<S, L, D>,
     changes: &mut Vectors<S, L, D>,
-) {
-    let half = S::from_f64(0.5);
+) -> Result<(), usize> {
+    let (half, least) = (S::from_f64(0.5), S::from_f64(HELD));
+    let mut held = [S::default(); L];
     for l in 0..L {
         let (n, change) = (at(normal, l), at(changes, l));
         let turned = times(matrix, l, &n);
-        let mu = -dot(&n, &sum(&at(p, l), &change)) / half.multiply_add(dot(&n, &turned), square[l]);
+        let slope = half.multiply_add(dot(&n, &turned), square[l]);
+        let mu = -dot(&n, &sum(&at(p, l), &change)) / slope;
         put(changes, l, add_scaled(&change, mu, &add_scaled(&n, half, &turned)));
+        held[l] = slope.abs() - least * square[l];
     }
+    held.iter().position(|&held| held.lt(S::default())).map_or(Ok(()), Err)
 }
 
 /// Adds changes to the momenta of all lanes, makes them ones along the surface, and books what that adds to the kinetic
@@ -374,9 +389,9 @@ impl<S: Lane, const L: usize, const D: usize> Work for Acting<'_, '_, S, L, D> {
                     if linear.draws {
                         let mut noise = [[Fused(0.0); L]; D];
                         stirring.draw((number, place, steps), &linear.seed, &mut noise);
-                        linear.act(Some(&noise), &mut stirred);
+                        linear.act(Some(&noise), &mut stirred)?;
                     } else {
-                        linear.act(None, &mut stirred);
+                        linear.act(None, &mut stirred)?;
                     }
                 }
                 Stir::Asked(rule) => ask(*rule, (number, half, place, steps), &mut stirred, answer)?,

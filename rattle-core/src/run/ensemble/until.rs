@@ -48,8 +48,8 @@ impl<const D: usize> Ensemble<D> {
         }
     }
 
-    /// Takes steps as long as `go_on` returns true for the ensemble, at most `steps`; returns how many were taken. It is
-    /// asked before the first step and after every `every` steps.
+    /// Takes steps as long as `go_on` returns true for the ensemble, at most `steps`; returns how many were taken. It
+    /// is asked before the first step and after every `every` steps.
     ///
     /// ```
     /// # use rattle::{Scene, State, Rattle};

@@ -1,0 +1,175 @@
+//! Steps in lanes with flows of momenta, and when it is asked whether other sheets are near.
+
+use crate::effect::interval::Half;
+use crate::effect::list::Forces;
+use crate::kernel::functions::ConstraintKernel;
+use crate::number::instructions::Fusing;
+use crate::number::lanes::Lane;
+use crate::number::vector::{add_scaled, dot, sum, two_sum};
+use crate::number::vectors::{at, put};
+use crate::run::ensemble::block::{Block, Part, Scratch};
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::loops::step;
+use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
+use std::borrow::Borrow;
+
+/// What stirs lanes, the kick before a step where flows act before that, the instructions, and the account of each lane.
+pub(super) struct Stirs<'a, S, const L: usize, const D: usize> {
+    pub(super) stirring: &'a Stirring<S, L, D>,
+    pub(super) kick: f64,
+    pub(super) set: Fusing,
+    pub(super) work: &'a mut [f64; L],
+    pub(super) limits: &'a mut [f64; L],
+}
+
+/// It is asked at once whether other sheets are near where flows have made a momentum so many times as large as that
+/// for which it was asked: it was asked as far ahead as twice that leads.
+const LARGER: f64 = 1.5;
+
+/// The work of flows after which it is asked at once, where the work is this and the momentum that, or to be expected
+/// to be no less.
+#[inline(always)]
+pub(super) fn limit<S: Lane, const D: usize>(work: f64, p: &[S; D], least: f64) -> f64 {
+    work + 0.5 * (LARGER * LARGER - 1.0) * dot(p, p).to_f64().max(least * least)
+}
+
+/// Asks whether other sheets are near, after so many steps, and sets [limits](limit).
+#[inline(always)]
+pub(super) fn look_around<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &Block<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+    stirs: Option<&mut Stirs<'_, S, L, D>>,
+    steps: u64,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    if const { X::Forces::FLOWS > 0 }
+        && let Some(Stirs { stirring, work, limits, .. }) = stirs
+    {
+        block.look_around(steps, laws, parts, |lane| stirring.momentum(lane))?;
+        for l in 0..L {
+            limits[l] = limit(work[l], &at(&block.way, l), stirring.momentum(l));
+        }
+        return Ok(());
+    }
+    block.look_around(steps, laws, parts, |_| 0.0)
+}
+
+/// The same at once, at as many places as at first, where the work of flows is beyond its limit.
+#[inline(always)]
+fn heed<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &Block<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    parts: &[Part],
+    stirs: &mut Stirs<'_, S, L, D>,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let mut within = true;
+    for l in 0..L {
+        within &= stirs.work[l] <= stirs.limits[l];
+    }
+    if within { Ok(()) } else { look_around(block, laws, parts, Some(stirs), 0) }
+}
+
+/// A step of the method with flows, after so many.
+#[inline(always)]
+pub(super) fn stirred_step<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &mut Block<S, L, D, SUMS, EQUAL>,
+    scratch: &mut Scratch<S, L, D>,
+    laws: &X,
+    parts: &[Part],
+    stirs: &mut Stirs<'_, S, L, D>,
+    steps: u64,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let Stirring { after, at_once, .. } = *stirs.stirring;
+    let around = after == 0;
+    if around {
+        act(block, laws, stirs, Half::Before, steps)?;
+        lead(block, laws, &parts[0], stirs.kick);
+        heed(block, laws, parts, stirs)?;
+    }
+    for done in 1..=parts.len() {
+        step(block, laws, parts, scratch)?;
+        if done == after {
+            if !at_once {
+                act(block, laws, stirs, Half::After, steps)?;
+            }
+            act(block, laws, stirs, Half::Before, steps)?;
+            lead(block, laws, &parts[done % parts.len()], 0.0);
+            heed(block, laws, parts, stirs)?;
+        }
+    }
+    if around {
+        act(block, laws, stirs, Half::After, steps)?;
+    }
+    Ok(())
+}
+
+/// Has all flows act in all lanes, for this half of a step after so many.
+#[inline(always)]
+fn act<S, X, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &mut Block<S, L, D, SUMS, EQUAL>,
+    laws: &X,
+    stirs: &mut Stirs<'_, S, L, D>,
+    half: Half,
+    steps: u64,
+) -> Result<(), Stuck>
+where
+    S: Lane,
+    X: Laws<S, D>,
+{
+    let Block { q, normal, square, way: p, way_low, .. } = block;
+    let Stirs { stirring, set, ref mut work, .. } = *stirs;
+    let mut lost = [[S::default(); L]; D];
+    let low = way_low.first_mut().unwrap_or(&mut lost);
+    let stirred = Stirred { q, normal, square, p, low, work };
+    let acted = stirring.act(set, half, steps, stirred, &mut |question, changes| {
+        set.run_lanes::<L, _>(Asking { laws, stirring, question, changes });
+    });
+    acted.map_err(|lane| Stuck { lane, failure: None })
+}
+
+/// Kicks all lanes for so long before the part of a step that is to come, and makes a first guess for that from g̈ = 0:
+/// what flows have changed is not extrapolated.
+#[inline(always)]
+fn lead<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+    block: &mut Block<S, L, D, SUMS, EQUAL>,
+    laws: &impl Laws<S, D>,
+    part: &Part,
+    kick: f64,
+) where
+    S: Lane,
+{
+    let Block { q, way, normal, square, guess, past: [last, earlier], way_low, .. } = block;
+    let [bends, before] = [-0.5 * (part.h / part.unit).powi(2), part.before].map(S::from_f64);
+    let kicks = kick != 0.0;
+    for l in 0..L {
+        let (q, n, old) = (at(q, l), at(normal, l), at(way, l));
+        let mut new = old;
+        if kicks {
+            let low = if SUMS == 1 { at(&way_low[0], l) } else { [S::default(); D] };
+            let change = laws.kick(l, &q, S::from_f64(kick), low);
+            let change = add_scaled(&change, -dot(&n, &sum(&old, &change)) / square[l], &n);
+            let (high, low) = two_sum(&old, &change);
+            new = high;
+            if SUMS == 1 {
+                put(&mut way_low[0], l, low);
+            }
+            put(way, l, new);
+        }
+        let [bend] = laws.constraint(l).borrow().jet(&q, &new).2;
+        guess[l] = bends * bend / square[l];
+        (last[l], earlier[l]) = (before * guess[l], before * guess[l]);
+    }
+}
