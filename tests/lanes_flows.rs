@@ -479,8 +479,8 @@ impl Flow<3> for Timed {
     }
 }
 
-/// Flows that make momenta ten times as large within some steps: on spheres of radius 1 + nπ/k a simulation stays on its
-/// own, and so does a lane.
+/// Flows that make momenta ten times as large within some steps: on spheres of radius 1 + nπ/k a simulation stays on
+/// its own, and so does a lane.
 #[test]
 fn shells_are_kept_by_those_that_flows_speed_up() {
     constraint! { struct Shells { k } |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1)) }

@@ -14,7 +14,8 @@ use crate::run::ensemble::loops::step;
 use crate::run::ensemble::stirring::{Asking, Stirred, Stirring};
 use std::borrow::Borrow;
 
-/// What stirs lanes, the kick before a step where flows act before that, the instructions, and the account of each lane.
+/// What stirs lanes, the kick before a step where flows act before that, the instructions, and the account of each
+/// lane.
 pub(super) struct Stirs<'a, S, const L: usize, const D: usize> {
     pub(super) stirring: &'a Stirring<S, L, D>,
     pub(super) kick: f64,
