@@ -497,19 +497,19 @@ fn shells_are_kept_by_those_that_flows_speed_up() {
         shown.filter(|off| off.abs() > 0.5 / k).count()
     }
     let mut astray = 0;
-    for (k, h) in [(300.0, 0.05), (500.0, 0.02), (1e3, 0.05), (2e3, 0.02), (3e3, 0.05)] {
+    for (k, h) in [(500.0, 0.02), (1e3, 0.05), (3e3, 0.05)] {
         let shells = || Scene::on(Shells { k });
-        for c in [5.0, 20.0, 60.0] {
+        for c in [20.0, 60.0] {
             astray += check(&shells().with(Gale { c }), k, h);
             astray += check(&shells().with(Timed(8.0 * c)), k, h);
         }
-        for r in [10.0, 20.0, 40.0] {
+        for r in [10.0, 40.0] {
             let drag = QuadraticDrag { coefficient: r / 12.0 };
             astray += check(&shells().with(Growing { r, as_matrix: true }).with(drag), k, h);
             astray += check(&shells().with(Growing { r, as_matrix: false }).with(drag), k, h);
         }
     }
-    assert_eq!(astray, 0, "of 1920");
+    assert_eq!(astray, 0, "of 768");
 }
 
 /// In a sweep one scene may stand still and the next change with time.

@@ -15,7 +15,7 @@ use std::fmt::Debug;
 ///
 /// ```
 /// use rattle::method::{Failure, Fixed, Map, Witness};
-/// use rattle::real::Real;
+/// use rattle::real::Scalar;
 /// use rattle::system::{BodiesOf, System};
 /// use rattle::{Scene, State};
 ///
