@@ -10,7 +10,7 @@ use crate::effect::interval::{Half, Manner, Rule};
 use crate::effect::noise::Noise;
 use crate::error::EffectFailure;
 use crate::motion::bodies::{Bodies, Count};
-use crate::motion::failure::Failure;
+use crate::motion::failure::{Failure, numbers};
 use crate::motion::method::{Method, View};
 use crate::motion::rest::{along, imposed};
 use crate::motion::system::{BodiesOf, Given, System};
@@ -229,11 +229,10 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             if system.inertia().is_pinned(body) {
                 *change = [T::from_f64(0.0); D];
             }
-            let finite = change.iter().all(|x| x.lanes().all(f64::is_finite));
+            let finite = change.iter().all(|x| x.to_f64().is_finite());
             if !finite {
                 let (effect, q) = (system.flow_manner(self.number).1, bodies.q.as_ref()[body]);
-                let numbers = |x: [T; D]| x.iter().flat_map(|x| x.lanes().next()).collect();
-                let (momentum, position) = (numbers(bodies.p.as_ref()[body]), numbers(q));
+                let (momentum, position) = (numbers(&bodies.p.as_ref()[body]), numbers(&q));
                 let cause = EffectFailure::FlowNotFound { effect, h, momentum, position }.into();
                 return Err(Failure { body, cause });
             }
@@ -257,7 +256,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
 
     /// Whether there is no change at all: then momenta stay to the bit, as if there were no flow.
     fn rests(&self) -> bool {
-        self.changes().iter().flatten().all(|x| x.lanes().all(|x| x == 0.0))
+        self.changes().iter().flatten().all(|x| x.to_f64() == 0.0)
     }
 
     /// [`Rule::Symmetric`]: N is found by repetition, each time with what it lacks, r, and from two rounds on by the

@@ -227,7 +227,7 @@ where
     }
 
     fn method(&self) -> Hallmark {
-        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
+        hallmark(&self.stages)
     }
 }
 
@@ -252,8 +252,13 @@ impl Splits {
     }
 
     pub(super) fn hallmark(&self) -> Hallmark {
-        Hallmark::new("method", "a splitting", Stage::numbers(&self.stages))
+        hallmark(&self.stages)
     }
+}
+
+/// What tells a splitting from others.
+fn hallmark(stages: &[Stage]) -> Hallmark {
+    Hallmark::new("method", "a splitting", Stage::numbers(stages))
 }
 
 /// These stages, of which the first has no kick before it.
@@ -396,10 +401,7 @@ where
             self;
         let laws = laws.clone(); // out of reach of what the loops write
         let mut desk = Desk { block: block.clone(), scratch: Scratch::new() };
-        let (mut stirs, mut kept, mut every) = (None, Account::default(), EVERY);
-        if const { X::Forces::FLOWS > 0 } {
-            kept.clone_from(account);
-        }
+        let (mut stirs, mut kept, mut every) = (None, account.clone(), EVERY);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = stirring
             && let Ok(work) = <&mut [f64; L]>::try_from(&mut kept.work[..])

@@ -82,8 +82,7 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
     }
 
     /// Where the body lands after an attempt from the same guess, by Newton's method, that may have found another
-    /// root; and whether
-    /// the root had to be followed.
+    /// root; and whether the root had to be followed.
     #[inline(never)]
     pub(crate) fn look_again(
         &self,
