@@ -3,6 +3,7 @@
 //! hand.
 
 use rattle::error::{EffectFailure, Error, StepFailure};
+use rattle::links::planar::Rod;
 use rattle::nalgebra::{Matrix3, SVector, Vector3};
 use rattle::prelude::*;
 use rattle::surfaces::Sphere;
@@ -190,12 +191,6 @@ fn on_a_surface() {
     let mut back = scene.simulate(there.state(), Rattle::new(-0.02)).unwrap();
     back.run(50).unwrap();
     assert!((back.position() - q).norm() < 1e-13 && (back.momentum() - v).norm() < 1e-13);
-}
-
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
 }
 
 /// Three bodies of which two are tied, a force between the first two and between the last two: so that members share a

@@ -1,9 +1,11 @@
 //! Effects that see time, and effects that see momenta: a force that changes with time, and drag as a flow of momenta,
 //! on surfaces, of links and of rigid bodies.
 
+use crate::common::Gravity;
 use rattle::effect::{Acting, Effect, Flow, Interval, Moment};
 use rattle::ensemble::InstructionSet;
 use rattle::lanes::Lane;
+use rattle::links::planar::Rod;
 use rattle::nalgebra::{Matrix3, Vector3};
 use rattle::prelude::*;
 use rattle::real::Real;
@@ -20,12 +22,6 @@ constraint! {
     /// The body is led along x = c t.
     struct Led { c }
     |x, _y, t| x - c * t
-}
-
-potential! {
-    /// Weight; z points up.
-    struct Weight { g }
-    |_x, _y, z| g * z
 }
 
 /// f = t (c + A q).
@@ -129,7 +125,7 @@ impl Flow<3> for AlongX {
 /// Flows that do not commute: the last one of the first half is the first one of the second.
 #[test]
 fn flows_stand_symmetrically_about_a_step() {
-    let scene = Scene::point().with(Weight { g: 1.0 }).with(Magnetic(2.0)).with(AlongX(0.7));
+    let scene = Scene::point().with(Gravity { g: 1.0 }).with(Magnetic(2.0)).with(AlongX(0.7));
     let start = State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.5]);
     let mut checked = scene.simulate(start, Rattle::new(0.1)).unwrap().check_reversal(1e-14).unwrap();
     checked.run(40).unwrap();
@@ -259,12 +255,6 @@ fn drag_is_exact_without_forces() {
     check!(Scene::rigid(top), spin(), Rattle::new(0.1));
 }
 
-constraint! {
-    /// Two points at a distance.
-    struct Rod { length }
-    |a: [f64; 2], b: [f64; 2]| sum(i in 0..2, (a[i] - b[i])^2) - length^2
-}
-
 fn rods() -> Scene<rattle::network::Network<2>, (), rattle::bodies::Many, 2> {
     Scene::points::<2>(2).link(Rod { length: 1.0 }, [[0, 1]])
 }
@@ -275,7 +265,7 @@ fn rods() -> Scene<rattle::network::Network<2>, (), rattle::bodies::Many, 2> {
 fn drag_with_weight() {
     let (start, sphere) = (State::at([1.0, 0.0, 0.0]).moving([0.0, 1.0, 0.5]), Sphere { r: 1.0 });
     for grows in [false, true] {
-        let scene = Scene::on(sphere).with(Weight { g: 1.0 }).with(Drag { gamma: 0.3, grows });
+        let scene = Scene::on(sphere).with(Gravity { g: 1.0 }).with(Drag { gamma: 0.3, grows });
         let end = |h: f64| {
             let mut simulation = scene.simulate(start.clone(), Rattle::new(h)).unwrap();
             simulation.run((4.0 / h).round() as u64).unwrap();
@@ -291,7 +281,7 @@ fn drag_with_weight() {
 
 #[test]
 fn flows_go_back_restart_and_clone() {
-    let scene = Scene::on(Sphere { r: 1.0 }).with(Weight { g: 1.0 });
+    let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     let scene = scene
         .with(Drag { gamma: 0.3, grows: true })
         .with(Magnetic(0.7))
@@ -309,7 +299,7 @@ fn flows_go_back_restart_and_clone() {
 
     // Drag reverses, in the opposite order on the way back; an ensemble's trajectories do the same as each alone.
     let drags = Scene::on(Sphere { r: 1.0 })
-        .with(Weight { g: 1.0 })
+        .with(Gravity { g: 1.0 })
         .with(DRAG)
         .with(Drag { gamma: 0.2, grows: true });
     let mut checked =

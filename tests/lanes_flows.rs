@@ -1,5 +1,6 @@
 //! Flows of momenta in lanes: as each trajectory alone but for rounding, what they keep, and their work.
 
+use crate::common::Trough;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::{Andersen, DryFriction, Effects, Flow, Interval, Langevin, LinearDrag, MagneticField};
 use rattle::effect::{QuadraticDrag, Rule, SelfPropulsion, VelocityRescaling};
@@ -9,11 +10,6 @@ use rattle::nalgebra::Vector3;
 use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surfaces::{Sphere, Torus};
-
-potential! {
-    struct Weight { g }
-    |_x, y, z| g * z + y^2 / 4
-}
 
 force! {
     /// Wind that turns with time, against which bodies drag.
@@ -59,7 +55,7 @@ const RING: Torus = Torus { major: 1.2, minor: 0.5 };
 const FIELD: [f64; 3] = [0.7, -0.4, 1.5];
 
 fn ring() -> Scene<Torus, impl Effects<3> + Clone, rattle::bodies::One, 3> {
-    Scene::on(RING).with(Weight { g: 1.0 })
+    Scene::on(RING).with(Trough { g: 1.0 })
 }
 
 /// From different places and times, of trajectories with numbers and steps behind them, and without.
@@ -496,8 +492,9 @@ fn shells_are_kept_by_those_that_flows_speed_up() {
         let shown = ensemble.states().map(|state| state.positions().next().unwrap().norm() - 1.0);
         shown.filter(|off| off.abs() > 0.5 / k).count()
     }
+    let all = [(1e3, 0.05), (500.0, 0.02), (3e3, 0.05)];
     let mut astray = 0;
-    for (k, h) in [(500.0, 0.02), (1e3, 0.05), (3e3, 0.05)] {
+    for &(k, h) in if cfg!(long) { &all[..] } else { &all[..1] } {
         let shells = || Scene::on(Shells { k });
         for c in [20.0, 60.0] {
             astray += check(&shells().with(Gale { c }), k, h);
@@ -509,7 +506,7 @@ fn shells_are_kept_by_those_that_flows_speed_up() {
             astray += check(&shells().with(Growing { r, as_matrix: false }).with(drag), k, h);
         }
     }
-    assert_eq!(astray, 0, "of 768");
+    assert_eq!(astray, 0, "of 256, or 768");
 }
 
 /// In a sweep one scene may stand still and the next change with time.

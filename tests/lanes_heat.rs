@@ -1,5 +1,6 @@
 //! Friction and noise in lanes: as each trajectory alone but for rounding, with the same random numbers.
 
+use crate::common::Gravity;
 use rattle::effect::Langevin;
 use rattle::ensemble::InstructionSet;
 use rattle::prelude::*;
@@ -10,11 +11,6 @@ constraint! {
     |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
 }
 
-potential! {
-    struct Weight { g }
-    |_x, _y, z| g * z
-}
-
 const HEAT: Langevin = Langevin { friction: 2.0, temperature: 0.5, seed: 7 };
 
 macro_rules! scene {
@@ -22,7 +18,7 @@ macro_rules! scene {
         scene!($k, 1.0, $heat)
     };
     ($k:expr, $g:expr, $heat:expr) => {
-        Scene::on(Shells { k: $k }).with(Weight { g: $g }).with($heat)
+        Scene::on(Shells { k: $k }).with(Gravity { g: $g }).with($heat)
     };
 }
 

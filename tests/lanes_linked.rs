@@ -1,5 +1,6 @@
 //! Linked bodies in lanes: as each trajectory alone but for rounding, whatever the links, masses, effects and methods.
 
+use crate::common::{PlanarGravity, Trough};
 use rattle::bodies::Count;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
 use rattle::effect::{Effects, LinearDrag};
@@ -7,15 +8,9 @@ use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod as PlanarRod;
 use rattle::links::{Angle, Rod};
 use rattle::method::Method;
-use rattle::potentials::planar::Gravity as PlanarGravity;
 use rattle::potentials::weights;
 use rattle::prelude::*;
 use rattle::scene::Hold;
-
-potential! {
-    struct Weight { g }
-    |_x, y, z| g * z + y^2 / 4
-}
 
 pair_potential! {
     struct Repulsion { strength }
@@ -178,7 +173,7 @@ fn chains_in_space_with_weights_and_a_free_end() {
     let scene = Scene::points(7)
         .link(Rod { length: 1.0 }, (0..5).map(|i| [i, i + 1])) // body 6 is free
         .masses((0..7).map(|i| [1.0 + 0.1 * f64::from(i), 2.0, 0.7]))
-        .with(Weight { g: 0.5 })
+        .with(Trough { g: 0.5 })
         .with(weights(1.0, (0..7).map(f64::from)));
     agree(&scene, |lean| [chain(5, lean), vec![[3.0, 1.0, lean]]].concat());
 }
@@ -209,7 +204,7 @@ fn rings_and_angles() {
     let scene = Scene::points(5)
         .link(Rod { length: 1.0 }, (0..5).map(|i| [i, (i + 1) % 5]))
         .link(Angle { angle: inner }, [[0, 1, 2]])
-        .with(Weight { g: 1.0 });
+        .with(Trough { g: 1.0 });
     agree(&scene, ring);
 }
 
@@ -234,7 +229,7 @@ fn links_of_two_equations_and_one_body() {
     let scene = Scene::points(3)
         .link(Hinge { pitch: 0.3 }, [[0, 1], [1, 2]])
         .pin(0, [0.0; 3])
-        .with(Weight { g: 1.0 });
+        .with(Trough { g: 1.0 });
     let places = |lean: f64| {
         let second = [lean.cos(), lean.sin(), 0.0];
         let rise = 0.3 * second[0].sin();
@@ -248,7 +243,7 @@ fn links_of_two_equations_and_one_body() {
         |x, y, z| [x^2 + y^2 + z^2 - 1, z - tilt * x]
     }
     let tilt = 0.4_f64;
-    let scene = Scene::on(Curve { tilt }).with(Weight { g: 1.0 });
+    let scene = Scene::on(Curve { tilt }).with(Trough { g: 1.0 });
     let round = (1.0 + tilt * tilt).sqrt();
     agree(&scene, |lean| vec![[lean.cos() / round, lean.sin(), tilt * lean.cos() / round]]);
 }
@@ -332,7 +327,7 @@ fn steps_compiled_for_their_sizes_give_the_same_bits() {
         same_in_rows(&triple.masses(of(4)).with(gravity), few(4));
     }
     let line = |links: Vec<[usize; 2]>| Scene::points(links.len() + 1).link(Rod { length: 1.0 }, links);
-    let (pinned, weight) = ([0.0; 3], Weight { g: 0.5 });
+    let (pinned, weight) = ([0.0; 3], Trough { g: 0.5 });
     let few = |n: usize| move |lean| chain(n - 1, lean);
     same_in_rows(&line(vec![[0, 1]]).masses([2.0, 0.7]).with(weight), few(2));
     same_in_rows(&line(vec![[0, 1]]).pin(0, pinned).with(weight), few(2));

@@ -1,16 +1,12 @@
 //! Splittings of kicks and drifts, compositions of them, and collocation, in lanes: as each trajectory alone but for
 //! rounding.
 
+use crate::common::Trough;
 use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::ensemble::InstructionSet;
 use rattle::method::Method;
 use rattle::prelude::*;
 use rattle::surfaces::Lemniscate;
-
-potential! {
-    struct Weight { g }
-    |_x, y, z| g * z + y^2 / 4
-}
 
 const R: f64 = 1.0 / 6.0;
 
@@ -20,7 +16,7 @@ fn starts() -> Vec<State<3>> {
 }
 
 fn off<P: Precision, S: Method>(precision: P, method: S, steps: u64) -> f64 {
-    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 });
+    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Trough { g: 1.0 });
     let mut ensemble = scene.ensemble_in(precision, starts(), method.clone()).unwrap();
     ensemble.run(steps);
     let apart = starts().into_iter().enumerate().map(|(i, start)| {
@@ -63,7 +59,7 @@ fn as_alone_but_for_rounding() {
 #[test]
 fn sweeps_and_energies() {
     let scenes: Vec<_> = (0..70)
-        .map(|i| Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 0.02 * f64::from(i) }))
+        .map(|i| Scene::on(Lemniscate { a: 1.0, r: R }).with(Trough { g: 0.02 * f64::from(i) }))
         .collect();
     let mut ensemble =
         Ensemble::sweep(Double, scenes.iter().zip(starts()), PositionVerlet::new(0.01)).unwrap();
@@ -75,7 +71,7 @@ fn sweeps_and_energies() {
 /// More than two rows of scenes that differ, the last row with one trajectory.
 #[test]
 fn sweeps_by_stages() {
-    let scene = |i: usize| Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 0.02 * i as f64 });
+    let scene = |i: usize| Scene::on(Lemniscate { a: 1.0, r: R }).with(Trough { g: 0.02 * i as f64 });
     let start = || State::at([0.0, 0.0, R]).moving([0.6, 0.8, 0.0]);
     let scenes: Vec<_> = (0..65).map(scene).collect();
     let starts = scenes.iter().map(|scene| (scene, start()));
@@ -93,7 +89,7 @@ fn sweeps_by_stages() {
 /// where a checkpoint is gone on from.
 #[test]
 fn stages_that_fail_touch_no_one_else() {
-    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 });
+    let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Trough { g: 1.0 });
     let start = |i: u32| {
         let (speed, angle) = (if i.is_multiple_of(3) { 12.0 } else { 1.0 }, 0.37 * f64::from(i));
         State::at([0.0, 0.0, R]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
@@ -128,7 +124,7 @@ fn stages_have_their_order() {
         Lobatto<S>: Method,
         rattle::table::Table<S>: rattle::table::Tabulated,
     {
-        let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 });
+        let scene = Scene::on(Lemniscate { a: 1.0, r: R }).with(Trough { g: 1.0 });
         let start = || State::at([0.0, 0.0, R]).moving([0.6, 0.8, 0.0]);
         let mut exact = scene.simulate(start(), Lobatto::<9>::new(1.0 / 64.0)).unwrap();
         exact.run(32).unwrap();

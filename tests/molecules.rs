@@ -1,5 +1,6 @@
 //! Components that are alike go side by side: each as it would alone but for rounding, and whoever is beside it.
 
+use crate::common::{PlanarGravity, Trough};
 use rattle::bodies::Count;
 use rattle::checkpoint::Save;
 use rattle::composition::KAHAN_LI_1997_ORDER_8;
@@ -13,16 +14,6 @@ use rattle::prelude::*;
 use rattle::scene::Hold;
 use rattle::system::System;
 use std::array::from_fn;
-
-potential! {
-    struct Weight { g }
-    |_x, y, z| g * z + y^2 / 4
-}
-
-potential! {
-    struct PlanarWeight { g }
-    |_x, y| g * y
-}
 
 constraint! {
     /// Two equations: the second body is at unit distance, and in a plane that turns with the first.
@@ -121,7 +112,7 @@ fn dumbbells(
     bodies: Vec<[usize; 2]>,
     masses: Vec<f64>,
 ) -> Scene<impl Hold<3>, impl Effects<3>, impl Count, 3> {
-    Scene::points(masses.len()).link(Rod { length: 1.0 }, bodies).masses(masses).with(Weight { g: 0.5 })
+    Scene::points(masses.len()).link(Rod { length: 1.0 }, bodies).masses(masses).with(Trough { g: 0.5 })
 }
 
 /// Three bodies, each tied to the others.
@@ -140,7 +131,7 @@ fn triangles(
         .link(Rod { length: 1.0 }, legs)
         .link(Rod { length: 1.6 }, bodies.iter().map(|&[_, b, c]| [b, c]))
         .masses(masses)
-        .with(Weight { g: 0.5 })
+        .with(Trough { g: 0.5 })
 }
 
 #[test]
@@ -154,7 +145,7 @@ fn triangles_go_as_each_alone() {
 }
 
 fn hinges(bodies: Vec<[usize; 2]>, masses: Vec<f64>) -> Scene<impl Hold<3>, impl Effects<3>, impl Count, 3> {
-    Scene::points(masses.len()).link(Hinge { pitch: 0.3 }, bodies).masses(masses).with(Weight { g: 0.5 })
+    Scene::points(masses.len()).link(Hinge { pitch: 0.3 }, bodies).masses(masses).with(Trough { g: 0.5 })
 }
 
 fn hinge(m: u32) -> [[f64; 3]; 2] {
@@ -175,7 +166,7 @@ fn those_in_the_plane_go_as_each_alone() {
         Scene::points(masses.len())
             .link(PlanarRod { length: 1.0 }, bodies)
             .masses(masses)
-            .with(PlanarWeight { g: 1.0 })
+            .with(PlanarGravity { g: 1.0 })
     };
     agree(&Molecules {
         tied: dumbbells,
@@ -201,7 +192,7 @@ fn those_in_the_plane_go_as_each_alone() {
         Scene::points(masses.len())
             .link(Ring { radius: 2.0 }, bodies)
             .masses(masses)
-            .with(PlanarWeight { g: 1.0 })
+            .with(PlanarGravity { g: 1.0 })
     };
     agree(&Molecules {
         tied: beads,
@@ -435,7 +426,7 @@ fn none_jumps_to_another_shell() {
         let scene = Scene::points(2 * n)
             .link(Shells { k }, (0..n).map(|i| [2 * i, 2 * i + 1]))
             .masses((0..2 * n).map(|i| if i % 2 == 0 { 1.0 } else { 0.2 })) // one falls faster
-            .with(Weight { g: 0.5 });
+            .with(Trough { g: 0.5 });
         let places = (0..n).flat_map(|_| dumbbell(number));
         let momenta = (0..2 * n).map(|i| from_fn(|d| 0.2 * ((3 * (i % 2) + d) as f64).sin()));
         let start = scene.project(&State::of(places).with_momenta(momenta)).unwrap();

@@ -5,20 +5,10 @@
 //! ```
 
 use rattle::iteration::{Iteration, Newton, Simplified};
+use rattle::links::Rod;
 use rattle::network::LinearAlgebra::{self, Elimination, Supernodal};
+use rattle::potentials::Gravity;
 use rattle::prelude::*;
-
-constraint! {
-    /// Two points at a distance, in space.
-    struct Rod { length }
-    |a: [f64; 3], b: [f64; 3]| sum(i in 0..3, (a[i] - b[i])^2) - length^2
-}
-
-potential! {
-    /// Weight of a point.
-    struct Weight { g }
-    |x, y, z| g * z
-}
 
 /// Knots along an edge.
 const N: usize = 10;
@@ -55,7 +45,7 @@ fn rods() -> Vec<[usize; 2]> {
 fn run(algebra: LinearAlgebra, iteration: impl Iteration) -> (Vec<f64>, LinearAlgebra, u64) {
     let scene = Scene::points(N * N * N)
         .link_each(rods().into_iter().map(|ends| (Rod { length: length(ends) }, ends)))
-        .with(Weight { g: 1.0 })
+        .with(Gravity { g: 1.0 })
         .linear_algebra(algebra);
     let momenta = (0..N * N * N).map(|knot| [0, 1, 2].map(|d| 0.5 * ((5 * knot + d) as f64).cos()));
     let start = scene.project(&State::of((0..N * N * N).map(place)).with_momenta(momenta)).unwrap();

@@ -22,6 +22,12 @@ constraint! {
     |x, y| x^2 + y^2 - length^2
 }
 
+potential! {
+    /// Weight in a trough along the x axis.
+    pub struct Trough { g }
+    |_x, y, z| g * z + y^2 / 4
+}
+
 /// The notebook's surface, r = a/6.
 pub const SURFACE: Lemniscate = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
 

@@ -12,7 +12,8 @@
 //! [`OnSurface`](crate::systems::surface::kept::OnSurface) holds each body on a surface of its own;
 //! [`Linked`](crate::systems::linked::Linked) is for links between bodies and everything else.
 
-use crate::effect::interval::{Inertia, Manner, Rule, UnitMasses};
+use crate::effect::interval::{Inertia, Interval, Manner, Normals, Rule, UnitMasses};
+use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::error::{EffectMistake, Error};
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
@@ -419,11 +420,39 @@ pub struct Given<'a, T, const D: usize> {
     pub noise: Noise,
 }
 
-impl<T: Scalar, const D: usize> Given<'_, T, D> {
+impl<'a, T: Scalar, const D: usize> Given<'a, T, D> {
     /// For so long, before a step or after it, with nothing laid beside.
     pub(crate) fn of(h: f64, before: bool, noise: Noise) -> Self {
         let imposed = T::from_f64(0.0);
         Self { h, before, velocities: &[], rates: &[], holding: &[], coming: &[], imposed, noise }
+    }
+
+    /// With the rest of an [`Interval`]: what bodies are asked for, their masses, surfaces, and how they are coupled.
+    pub(crate) fn interval(
+        self,
+        (at, momenta, marks): (Moment<'a, T, D>, &'a [[T; D]], &'a [T]),
+        inertia: &'a dyn Inertia<T, D>,
+        surface: Option<&'a dyn Normals<T, D>>,
+        (tied, freedom): (bool, usize),
+    ) -> Interval<'a, T, D> {
+        let Self { h, before, velocities, rates, holding, coming, imposed, noise } = self;
+        Interval {
+            h,
+            before,
+            at,
+            momenta,
+            velocities,
+            rates,
+            holding,
+            coming,
+            imposed,
+            inertia,
+            surface,
+            marks,
+            tied,
+            freedom,
+            noise,
+        }
     }
 }
 

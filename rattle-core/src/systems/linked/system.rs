@@ -331,28 +331,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         bodies: &mut BodiesOf<F, N, D>,
         look: impl FnOnce(&F, &Interval<'_, f64, D>, &mut F::Room) -> R,
     ) -> R {
-        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), self.equations() > 0);
+        let coupling = (self.equations() > 0, self.freedom(bodies));
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (momenta, inertia, marks) = (bodies.p.as_ref(), &*self.shape, &*bodies.marks);
-        let surface = None;
-        let during = Interval {
-            h,
-            before,
-            at,
-            momenta,
-            velocities,
-            rates,
-            holding,
-            coming,
-            imposed,
-            inertia,
-            surface,
-            marks,
-            tied,
-            freedom,
-            noise,
-        };
+        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
+        let during = given.interval(seen, &*self.shape, None, coupling);
         look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

@@ -318,28 +318,10 @@ impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
         bodies: &mut BodiesOf<F, N>,
         look: impl FnOnce(&F, &Interval<'_, f64, 9>, &mut F::Room) -> R,
     ) -> R {
-        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), false);
+        let coupling = (false, self.freedom(bodies));
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (momenta, inertia, marks) = (bodies.p.as_ref(), &self.body, &*bodies.marks);
-        let surface = None;
-        let during = Interval {
-            h,
-            before,
-            at,
-            momenta,
-            velocities,
-            rates,
-            holding,
-            coming,
-            imposed,
-            inertia,
-            surface,
-            marks,
-            tied,
-            freedom,
-            noise,
-        };
+        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
+        let during = given.interval(seen, &self.body, None, coupling);
         look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

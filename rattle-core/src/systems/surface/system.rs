@@ -4,7 +4,7 @@
 //! Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Manner, Normals, UnitMasses};
+use crate::effect::interval::{Interval, Manner, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::error::{EffectMistake, Error};
@@ -423,29 +423,11 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         F: Forces<T, D>,
         Self: System<T, D, Count = N, Kept = Kept<N, T, F, D>>,
     {
-        let Given { h, before, velocities, rates, holding, coming, imposed, noise } = given;
-        let (freedom, tied) = (self.freedom(bodies), false);
+        let coupling = (false, self.freedom(bodies));
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let (momenta, inertia, marks) = (bodies.p.as_ref(), &UnitMasses, &*bodies.marks);
+        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
         let normals = bodies.kept.normal.as_ref();
-        let surface = Some(&normals as &dyn Normals<T, D>);
-        let during = Interval {
-            h,
-            before,
-            at,
-            momenta,
-            velocities,
-            rates,
-            holding,
-            coming,
-            imposed,
-            inertia,
-            surface,
-            marks,
-            tied,
-            freedom,
-            noise,
-        };
+        let during = given.interval(seen, &UnitMasses, Some(&normals), coupling);
         look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }
