@@ -7,7 +7,7 @@ use crate::effect::one::Effect;
 use crate::error::{Error, expect_variables};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count, Many, One};
-pub use crate::motion::hold::{Hold, Kind, Surfaces};
+pub use crate::motion::hold::{Hold, Kind, PhaseSpaces, Surfaces};
 use crate::motion::method::Method;
 use crate::motion::state::{Coordinates, State};
 use crate::number::real::Scalar;

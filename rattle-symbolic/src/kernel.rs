@@ -81,7 +81,7 @@ impl Kernel<'_> {
 
     /// The kernel number by number, for what goes in lanes.
     fn map(&self, which: Macro) -> TokenStream {
-        if !matches!(which, Macro::Constraint | Macro::Potential) {
+        if matches!(which, Macro::DrivenPotential | Macro::Force | Macro::PairPotential) {
             return TokenStream::new();
         }
         let kernel = self.name();

@@ -319,6 +319,10 @@ pub trait Hamiltonian<const D: usize>: Sized {
     where
         Self: 'a;
 
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example,
+    /// that of one lane by itself.
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
+
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {
         Self::kernel_of_lanes(|_| self)
@@ -354,6 +358,10 @@ pub trait PhaseConstraint<const D: usize, const M: usize>: Sized {
     fn kernel_of_lanes<'a, T: Real>(lane: impl Fn(usize) -> &'a Self) -> Self::Kernel<T>
     where
         Self: 'a;
+
+    /// The kernel with `number` of each of its numbers, in the same order each time; of a kernel of lanes, for example,
+    /// that of one lane by itself.
+    fn map_kernel<T: Real, U: Real>(kernel: &Self::Kernel<T>, number: impl Fn(&T) -> U) -> Self::Kernel<U>;
 
     /// The kernel with this value's parameters, in every lane.
     fn kernel<T: Real>(&self) -> Self::Kernel<T> {

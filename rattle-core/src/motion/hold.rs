@@ -2,7 +2,7 @@
 
 use crate::effect::list::Effects;
 use crate::error::Error;
-use crate::kernel::functions::Constraint;
+use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::Count;
 use crate::motion::state::State;
 use crate::motion::system::System;
@@ -59,6 +59,14 @@ pub trait Hold<const D: usize>: Sized {
     {
         None
     }
+
+    /// Calls a visitor with the constraints and Hamiltonians of these scenes; `None` where they are not in phase space.
+    fn phase_spaces<V: PhaseSpaces<D>>(_of: &[&Self], _to: V) -> Option<V::Found>
+    where
+        Self: 'static,
+    {
+        None
+    }
 }
 
 /// A kind of constraints, as far as ensembles tell them apart.
@@ -68,6 +76,8 @@ pub enum Kind {
     Network,
     /// [`Rigid`](crate::systems::rigid::Rigid) bodies.
     Rigid,
+    /// A [`PhaseSpace`](crate::systems::phase::PhaseSpace).
+    Phase,
     /// Surfaces, and all others.
     Other,
 }
@@ -78,4 +88,15 @@ pub trait Surfaces<const D: usize> {
     type Found;
     /// Called with the surfaces.
     fn found<C: Constraint<D, 1> + 'static>(self, surfaces: &[&C]) -> Self::Found;
+}
+
+/// A visitor for [`Hold::phase_spaces`]: a function that is generic in the types of constraints and Hamiltonians.
+pub trait PhaseSpaces<const D: usize> {
+    /// The result.
+    type Found;
+    /// Called with the constraint and the Hamiltonian of each scene.
+    fn found<G, H, const M: usize>(self, spaces: &[(&G, &H)]) -> Self::Found
+    where
+        G: PhaseConstraint<D, M> + 'static,
+        H: Hamiltonian<D> + 'static;
 }

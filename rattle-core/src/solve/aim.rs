@@ -73,7 +73,7 @@ const TIMES: f64 = 3.0;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pace {
     /// The lengths of the last two steps.
-    steps: [f64; 2],
+    pub(crate) steps: [f64; 2],
 }
 
 impl Pace {
@@ -131,8 +131,8 @@ impl Pace {
 /// How far first guesses of one body were off in the last two steps; NaN where the root had to be followed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Aim<T> {
-    last: T,
-    before: T,
+    pub(crate) last: T,
+    pub(crate) before: T,
 }
 
 impl<T: Scalar> Aim<T> {

@@ -2,8 +2,9 @@
 //! and precision, so that only the necessary kind is compiled.
 
 use crate::effect::list::{Effects, Forces};
-use crate::kernel::functions::Constraint;
-use crate::motion::hold::Surfaces;
+use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::motion::bodies::Count;
+use crate::motion::hold::{PhaseSpaces, Surfaces};
 use crate::motion::method::{Method, Splitting, Stage};
 use crate::motion::state::State;
 use crate::motion::system::System;
@@ -19,6 +20,8 @@ use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::linked_lanes::LinkedLanes;
+use crate::run::ensemble::phase_lanes::PhaseLanes;
+use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::{RigidRow, Turns};
@@ -294,6 +297,34 @@ impl<X: Turned, Y: System<f64, D>, const D: usize> Rigids<'_, X, Y, D> {
             let number = starts[0].len();
             let pulls = effects.pulls(from, number);
             let engine = RigidLanes::<Y, D, W>::new(systems, bodies, pulls, number, method.clone());
+            Some(side_by_side(Box::new(engine), first + from, starts))
+        })
+    }
+}
+
+/// Shown constraints and Hamiltonians, puts so many bodies of each trajectory in rows: those of one scene, or each in a
+/// scene of its own.
+pub(super) struct InRows<'a, N, const D: usize>(
+    pub(super) N,
+    pub(super) &'a [State<D>],
+    pub(super) &'a HowInLanes,
+);
+
+impl<N: Count, const D: usize> PhaseSpaces<D> for InRows<'_, N, D> {
+    type Found = Groups<D>;
+
+    fn found<G, H, const M: usize>(self, spaces: &[(&G, &H)]) -> Groups<D>
+    where
+        G: PhaseConstraint<D, M> + 'static,
+        H: Hamiltonian<D> + 'static,
+    {
+        let Self(count, starts, HowInLanes { stages, h, set, first, .. }) = self;
+        if D > MOST_COORDINATES || starts.iter().any(|start| start.len() != count.number()) {
+            return None;
+        }
+        in_rows(IN_PHASE_SPACE, starts, &|from, starts| {
+            let own = if spaces.len() == 1 { 0..1 } else { from..from + starts.len() };
+            let engine = PhaseLanes::new(&spaces[own], count, stages, *h, *set);
             Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }

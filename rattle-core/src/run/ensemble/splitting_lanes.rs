@@ -257,7 +257,7 @@ impl Splits {
 }
 
 /// What tells a splitting from others.
-fn hallmark(stages: &[Stage]) -> Hallmark {
+pub(super) fn hallmark(stages: &[Stage]) -> Hallmark {
     Hallmark::new("method", "a splitting", Stage::numbers(stages))
 }
 

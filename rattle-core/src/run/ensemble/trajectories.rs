@@ -4,7 +4,7 @@ use crate::number::instructions::InstructionSet;
 use crate::number::vectors::LANES;
 use crate::run::ensemble::apart::{Plan, act_in_lanes};
 use crate::run::ensemble::grouping::{
-    Alike, Different, Groups, HowInLanes, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
+    Alike, Different, Groups, HowInLanes, InRows, TurnedAlike, TurnedApart, linked, linked_apart, rigid,
 };
 use crate::run::ensemble::precision::{Double, Precision};
 use crate::run::ensemble::side_by_side::STRETCH;
@@ -114,6 +114,9 @@ impl<const D: usize> Ensemble<D> {
                 let network = (&scenes[0].constraint as &dyn Any).downcast_ref::<Network<D>>()?;
                 return linked::<P, S, _, D>(network, &scenes[0].effects, starts, lanes);
             }
+            if const { goes_as::<C, S, D>(Kind::Phase) } {
+                return C::phase_spaces(&[&scenes[0].constraint], InRows(scenes[0].count, starts, lanes))?;
+            }
             C::surfaces(
                 &[&scenes[0].constraint],
                 Alike(PhantomData::<(P, S)>, &scenes[0].effects, starts, lanes),
@@ -168,6 +171,9 @@ impl<const D: usize> Ensemble<D> {
                 return linked_apart::<P, S, _, D>(&networks, &effects, starts, lanes);
             }
             let constraints = scenes.iter().map(|scene| &scene.constraint).collect::<Vec<_>>();
+            if const { goes_as::<C, S, D>(Kind::Phase) } {
+                return C::phase_spaces(&constraints, InRows(scenes[0].count, starts, lanes))?;
+            }
             let effects = scenes.iter().map(|scene| &scene.effects).collect::<Vec<_>>();
             C::surfaces(&constraints, Different(PhantomData::<(P, S)>, &effects, starts, lanes))?
         })

@@ -11,10 +11,11 @@
 use crate::kernel::functions::PhaseConstraintKernel;
 use crate::systems::phase::point::Point;
 
-const STAGES: usize = 5;
+/// Stages of the method.
+pub(crate) const STAGES: usize = 5;
 
 /// Coefficients of the Gauss method (J. Butcher 1964), from the zeros of the Legendre polynomial.
-const A: [[f64; STAGES]; STAGES] = [
+pub(crate) const A: [[f64; STAGES]; STAGES] = [
     [
         0.059_231_721_264_047_27,
         -0.019_570_364_359_076_04,
@@ -51,7 +52,8 @@ const A: [[f64; STAGES]; STAGES] = [
         0.059_231_721_264_047_27,
     ],
 ];
-const B: [f64; STAGES] = [
+/// The weights of the stages.
+pub(crate) const B: [f64; STAGES] = [
     0.118_463_442_528_094_54,
     0.239_314_335_249_683_23,
     0.284_444_444_444_444_44,
@@ -61,7 +63,7 @@ const B: [f64; STAGES] = [
 
 /// Parts whose stages come nearer by less than this factor are halved: the largest eigenvalue of A is about 0.13, so
 /// that the error of a part, 4e-13 x¹⁰ of it with x the relative change of the field along it, stays below 1e-16.
-const CONTRACTION: f64 = 1.0 / 20.0;
+pub(crate) const CONTRACTION: f64 = 1.0 / 20.0;
 /// Iterations of the stages; with that factor a dozen suffice.
 const MAX_ITERATIONS: usize = 30;
 /// Parts beyond which a motion is given up: some hundred radians, where a step needs a fraction of one.

@@ -4,7 +4,7 @@ use crate::effect::list::{Effects, Forces};
 use crate::error::Error;
 use crate::kernel::functions::{Hamiltonian, PhaseConstraint};
 use crate::motion::bodies::{Body, Count};
-use crate::motion::hold::Hold;
+use crate::motion::hold::{Hold, Kind, PhaseSpaces};
 use crate::motion::state::State;
 use crate::systems::phase::kept::InPhaseSpace;
 use crate::systems::phase::kept::PhaseSpace;
@@ -27,6 +27,8 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
     for PhaseSpace<G, H, M>
 {
     type System<E: Effects<D>, N: Count> = InPhaseSpace<G::Kernel<f64>, H::Kernel<f64>, N, M>;
+
+    const KIND: Kind = Kind::Phase;
 
     fn system<E: Effects<D>, N: Count>(
         &self,
@@ -61,5 +63,13 @@ impl<G: PhaseConstraint<D, M>, H: Hamiltonian<D>, const D: usize, const M: usize
             *body = Body { q, p, q_low: [0.0; D], p_low: [0.0; D] };
         }
         Ok(state)
+    }
+
+    fn phase_spaces<V: PhaseSpaces<D>>(of: &[&Self], to: V) -> Option<V::Found>
+    where
+        Self: 'static,
+    {
+        let spaces = of.iter().map(|space| (&space.constraint, &space.hamiltonian)).collect::<Vec<_>>();
+        Some(to.found::<G, H, M>(&spaces))
     }
 }

@@ -21,7 +21,7 @@ use std::array::from_fn;
 
 /// Slopes at a guess and where it leads differ by at most this part: that far from another sheet they differ by more in
 /// six of seven cases.
-const STEADY: f64 = 0.05;
+pub(crate) const STEADY: f64 = 0.05;
 
 /// A step, as it departs.
 pub(super) struct Departure<'a, K, H, const D: usize, const M: usize> {

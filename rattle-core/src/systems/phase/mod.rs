@@ -1,11 +1,12 @@
 //! Bodies in phase space, under g(q, p) = 0 with an energy H(q, p).
 
-mod fibre;
+pub(crate) mod fibre;
 mod hold;
+pub(crate) mod in_lanes;
 mod kept;
-mod landing;
+pub(crate) mod landing;
 mod point;
-mod step;
+pub(crate) mod step;
 mod system;
 
 pub use kept::{InPhaseSpace, PhaseSpace};

@@ -16,7 +16,7 @@ use std::array::from_fn;
 /// Corrections of a slide after which it is given up; four suffice where there is one.
 const MAX_CORRECTIONS: usize = 20;
 /// A residual below this many roundings may be the rounding of g itself, once it no longer shrinks.
-pub(super) const NOISE: f64 = 1e3;
+pub(crate) const NOISE: f64 = 1e3;
 /// N may change by this part of itself within a step.
 pub(crate) const TURN: f64 = 0.5;
 

@@ -1,0 +1,212 @@
+//! The step of the energy alone in lanes: the Störmer–Verlet step of [`point`](crate::systems::phase::point), and where
+//! it takes a small change of the point that it starts from.
+//!
+//! Each of its equations x = f(x) is iterated in all lanes; a lane that rests keeps its x.
+
+use crate::kernel::functions::HamiltonianKernel;
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::number::vector::{add_scaled, largest, scaled, sum};
+use crate::number::vectors::{at, put};
+use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS};
+use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
+
+/// Passes after which a lane goes by itself.
+const MOST_PASSES: usize = 40;
+
+/// What no longer shrinks is rounding below this part.
+const ROUNDING: f64 = 1e-13;
+
+/// A step of each lane.
+pub(super) struct Leap<const D: usize> {
+    kick: Vector<D>,
+    half: Vector<D>,
+    out: Vector<D>,
+    drift: Vector<D>,
+    end: Vector<D>,
+    /// Where the step leads.
+    pub(super) change: Points<D>,
+}
+
+impl<const D: usize> Leap<D> {
+    pub(super) const NONE: Self = Self {
+        kick: [ZEROS; D],
+        half: [ZEROS; D],
+        out: [ZEROS; D],
+        drift: [ZEROS; D],
+        end: [ZEROS; D],
+        change: Points::ZERO,
+    };
+
+    /// The step from these points, in lanes that do not go by themselves.
+    #[inline(always)]
+    pub(super) fn leap<const M: usize>(
+        &mut self,
+        laws: &impl Laws<D, M>,
+        h: f64,
+        from: &Points<D>,
+        going: &mut Each,
+    ) {
+        let Self { kick, half, out, drift, end, change } = self;
+        let share = Fused(0.5 * h);
+        iterate(&Kick { laws, share, from }, kick, going);
+        for l in 0..ROW {
+            let half_way = sum(&at(&from.p, l), &at(kick, l));
+            put(half, l, half_way);
+            put(out, l, scaled(share, &laws.energy(l).gradients(&at(&from.q, l), &half_way).1));
+        }
+        iterate(&Drift { laws, share, from: &from.q, half, out }, drift, going);
+        for l in 0..ROW {
+            let (drift, half) = (at(drift, l), at(half, l));
+            let place = sum(&at(&from.q, l), &drift);
+            let second = laws.energy(l).gradients(&place, &half).0;
+            put(end, l, place);
+            put(&mut change.q, l, drift);
+            put(&mut change.p, l, add_scaled(&at(kick, l), -share, &second));
+        }
+    }
+
+    /// Where the step takes this small change of the points that it started from.
+    #[inline(always)]
+    pub(super) fn tangent<const M: usize>(
+        &self,
+        laws: &impl Laws<D, M>,
+        h: f64,
+        from: &Points<D>,
+        change: &Points<D>,
+        room: &mut [Vector<D>; 2],
+        to: &mut Points<D>,
+        going: &mut Each,
+    ) {
+        let Self { half, end, .. } = self;
+        let share = Fused(0.5 * h);
+        let [kick, out] = room;
+        iterate(&SmallKick { laws, share, from: &from.q, half, change }, kick, going);
+        for l in 0..ROW {
+            let (v, p) = (at(&change.q, l), at(kick, l));
+            let rate = laws.energy(l).hessian_vector(&at(&from.q, l), &at(half, l), &v, &p).1;
+            put(out, l, add_scaled(&v, share, &rate));
+        }
+        iterate(&SmallDrift { laws, share, end, half, out, kick }, &mut to.q, going);
+        for l in 0..ROW {
+            let (q, p) = (at(&to.q, l), at(kick, l));
+            let rate = laws.energy(l).hessian_vector(&at(end, l), &at(half, l), &q, &p).0;
+            put(&mut to.p, l, add_scaled(&p, -share, &rate));
+        }
+    }
+}
+
+/// An equation x = f(x) in each lane. (No closure: what is not inlined is compiled for no instruction set.)
+trait Equation<const D: usize> {
+    /// f(x) in a lane. Must be `#[inline(always)]`.
+    fn at(&self, lane: usize, x: &[Number; D]) -> [Number; D];
+}
+
+/// −h/2 ∂H/∂q(q, p + x).
+struct Kick<'a, X, const D: usize, const M: usize> {
+    laws: &'a X,
+    share: Number,
+    from: &'a Points<D>,
+}
+
+impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for Kick<'_, X, D, M> {
+    #[inline(always)]
+    fn at(&self, l: usize, kick: &[Number; D]) -> [Number; D] {
+        let p = sum(&at(&self.from.p, l), kick);
+        scaled(-self.share, &self.laws.energy(l).gradients(&at(&self.from.q, l), &p).0)
+    }
+}
+
+/// What half the step leads to, + h/2 ∂H/∂p(q + x, p½).
+struct Drift<'a, X, const D: usize, const M: usize> {
+    laws: &'a X,
+    share: Number,
+    from: &'a Vector<D>,
+    half: &'a Vector<D>,
+    out: &'a Vector<D>,
+}
+
+impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for Drift<'_, X, D, M> {
+    #[inline(always)]
+    fn at(&self, l: usize, drift: &[Number; D]) -> [Number; D] {
+        let q = sum(&at(self.from, l), drift);
+        add_scaled(&at(self.out, l), self.share, &self.laws.energy(l).gradients(&q, &at(self.half, l)).1)
+    }
+}
+
+/// The derivative of the first.
+struct SmallKick<'a, X, const D: usize, const M: usize> {
+    laws: &'a X,
+    share: Number,
+    from: &'a Vector<D>,
+    half: &'a Vector<D>,
+    change: &'a Points<D>,
+}
+
+impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallKick<'_, X, D, M> {
+    #[inline(always)]
+    fn at(&self, l: usize, p: &[Number; D]) -> [Number; D] {
+        let (q, half) = (at(self.from, l), at(self.half, l));
+        let rate = self.laws.energy(l).hessian_vector(&q, &half, &at(&self.change.q, l), p).0;
+        add_scaled(&at(&self.change.p, l), -self.share, &rate)
+    }
+}
+
+/// The derivative of the second.
+struct SmallDrift<'a, X, const D: usize, const M: usize> {
+    laws: &'a X,
+    share: Number,
+    end: &'a Vector<D>,
+    half: &'a Vector<D>,
+    out: &'a Vector<D>,
+    kick: &'a Vector<D>,
+}
+
+impl<X: Laws<D, M>, const D: usize, const M: usize> Equation<D> for SmallDrift<'_, X, D, M> {
+    #[inline(always)]
+    fn at(&self, l: usize, q: &[Number; D]) -> [Number; D] {
+        let (end, half) = (at(self.end, l), at(self.half, l));
+        let rate = self.laws.energy(l).hessian_vector(&end, &half, q, &at(self.kick, l)).1;
+        add_scaled(&at(self.out, l), self.share, &rate)
+    }
+}
+
+/// Iterates from 0 in lanes that do not go by themselves, until each rests.
+#[inline(always)]
+fn iterate<const D: usize>(equation: &impl Equation<D>, x: &mut Vector<D>, going: &mut Each) {
+    let [zero, goes, rests, by_itself] = [0.0, GOES, RESTS, BY_ITSELF].map(Fused);
+    let [half, two, epsilon, rounding] = [0.5, 2.0, f64::EPSILON, ROUNDING].map(Fused);
+    let (mut settling, mut last) = (ZEROS, [Fused(f64::INFINITY); ROW]);
+    for l in 0..ROW {
+        settling[l] = Real::select(zero.le(going[l]), goes, rests);
+    }
+    *x = [ZEROS; D];
+    for pass in 0..MOST_PASSES {
+        // The first one is f(0).
+        let (first, end) = (pass == 0, pass + 1 == MOST_PASSES);
+        let mut any = false;
+        for l in 0..ROW {
+            let old = at(x, l);
+            let next = equation.at(l, &old);
+            let (off, size) = (largest(&add_scaled(&next, Fused(-1.0), &old)), largest(&next));
+            let settles = zero.lt(settling[l]);
+            for d in 0..D {
+                x[d][l] = Real::select(settles, next[d], old[d]);
+            }
+            let still = (half * last[l]).le(off) & off.le(rounding * size);
+            let rested = !first & (off.le(epsilon * size) | still);
+            let lost = end | !off.lt(two * last[l]);
+            let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));
+            settling[l] = Real::select(settles, now, settling[l]);
+            last[l] = if first { last[l] } else { off };
+            any |= zero.lt(settling[l]);
+        }
+        if !any {
+            break;
+        }
+    }
+    for l in 0..ROW {
+        let lost = settling[l].lt(zero);
+        going[l] = Real::select(lost, by_itself, going[l]);
+    }
+}

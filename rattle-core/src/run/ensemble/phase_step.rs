@@ -1,0 +1,663 @@
+//! A step in phase space for trajectories in lanes: geometric RATTLE, as in
+//! [`landing`](crate::systems::phase::landing) and [`step`](crate::systems::phase::step).
+//!
+//! Each lane does what a simulation does, from the same first guesses, until the same residuals are rounding, and is
+//! asked the same questions: whether the guess was near, N has changed little, and what the guess was off by is as
+//! usual. **A lane for which the answer is not plain takes the step by itself**, as a simulation does: there the step is
+//! looked at inside, followed from its start, or refused. So a lane ends on no other sheet than a simulation does.
+
+use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
+use crate::number::lanes::Fused;
+use crate::number::real::Real;
+use crate::number::vector::{dot, largest, two_sum};
+use crate::number::vectors::{at, put};
+use crate::run::ensemble::phase_energy::Leap;
+use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS, Slide, most};
+use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Number, Points, ROW, Row, Vector, ZEROS, matrix};
+use crate::solve::aim::{Aim, ROUNDINGS};
+use crate::solve::root::{FAR_GUESS, SHORT_PATH, straight};
+use crate::systems::phase::landing::STEADY;
+use crate::systems::phase::step::{NOISE, TURN};
+use std::array::from_fn;
+
+/// Corrections after which a lane goes by itself.
+const MOST_LOOKS: usize = 10;
+
+/// What a step works on.
+#[repr(C, align(64))]
+pub(super) struct Scratch<const D: usize, const M: usize> {
+    slide: Slide<D, M>,
+    leap: Leap<D>,
+    room: [Vector<D>; 2],
+    sigma: [Each; M],
+    guess: [Each; M],
+    correction: [Each; M],
+    /// The point after the first slide, and directions of fibres there; where a small change of it leads.
+    kicked: Points<D>,
+    fibre: [Points<D>; M],
+    small: Points<D>,
+    /// All of a slide and a step; and the sizes of coordinates on the way.
+    change: Points<D>,
+    at: Points<D>,
+    reach: Points<D>,
+    /// What shall vanish, its size, and that if all coordinates were as large as the largest.
+    value: [Each; M],
+    size: [Each; M],
+    extent: [Each; M],
+    /// (∂gᵢ/∂q, ∂gᵢ/∂p).
+    gradients: [Points<D>; M],
+    energy: Points<D>,
+    slopes: Matrix<M>,
+    first: Matrix<M>,
+    off: [Each; M],
+    corrected: Each,
+    roundings: Each,
+    /// 1 while a lane is moved, 0 where it rests, −1 where it has to go by itself.
+    pub(super) going: Each,
+    /// Where the first half of the step leads, and the whole one.
+    middle: Row<D, M>,
+    pub(super) end: Row<D, M>,
+}
+
+impl<const D: usize, const M: usize> Scratch<D, M> {
+    pub(super) fn new() -> Self {
+        Self {
+            slide: Slide::NONE,
+            leap: Leap::NONE,
+            room: [[ZEROS; D]; 2],
+            sigma: [ZEROS; M],
+            guess: [ZEROS; M],
+            correction: [ZEROS; M],
+            kicked: Points::ZERO,
+            fibre: [const { Points::ZERO }; M],
+            small: Points::ZERO,
+            change: Points::ZERO,
+            at: Points::ZERO,
+            reach: Points::ZERO,
+            value: [ZEROS; M],
+            size: [ZEROS; M],
+            extent: [ZEROS; M],
+            gradients: [const { Points::ZERO }; M],
+            energy: Points::ZERO,
+            slopes: [[ZEROS; M]; M],
+            first: [[ZEROS; M]; M],
+            off: [ZEROS; M],
+            corrected: ZEROS,
+            roundings: ZEROS,
+            going: ZEROS,
+            middle: Row::new(),
+            end: Row::new(),
+        }
+    }
+}
+
+/// Finds where a step of h leads all lanes, with these weights of what guesses were off by before. Says whether it may
+/// be taken as it is; if not, `going` tells which lanes have to go by themselves.
+#[inline(always)]
+pub(super) fn step<const D: usize, const M: usize>(
+    row: &Row<D, M>,
+    laws: &impl Laws<D, M>,
+    h: f64,
+    weights: [f64; 2],
+    scratch: &mut Scratch<D, M>,
+) -> bool {
+    scratch.going = [Fused(GOES); ROW];
+    guess(row, laws, h, scratch);
+    drift(row, laws, h, scratch);
+    trust(row, h, weights, scratch);
+    let Scratch { change, middle, end, off, .. } = scratch;
+    arrive(row, change, middle);
+    note(row, off, end);
+    settle(laws, scratch);
+    let Scratch { slide, slopes, going, middle, end, .. } = scratch;
+    arrive(middle, &slide.change, end);
+    end.slopes = *slopes;
+    turns(&row.slopes, end, going)
+}
+
+/// σ such that the hidden constraint stays, and the directions of fibres at the start.
+#[inline(always)]
+fn guess<const D: usize, const M: usize>(
+    row: &Row<D, M>,
+    laws: &impl Laws<D, M>,
+    h: f64,
+    scratch: &mut Scratch<D, M>,
+) {
+    let Scratch { slide, sigma, guess, gradients, energy, going, .. } = scratch;
+    evaluate(laws, &row.high, gradients, energy);
+    directions(gradients, &mut slide.directions[0]);
+    slide.begin();
+    let share = Fused(-0.5 * h);
+    for l in 0..ROW {
+        let free = [at(&energy.p, l), at(&energy.q, l).map(|x| -x)];
+        let rates = along(laws, l, &row.high, &free, gradients, energy);
+        let lambda = solve(matrix(&row.slopes, l), rates);
+        let mut finite = Fused(0.0);
+        for m in 0..M {
+            let found = share * lambda[m];
+            (guess[m][l], sigma[m][l]) = (found, found);
+            finite = Fused(0.0).multiply_add(found, finite);
+        }
+        going[l] = Real::select(finite.le(Fused(0.0)), going[l], Fused(BY_ITSELF));
+    }
+}
+
+/// From the start to g = 0.
+#[inline(always)]
+fn drift<const D: usize, const M: usize>(
+    row: &Row<D, M>,
+    laws: &impl Laws<D, M>,
+    h: f64,
+    scratch: &mut Scratch<D, M>,
+) {
+    let Scratch {
+        slide,
+        leap,
+        room,
+        sigma,
+        correction,
+        kicked,
+        fibre,
+        small,
+        change,
+        at: place,
+        reach,
+        value,
+        size,
+        extent,
+        gradients,
+        slopes,
+        first,
+        off,
+        corrected,
+        roundings,
+        going,
+        ..
+    } = scratch;
+    (*corrected, *roundings) = (ZEROS, [Fused(f64::INFINITY); ROW]);
+    for number in 0..MOST_LOOKS {
+        slide.slide(laws, &row.high, sigma, number == 0, going);
+        displace(row, &slide.change, kicked);
+        leap.leap(laws, h, kicked, going);
+        add(&slide.change, &leap.change, change);
+        displace(row, change, place);
+        reaches(&row.high, change, reach);
+        level(laws, place, reach, value, size, extent, gradients);
+        if number == 0 {
+            shares(value, extent, off);
+        }
+        if !decide(number, value, size, extent, roundings, going) {
+            break;
+        }
+        fibres(laws, kicked, fibre);
+        for j in 0..M {
+            leap.tangent(laws, h, kicked, &fibre[j], room, small, going);
+            slope(gradients, small, j, going, slopes);
+        }
+        if number == 0 {
+            *first = *slopes;
+        }
+        correct(value, slopes, correction, going, sigma, corrected);
+    }
+}
+
+/// From there to {g, H} = 0; with N at the end.
+#[inline(always)]
+fn settle<const D: usize, const M: usize>(laws: &impl Laws<D, M>, scratch: &mut Scratch<D, M>) {
+    let Scratch {
+        slide,
+        sigma,
+        correction,
+        at: place,
+        reach,
+        value,
+        size,
+        gradients,
+        energy,
+        slopes,
+        corrected,
+        roundings,
+        going,
+        middle,
+        ..
+    } = scratch;
+    for l in 0..ROW {
+        going[l] = Real::select(going[l].lt(Fused(0.0)), going[l], Fused(GOES));
+    }
+    (*sigma, *roundings) = ([ZEROS; M], [Fused(f64::INFINITY); ROW]);
+    for number in 0..MOST_LOOKS {
+        if number == 0 {
+            slide.change = Points::ZERO;
+        } else {
+            slide.slide(laws, &middle.high, sigma, number == 1, going);
+        }
+        displace(middle, &slide.change, place);
+        reaches(&middle.high, &slide.change, reach);
+        evaluate(laws, place, gradients, energy);
+        if number == 0 {
+            directions(gradients, &mut slide.directions[0]);
+            slide.begin();
+        }
+        for j in 0..M {
+            hidden(laws, place, j, gradients, energy, slopes);
+        }
+        vanishing(gradients, energy, slopes, reach, value, size);
+        if !decide(number, value, size, size, roundings, going) {
+            break;
+        }
+        correct(value, slopes, correction, going, sigma, corrected);
+    }
+}
+
+/// Gradients of g and H.
+#[inline(always)]
+fn evaluate<const D: usize, const M: usize>(
+    laws: &impl Laws<D, M>,
+    place: &Points<D>,
+    gradients: &mut [Points<D>; M],
+    energy: &mut Points<D>,
+) {
+    for l in 0..ROW {
+        let (by_q, by_p) = laws.constraint(l).jacobians(&at(&place.q, l), &at(&place.p, l));
+        for m in 0..M {
+            put(&mut gradients[m].q, l, by_q[m]);
+            put(&mut gradients[m].p, l, by_p[m]);
+        }
+    }
+    for l in 0..ROW {
+        let (by_q, by_p) = laws.energy(l).gradients(&at(&place.q, l), &at(&place.p, l));
+        put(&mut energy.q, l, by_q);
+        put(&mut energy.p, l, by_p);
+    }
+}
+
+/// The directions of fibres, (−∂gᵢ/∂p, ∂gᵢ/∂q).
+#[inline(always)]
+fn directions<const D: usize, const M: usize>(gradients: &[Points<D>; M], to: &mut [Points<D>; M]) {
+    for m in 0..M {
+        for d in 0..D {
+            for l in 0..ROW {
+                (to[m].q[d][l], to[m].p[d][l]) = (-gradients[m].p[d][l], gradients[m].q[d][l]);
+            }
+        }
+    }
+}
+
+/// The same at a point.
+#[inline(always)]
+fn fibres<const D: usize, const M: usize>(
+    laws: &impl Laws<D, M>,
+    place: &Points<D>,
+    to: &mut [Points<D>; M],
+) {
+    for l in 0..ROW {
+        let (by_q, by_p) = laws.constraint(l).jacobians(&at(&place.q, l), &at(&place.p, l));
+        for m in 0..M {
+            put(&mut to[m].q, l, by_p[m].map(|x| -x));
+            put(&mut to[m].p, l, by_q[m]);
+        }
+    }
+}
+
+/// By how much {gᵢ, H} change in a lane with the point along (dq, dp).
+#[inline(always)]
+fn along<const D: usize, const M: usize>(
+    laws: &impl Laws<D, M>,
+    l: usize,
+    place: &Points<D>,
+    [dq, dp]: &[[Number; D]; 2],
+    gradients: &[Points<D>; M],
+    energy: &Points<D>,
+) -> [Number; M] {
+    let (q, p) = (at(&place.q, l), at(&place.p, l));
+    let (g_q, g_p) = laws.constraint(l).hessian_vector(&q, &p, dq, dp);
+    let (h_q, h_p) = laws.energy(l).hessian_vector(&q, &p, dq, dp);
+    let (energy_q, energy_p) = (at(&energy.q, l), at(&energy.p, l));
+    from_fn(|i| {
+        let by_g = dot(&g_q[i], &energy_p) - dot(&g_p[i], &energy_q);
+        let by_h = dot(&at(&gradients[i].q, l), &h_p) - dot(&at(&gradients[i].p, l), &h_q);
+        by_g + by_h
+    })
+}
+
+/// Column j of N.
+#[inline(always)]
+fn hidden<const D: usize, const M: usize>(
+    laws: &impl Laws<D, M>,
+    place: &Points<D>,
+    j: usize,
+    gradients: &[Points<D>; M],
+    energy: &Points<D>,
+    slopes: &mut Matrix<M>,
+) {
+    for l in 0..ROW {
+        let fibre = [at(&gradients[j].p, l).map(|x| -x), at(&gradients[j].q, l)];
+        let column = along(laws, l, place, &fibre, gradients, energy);
+        for i in 0..M {
+            slopes[i][j][l] = column[i];
+        }
+    }
+}
+
+/// {gᵢ, H} and its size.
+#[inline(always)]
+fn vanishing<const D: usize, const M: usize>(
+    gradients: &[Points<D>; M],
+    energy: &Points<D>,
+    slopes: &Matrix<M>,
+    reach: &Points<D>,
+    value: &mut [Each; M],
+    size: &mut [Each; M],
+) {
+    for l in 0..ROW {
+        let reach = [at(&reach.q, l), at(&reach.p, l)];
+        let energy = [at(&energy.q, l), at(&energy.p, l)];
+        let gradients: [_; M] = from_fn(|i| [at(&gradients[i].q, l), at(&gradients[i].p, l)]);
+        for i in 0..M {
+            let mut sizes = Fused(0.0);
+            for j in 0..M {
+                let [q, p] = &gradients[j];
+                sizes = slopes[i][j][l].abs().multiply_add(over(&reach, &[*p, *q]), sizes);
+            }
+            size[i][l] = sizes;
+            value[i][l] = dot(&gradients[i][0], &energy[1]) - dot(&gradients[i][1], &energy[0]);
+        }
+    }
+}
+
+/// The point after a change.
+#[inline(always)]
+fn displace<const D: usize, const M: usize>(row: &Row<D, M>, change: &Points<D>, to: &mut Points<D>) {
+    let Row { high, low, .. } = row;
+    for d in 0..D {
+        for l in 0..ROW {
+            to.q[d][l] = high.q[d][l] + (low.q[d][l] + change.q[d][l]);
+            to.p[d][l] = high.p[d][l] + (low.p[d][l] + change.p[d][l]);
+        }
+    }
+}
+
+#[inline(always)]
+fn add<const D: usize>(one: &Points<D>, other: &Points<D>, to: &mut Points<D>) {
+    for d in 0..D {
+        for l in 0..ROW {
+            to.q[d][l] = one.q[d][l] + other.q[d][l];
+            to.p[d][l] = one.p[d][l] + other.p[d][l];
+        }
+    }
+}
+
+/// The sizes of coordinates of a point and a change of it, whichever are larger.
+#[inline(always)]
+fn reaches<const D: usize>(start: &Points<D>, change: &Points<D>, to: &mut Points<D>) {
+    for d in 0..D {
+        for l in 0..ROW {
+            to.q[d][l] = start.q[d][l].abs().max(change.q[d][l].abs());
+            to.p[d][l] = start.p[d][l].abs().max(change.p[d][l].abs());
+        }
+    }
+}
+
+/// g, its gradients, and the sizes of what it is made of.
+#[inline(always)]
+fn level<const D: usize, const M: usize>(
+    laws: &impl Laws<D, M>,
+    place: &Points<D>,
+    reach: &Points<D>,
+    value: &mut [Each; M],
+    size: &mut [Each; M],
+    extent: &mut [Each; M],
+    gradients: &mut [Points<D>; M],
+) {
+    for l in 0..ROW {
+        let constraint = laws.constraint(l);
+        let (g, by_q, by_p) = constraint.value_and_jacobians(&at(&place.q, l), &at(&place.p, l));
+        for m in 0..M {
+            value[m][l] = g[m];
+            put(&mut gradients[m].q, l, by_q[m]);
+            put(&mut gradients[m].p, l, by_p[m]);
+        }
+    }
+    for l in 0..ROW {
+        let (q, p) = (at(&reach.q, l), at(&reach.p, l));
+        let (most_q, most_p) = ([largest(&q); D], [largest(&p); D]);
+        for m in 0..M {
+            let by_q = at(&gradients[m].q, l).map(|x| x.abs());
+            let by_p = at(&gradients[m].p, l).map(|x| x.abs());
+            size[m][l] = dot(&by_q, &q) + dot(&by_p, &p);
+            extent[m][l] = dot(&by_q, &most_q) + dot(&by_p, &most_p);
+        }
+    }
+}
+
+/// g as a part of what it is made of.
+#[inline(always)]
+fn shares<const M: usize>(value: &[Each; M], extent: &[Each; M], to: &mut [Each; M]) {
+    let zero = Fused(0.0);
+    for m in 0..M {
+        for l in 0..ROW {
+            let share = value[m][l] / extent[m][l];
+            to[m][l] = Real::select(value[m][l] == zero, zero, share);
+        }
+    }
+}
+
+/// The most roundings that one of these values has; not a number where one has not.
+#[inline(always)]
+fn worst<const M: usize>(value: &[Each; M], size: &[Each; M], l: usize) -> Number {
+    let mut worst = Fused(0.0);
+    for m in 0..M {
+        let roundings = value[m][l].abs() / (Fused(f64::EPSILON) * size[m][l]);
+        worst = most(worst, Real::select(value[m][l] == Fused(0.0), Fused(0.0), roundings));
+    }
+    worst
+}
+
+/// Which lanes rest now, and which go by themselves. Returns whether one is still going.
+#[inline(always)]
+fn decide<const M: usize>(
+    number: usize,
+    value: &[Each; M],
+    size: &[Each; M],
+    extent: &[Each; M],
+    last: &mut Each,
+    going: &mut Each,
+) -> bool {
+    let [zero, one, goes, rests, by_itself] = [0.0, 1.0, GOES, RESTS, BY_ITSELF].map(Fused);
+    let noise = Fused(NOISE);
+    let mut any = false;
+    for l in 0..ROW {
+        let roundings = worst(value, size, l);
+        let is_noise = roundings.le(noise) | worst(value, extent, l).le(one);
+        let rested = roundings.le(one) | (last[l].le(roundings) & is_noise);
+        let lost = (number + 1 == MOST_LOOKS) | !roundings.le(Fused(f64::MAX));
+        let now = Real::select(rested, rests, Real::select(lost, by_itself, goes));
+        going[l] = Real::select(zero.lt(going[l]), now, going[l]);
+        last[l] = roundings;
+        any |= zero.lt(going[l]);
+    }
+    any
+}
+
+/// Column j of ∂g/∂σ, from where a small change along a fibre leads.
+#[inline(always)]
+fn slope<const D: usize, const M: usize>(
+    gradients: &[Points<D>; M],
+    small: &Points<D>,
+    j: usize,
+    going: &Each,
+    slopes: &mut Matrix<M>,
+) {
+    for i in 0..M {
+        for l in 0..ROW {
+            let [q, p] = [&gradients[i].q, &gradients[i].p].map(|x| at(x, l));
+            let slope = dot(&q, &at(&small.q, l)) + dot(&p, &at(&small.p, l));
+            slopes[i][j][l] = Real::select(Fused(0.0).lt(going[l]), slope, slopes[i][j][l]);
+        }
+    }
+}
+
+/// Corrects σ where lanes are going.
+#[inline(always)]
+fn correct<const M: usize>(
+    value: &[Each; M],
+    slopes: &Matrix<M>,
+    correction: &mut [Each; M],
+    going: &mut Each,
+    sigma: &mut [Each; M],
+    corrected: &mut Each,
+) {
+    for l in 0..ROW {
+        let by = solve(matrix(slopes, l), at(value, l));
+        put(correction, l, by);
+    }
+    for l in 0..ROW {
+        let (goes, mut finite) = (Fused(0.0).lt(going[l]), Fused(0.0));
+        for m in 0..M {
+            let by = correction[m][l];
+            sigma[m][l] = Real::select(goes, sigma[m][l] - by, sigma[m][l]);
+            finite = Fused(0.0).multiply_add(by, finite);
+        }
+        corrected[l] = Real::select(goes, Fused(GOES), corrected[l]);
+        let lost = goes & !finite.le(Fused(0.0));
+        going[l] = Real::select(lost, Fused(BY_ITSELF), going[l]);
+    }
+}
+
+/// Has lanes go by themselves where something speaks against the landing.
+#[inline(always)]
+fn trust<const D: usize, const M: usize>(
+    row: &Row<D, M>,
+    h: f64,
+    weights: [f64; 2],
+    scratch: &mut Scratch<D, M>,
+) {
+    let Scratch { sigma, guess, change, reach, gradients, slopes, first, off, corrected, going, .. } =
+        scratch;
+    let [far, short, steady, turns, straight, rounding] =
+        [FAR_GUESS, SHORT_PATH, STEADY, TURN, straight::<f64>(), ROUNDINGS * f64::EPSILON].map(Fused);
+    let h = Fused(h);
+    for l in 0..ROW {
+        let reach = [at(&reach.q, l), at(&reach.p, l)];
+        let path = over(&[at(&change.q, l), at(&change.p, l)], &reach);
+        let (mut q, mut p) = ([Fused(0.0); D], [Fused(0.0); D]);
+        for m in 0..M {
+            let by = sigma[m][l] - guess[m][l];
+            for d in 0..D {
+                q[d] = (-by).multiply_add(gradients[m].p[d][l], q[d]);
+                p[d] = by.multiply_add(gradients[m].q[d][l], p[d]);
+            }
+        }
+        let slid = over(&[q, p], &reach);
+        let (mut near, mut usual) = (true, true);
+        for m in 0..M {
+            let (off, aims) = (off[m][l], [row.aims[0][m][l], row.aims[1][m][l]]);
+            near &= off.abs().le(far * path);
+            let aim = Aim { last: aims[0], before: aims[1] };
+            usual &= off.abs().le(rounding) | aim.is_usual(off, weights);
+        }
+        let last = matrix(slopes, l);
+        let changes = turn(matrix(first, l), &last);
+        let before = matrix(&row.slopes, l).map(|row| row.map(|x| h * x));
+        let is_short = changes.le(steady) & (changes * path).le(short * slid);
+        let plain = turn(before, &last).le(turns) & (changes.le(straight) | (near & is_short));
+        let is_certain = usual & (plain | (corrected[l] == Fused(0.0)));
+        going[l] = Real::select(is_certain, going[l], Fused(BY_ITSELF));
+    }
+}
+
+/// Has lanes go by themselves where N has changed too much, or they are not at numbers. Returns whether none has to.
+#[inline(always)]
+fn turns<const D: usize, const M: usize>(before: &Matrix<M>, end: &Row<D, M>, going: &mut Each) -> bool {
+    let mut all = true;
+    for l in 0..ROW {
+        let mut finite = Fused(0.0);
+        for d in 0..D {
+            finite = Fused(0.0).multiply_add(end.high.q[d][l] + end.high.p[d][l], finite);
+        }
+        let turned = turn(matrix(before, l), &matrix(&end.slopes, l));
+        let plain = turned.le(Fused(TURN)) & finite.le(Fused(0.0));
+        going[l] = Real::select(plain, going[l], Fused(BY_ITSELF));
+        all &= Fused(0.0).le(going[l]);
+    }
+    all
+}
+
+/// The point after a change, with what rounding took from it.
+#[inline(always)]
+fn arrive<const D: usize, const M: usize>(from: &Row<D, M>, change: &Points<D>, to: &mut Row<D, M>) {
+    let Row { high, low, .. } = to;
+    for d in 0..D {
+        for l in 0..ROW {
+            let change_q = from.low.q[d][l] + change.q[d][l];
+            let change_p = from.low.p[d][l] + change.p[d][l];
+            let (sums, rests) = two_sum(&[from.high.q[d][l], from.high.p[d][l]], &[change_q, change_p]);
+            [high.q[d][l], high.p[d][l]] = sums;
+            [low.q[d][l], low.p[d][l]] = rests;
+        }
+    }
+}
+
+/// Notes what guesses were off by.
+#[inline(always)]
+fn note<const D: usize, const M: usize>(row: &Row<D, M>, off: &[Each; M], end: &mut Row<D, M>) {
+    end.aims = [*off, row.aims[0]];
+}
+
+/// How many times a vector of phase space is as large as the other, in positions or in momenta, whichever is more; 0
+/// where the other is.
+#[inline(always)]
+fn over<const D: usize>([q, p]: &[[Number; D]; 2], [other_q, other_p]: &[[Number; D]; 2]) -> Number {
+    let part = |x: &[Number; D], other: &[Number; D]| {
+        let (size, length) = (largest(x), largest(other));
+        Real::select(Fused(0.0).lt(length), size / length, Fused(0.0))
+    };
+    part(q, other_q).max(part(p, other_p))
+}
+
+/// The solution of a few linear equations, by elimination with row exchanges; no numbers where they are dependent.
+#[inline(always)]
+fn solve<const M: usize>(mut a: [[Number; M]; M], mut b: [Number; M]) -> [Number; M] {
+    for k in 0..M {
+        for i in k + 1..M {
+            let swap = a[k][k].abs().lt(a[i][k].abs());
+            for j in k..M {
+                (a[k][j], a[i][j]) =
+                    (Real::select(swap, a[i][j], a[k][j]), Real::select(swap, a[k][j], a[i][j]));
+            }
+            (b[k], b[i]) = (Real::select(swap, b[i], b[k]), Real::select(swap, b[k], b[i]));
+        }
+        for i in k + 1..M {
+            let factor = a[i][k] / a[k][k];
+            for j in k + 1..M {
+                a[i][j] = (-factor).multiply_add(a[k][j], a[i][j]);
+            }
+            b[i] = (-factor).multiply_add(b[k], b[i]);
+        }
+    }
+    for k in (0..M).rev() {
+        for j in k + 1..M {
+            b[k] = (-a[k][j]).multiply_add(b[j], b[k]);
+        }
+        b[k] = b[k] / a[k][k];
+    }
+    b
+}
+
+/// The largest entry of N⁻¹N′ − 1; not a number where that has none.
+#[inline(always)]
+fn turn<const M: usize>(before: [[Number; M]; M], after: &[[Number; M]; M]) -> Number {
+    let mut largest = Fused(0.0);
+    for j in 0..M {
+        let mut column = [Fused(0.0); M];
+        for i in 0..M {
+            column[i] = after[i][j];
+        }
+        let column = solve(before, column);
+        for i in 0..M {
+            let one = Fused(f64::from(u8::from(i == j)));
+            largest = most(largest, (column[i] - one).abs());
+        }
+    }
+    largest
+}
