@@ -11,17 +11,17 @@ use rayon::prelude::*;
 
 phase_constraint! {
     /// Three-spheres at distances of π/k in the sum of squares.
-    struct Shells { k }
+    pub(crate) struct Shells { k }
     |q: [f64; 2], p: [f64; 2]| sin(k * (dot(q, q) + dot(p, p) - 1))
 }
 phase_constraint! {
     /// The same of a sheet whose fibres have no formula.
-    struct WavyShells { k }
+    pub(crate) struct WavyShells { k }
     |q: [f64; 2], p: [f64; 2]| sin(k * (q[0]^2 + q[1]^4 + exp(p[0]) + p[1]^2 * (2 + sin(q[0])) - 3))
 }
 phase_constraint! {
     /// Three of them, this far apart.
-    struct Three { apart }
+    pub(crate) struct Three { apart }
     |q: [f64; 2], p: [f64; 2]| {
         let g = dot(q, q) + dot(p, p) - 1;
         g * (g - apart) * (g + apart)
@@ -29,7 +29,7 @@ phase_constraint! {
 }
 phase_constraint! {
     /// Circles at distances of π/k: of positions alone.
-    struct Rings { k }
+    pub(crate) struct Rings { k }
     |q: [f64; 2], _p: [f64; 2]| sin(k * (norm(q) - 1))
 }
 phase_constraint! {
@@ -42,27 +42,27 @@ phase_constraint! {
 }
 phase_constraint! {
     /// Spheres as above, each with an angular momentum, of which there are many too.
-    struct TurningShells { k, l }
+    pub(crate) struct TurningShells { k, l }
     |q: [f64; 3], p: [f64; 3]| [
         sin(k * (dot(q, q) + dot(p, p) - 1)),
         sin(2 * k * (q[0] * p[1] - q[1] * p[0] - l)),
     ]
 }
-fn sum_of_squares<const D: usize>([q, p]: [[f64; D]; 2]) -> f64 {
+pub(crate) fn sum_of_squares<const D: usize>([q, p]: [[f64; D]; 2]) -> f64 {
     q.iter().chain(&p).map(|x| x * x).sum()
 }
-fn wavy([q, p]: [[f64; 2]; 2]) -> f64 {
+pub(crate) fn wavy([q, p]: [[f64; 2]; 2]) -> f64 {
     q[0].powi(2) + q[1].powi(4) + p[0].exp() + p[1].powi(2) * (2.0 + q[0].sin())
 }
-fn radius([q, _]: [[f64; 2]; 2]) -> f64 {
+pub(crate) fn radius([q, _]: [[f64; 2]; 2]) -> f64 {
     q[0].hypot(q[1])
 }
-fn momentum([q, p]: [[f64; 3]; 2]) -> f64 {
+pub(crate) fn momentum([q, p]: [[f64; 3]; 2]) -> f64 {
     q[0] * p[1] - q[1] * p[0]
 }
 
 /// A function of position and momentum.
-type Level<const D: usize> = fn([[f64; D]; 2]) -> f64;
+pub(crate) type Level<const D: usize> = fn([[f64; D]; 2]) -> f64;
 
 /// Random starts and steps; `levels` are functions that no motion changes by as much as sheets are apart, which is more
 /// than 0.3/k.

@@ -12,6 +12,8 @@ mod lanes_flows;
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]
 mod lanes_linked;
+#[path = "../lanes_phase.rs"]
+mod lanes_phase;
 #[path = "../lanes_rigid.rs"]
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]

@@ -20,7 +20,7 @@ use crate::run::ensemble::group::Group;
 use crate::run::ensemble::laws::{Each, Laws, Same};
 use crate::run::ensemble::linked_going::Width;
 use crate::run::ensemble::linked_lanes::LinkedLanes;
-use crate::run::ensemble::phase_lanes::PhaseLanes;
+use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
 use crate::run::ensemble::rigid_lanes::RigidLanes;
@@ -319,7 +319,7 @@ impl<N: Count, const D: usize> PhaseSpaces<D> for InRows<'_, N, D> {
         H: Hamiltonian<D> + 'static,
     {
         let Self(count, starts, HowInLanes { stages, h, set, first, .. }) = self;
-        if D > MOST_COORDINATES || starts.iter().any(|start| start.len() != count.number()) {
+        if const { !fits_lanes::<D, M>() } || starts.iter().any(|start| start.len() != count.number()) {
             return None;
         }
         in_rows(IN_PHASE_SPACE, starts, &|from, starts| {

@@ -21,7 +21,9 @@
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision.
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision;
+//! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
+//!   composition of it, always in double precision with compensated sums.
 //!
 //! All other scenes and methods run as one simulation per trajectory (see
 //! [`Simulation`](crate::run::simulation::Simulation)), spread over all cores. [`Ensemble::plan`] says which, and why.
@@ -35,7 +37,7 @@
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
 //! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) say; Lobatto methods begin with the stages of the step
-//! before, rigid bodies with a rotation extrapolated likewise. For the same reason an ensemble that starts from the
+//! before, rigid bodies with a rotation extrapolated likewise. (In phase space guesses are those of a simulation.) For the same reason an ensemble that starts from the
 //! states of another one agrees with it only to rounding: it does not know the earlier steps. States of a [`Single`]
 //! ensemble satisfy the constraint to seven digits; `scene.project` turns them into starts.
 //!

@@ -24,6 +24,8 @@ pub(super) struct Leap<const D: usize> {
     out: Vector<D>,
     drift: Vector<D>,
     end: Vector<D>,
+    /// The same of a small change: its kick, and what half the step leads to.
+    small: [Vector<D>; 2],
     /// Where the step leads.
     pub(super) change: Points<D>,
 }
@@ -35,6 +37,7 @@ impl<const D: usize> Leap<D> {
         out: [ZEROS; D],
         drift: [ZEROS; D],
         end: [ZEROS; D],
+        small: [[ZEROS; D]; 2],
         change: Points::ZERO,
     };
 
@@ -47,7 +50,7 @@ impl<const D: usize> Leap<D> {
         from: &Points<D>,
         going: &mut Each,
     ) {
-        let Self { kick, half, out, drift, end, change } = self;
+        let Self { kick, half, out, drift, end, change, .. } = self;
         let share = Fused(0.5 * h);
         iterate(&Kick { laws, share, from }, kick, going);
         for l in 0..ROW {
@@ -69,18 +72,16 @@ impl<const D: usize> Leap<D> {
     /// Where the step takes this small change of the points that it started from.
     #[inline(always)]
     pub(super) fn tangent<const M: usize>(
-        &self,
+        &mut self,
         laws: &impl Laws<D, M>,
         h: f64,
         from: &Points<D>,
         change: &Points<D>,
-        room: &mut [Vector<D>; 2],
         to: &mut Points<D>,
         going: &mut Each,
     ) {
-        let Self { half, end, .. } = self;
+        let Self { half, end, small: [kick, out], .. } = self;
         let share = Fused(0.5 * h);
-        let [kick, out] = room;
         iterate(&SmallKick { laws, share, from: &from.q, half, change }, kick, going);
         for l in 0..ROW {
             let (v, p) = (at(&change.q, l), at(kick, l));

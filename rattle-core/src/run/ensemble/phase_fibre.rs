@@ -12,7 +12,7 @@ use crate::kernel::functions::PhaseConstraintKernel;
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vectors::at;
-use crate::run::ensemble::phase_row::{Each, Laws, Number, Points, ROW, Vector, ZEROS};
+use crate::run::ensemble::phase_row::{Each, Laws, Points, ROW, Vector, ZEROS};
 use crate::systems::phase::fibre::{A, B, CONTRACTION, STAGES};
 
 /// A lane goes on, rests, or goes by itself.
@@ -89,11 +89,9 @@ impl<const D: usize, const M: usize> Slide<D, M> {
             sliding[l] = Real::select(goes, Fused(GOES), Fused(RESTS));
             last[l] = Fused(f64::INFINITY);
         }
-        (*moved, *size) = (ZEROS, ZEROS);
+        *size = ZEROS;
         for i in 0..STAGES {
-            for d in 0..D {
-                speed(sigma, &directions[i], d, &mut speeds[i], moved, size);
-            }
+            speed(sigma, &directions[i], &mut speeds[i], size);
         }
         for pass in 0..MOST_PASSES {
             for d in 0..D {
@@ -102,10 +100,7 @@ impl<const D: usize, const M: usize> Slide<D, M> {
             }
             *moved = ZEROS;
             for i in 0..STAGES {
-                look(laws, &stages[i], sliding, &mut directions[i]);
-                for d in 0..D {
-                    speed(sigma, &directions[i], d, &mut speeds[i], moved, size);
-                }
+                look(laws, &stages[i], sigma, sliding, &mut directions[i], &mut speeds[i], moved);
             }
             if !decide(pass, anew, moved, size, last, sliding) {
                 break;
@@ -121,32 +116,26 @@ impl<const D: usize, const M: usize> Slide<D, M> {
     }
 }
 
-/// The larger number, or the one that is none.
-#[inline(always)]
-pub(super) fn most(most: Number, x: Number) -> Number {
-    Real::select(most.lt(x) | !x.le(x), x, most)
-}
-
-/// One coordinate and momentum of Kᵢ, and by how much it has moved.
+/// Kᵢ, and the largest of its components and of what was found before.
 #[inline(always)]
 fn speed<const D: usize, const M: usize>(
     sigma: &[Each; M],
     directions: &[Points<D>; M],
-    d: usize,
     speed: &mut Points<D>,
-    moved: &mut Each,
     size: &mut Each,
 ) {
-    let (to_q, to_p) = (&mut speed.q[d], &mut speed.p[d]);
     for l in 0..ROW {
-        let (mut q, mut p) = (Fused(0.0), Fused(0.0));
-        for m in 0..M {
-            q = sigma[m][l].multiply_add(directions[m].q[d][l], q);
-            p = sigma[m][l].multiply_add(directions[m].p[d][l], p);
+        let mut most = size[l];
+        for d in 0..D {
+            let (mut q, mut p) = (Fused(0.0), Fused(0.0));
+            for m in 0..M {
+                q = sigma[m][l].multiply_add(directions[m].q[d][l], q);
+                p = sigma[m][l].multiply_add(directions[m].p[d][l], p);
+            }
+            most = most.max(q.abs()).max(p.abs());
+            (speed.q[d][l], speed.p[d][l]) = (q, p);
         }
-        moved[l] = most(most(moved[l], (q - to_q[l]).abs()), (p - to_p[l]).abs());
-        size[l] = most(most(size[l], q.abs()), p.abs());
-        (to_q[l], to_p[l]) = (q, p);
+        size[l] = most;
     }
 }
 
@@ -188,24 +177,34 @@ fn advance_momenta<const D: usize>(
     }
 }
 
-/// The fₘ at a stage, where lanes are sliding.
+/// The fₘ at a stage and its Kᵢ, where lanes are sliding; and the largest component by which that or one before has
+/// moved. (One that is no number shows at the end of the step.)
 #[inline(always)]
 fn look<const D: usize, const M: usize>(
     laws: &impl Laws<D, M>,
     stage: &Points<D>,
+    sigma: &[Each; M],
     sliding: &Each,
     directions: &mut [Points<D>; M],
+    speed: &mut Points<D>,
+    moved: &mut Each,
 ) {
     for l in 0..ROW {
         let (by_q, by_p) = laws.constraint(l).jacobians(&at(&stage.q, l), &at(&stage.p, l));
-        let slides = Fused(0.0).lt(sliding[l]);
-        for m in 0..M {
-            let Points { q, p } = &mut directions[m];
-            for d in 0..D {
+        let (slides, mut most) = (Fused(0.0).lt(sliding[l]), moved[l]);
+        for d in 0..D {
+            let (mut to_q, mut to_p) = (Fused(0.0), Fused(0.0));
+            for m in 0..M {
+                let Points { q, p } = &mut directions[m];
                 q[d][l] = Real::select(slides, -by_p[m][d], q[d][l]);
                 p[d][l] = Real::select(slides, by_q[m][d], p[d][l]);
+                to_q = sigma[m][l].multiply_add(q[d][l], to_q);
+                to_p = sigma[m][l].multiply_add(p[d][l], to_p);
             }
+            most = most.max((to_q - speed.q[d][l]).abs()).max((to_p - speed.p[d][l]).abs());
+            (speed.q[d][l], speed.p[d][l]) = (to_q, to_p);
         }
+        moved[l] = most;
     }
 }
 

@@ -7,6 +7,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::number::instructions::{Fusing, Work};
+use crate::number::vectors::MOST_COORDINATES;
 use crate::run::answers::Obeying;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
@@ -22,6 +23,14 @@ use std::sync::Arc;
 /// The system of a trajectory by itself.
 type Alone<G, H, N, const D: usize, const M: usize> =
     InPhaseSpace<<G as PhaseConstraint<D, M>>::Kernel<f64>, <H as Hamiltonian<D>>::Kernel<f64>, N, M>;
+
+/// A step works on no more than that: more is far from the processor, and more than stacks hold.
+const MOST_BYTES: usize = 1 << 18;
+
+/// Whether bodies of D coordinates under M equations go in lanes.
+pub(super) const fn fits_lanes<const D: usize, const M: usize>() -> bool {
+    D <= MOST_COORDINATES && size_of::<Scratch<D, M>>() <= MOST_BYTES
+}
 
 /// A row of trajectories of bodies in phase space, each body by itself.
 pub(super) struct PhaseLanes<G, H, N, const D: usize, const M: usize>

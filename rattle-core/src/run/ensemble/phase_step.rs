@@ -12,8 +12,8 @@ use crate::number::real::Real;
 use crate::number::vector::{dot, largest, two_sum};
 use crate::number::vectors::{at, put};
 use crate::run::ensemble::phase_energy::Leap;
-use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS, Slide, most};
-use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Number, Points, ROW, Row, Vector, ZEROS, matrix};
+use crate::run::ensemble::phase_fibre::{BY_ITSELF, GOES, RESTS, Slide};
+use crate::run::ensemble::phase_row::{Each, Laws, Matrix, Number, Points, ROW, Row, ZEROS, matrix};
 use crate::solve::aim::{Aim, ROUNDINGS};
 use crate::solve::root::{FAR_GUESS, SHORT_PATH, straight};
 use crate::systems::phase::landing::STEADY;
@@ -28,7 +28,6 @@ const MOST_LOOKS: usize = 10;
 pub(super) struct Scratch<const D: usize, const M: usize> {
     slide: Slide<D, M>,
     leap: Leap<D>,
-    room: [Vector<D>; 2],
     sigma: [Each; M],
     guess: [Each; M],
     correction: [Each; M],
@@ -64,7 +63,6 @@ impl<const D: usize, const M: usize> Scratch<D, M> {
         Self {
             slide: Slide::NONE,
             leap: Leap::NONE,
-            room: [[ZEROS; D]; 2],
             sigma: [ZEROS; M],
             guess: [ZEROS; M],
             correction: [ZEROS; M],
@@ -153,7 +151,6 @@ fn drift<const D: usize, const M: usize>(
     let Scratch {
         slide,
         leap,
-        room,
         sigma,
         correction,
         kicked,
@@ -191,7 +188,7 @@ fn drift<const D: usize, const M: usize>(
         }
         fibres(laws, kicked, fibre);
         for j in 0..M {
-            leap.tangent(laws, h, kicked, &fibre[j], room, small, going);
+            leap.tangent(laws, h, kicked, &fibre[j], small, going);
             slope(gradients, small, j, going, slopes);
         }
         if number == 0 {
@@ -477,6 +474,12 @@ fn decide<const M: usize>(
         any |= zero.lt(going[l]);
     }
     any
+}
+
+/// The larger number, or the one that is none.
+#[inline(always)]
+fn most(most: Number, x: Number) -> Number {
+    Real::select(most.lt(x) | !x.le(x), x, most)
 }
 
 /// Column j of ∂g/∂σ, from where a small change along a fibre leads.
