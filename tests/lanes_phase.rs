@@ -17,11 +17,6 @@ phase_constraint! {
     |q: [f64; 2], p: [f64; 2]| dot(q, q) + dot(p, p) - r^2
 }
 phase_constraint! {
-    /// Three-spheres at distances of π/k in the sum of squares.
-    struct Shells { k }
-    |q: [f64; 2], p: [f64; 2]| sin(k * (dot(q, q) + dot(p, p) - 1))
-}
-phase_constraint! {
     /// A sphere in six dimensions and an angular momentum: they commute.
     struct Turning { l }
     |q: [f64; 3], p: [f64; 3]| [dot(q, q) + dot(p, p) - 1, q[0] * p[1] - q[1] * p[0] - l]
@@ -99,7 +94,8 @@ fn one_equation() {
     let mut ensemble = scene.ensemble(starts.iter().cloned(), method).unwrap();
     check("equal steps", off(&mut ensemble, |_| scene, &starts, &method, 30));
     let mut single = scene.ensemble(starts[..1].iter().cloned(), method).unwrap();
-    check("a single one, back", off(&mut single, |_| scene, &starts[..1], &method, 30));
+    single.run(30);
+    assert_eq!(single.state(0), ensemble.state(0), "a single one");
     let method = Composition::new(SUZUKI_1990_ORDER_4, -0.1);
     let mut stages = scene.ensemble(starts.iter().cloned(), method).unwrap();
     check("stages, back in time", off(&mut stages, |_| scene, &starts, &method, 5));
@@ -247,30 +243,6 @@ fn steps_are_divided() {
     });
     println!("{failed:?}");
     assert!(failed[1] < failed[0], "{failed:?}");
-}
-
-/// Where sheets lie side by side, no lane leaves its own, and one that could is refused.
-#[test]
-fn lanes_stay_on_their_sheets() {
-    let (method, mut trajectories) = (Rattle::new(0.05), Vec::new());
-    for i in 0..24 {
-        let (k, e) = (3.0 * 1.5_f64.powi(i), 0.01 * f64::from(i));
-        let scene = Scene::in_phase_space(Shells { k }, Charge { b: 0.2, g: 0.3 });
-        let start = scene.project(&State::at([0.4 + e, 0.1]).moving([0.5, 0.3 - e]));
-        trajectories.extend(start.map(|start| (k, scene, start)));
-    }
-    let each = trajectories.iter().map(|(_, scene, start)| (scene, start.clone()));
-    let mut sweep = Ensemble::sweep(Double, each, method).unwrap();
-    sweep.run(20);
-    let level =
-        |state: &State<2>| state.positions().chain(state.momenta()).map(|x| x.norm_squared()).sum::<f64>();
-    for (i, (k, _, start)) in trajectories.iter().enumerate() {
-        let apart = (level(&sweep.state(i)) - level(start)).abs() * k / std::f64::consts::PI;
-        assert!(apart < 1e-3, "{i}: {apart:e} of the distance to others");
-    }
-    let refused = sweep.failures().count();
-    println!("{refused} of {} refused", trajectories.len());
-    assert!(refused > 0 && refused + 5 < trajectories.len());
 }
 
 /// What a sight tells in lanes, it tells of simulations.
