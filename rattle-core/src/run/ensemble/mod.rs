@@ -37,9 +37,10 @@
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
 //! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) say; Lobatto methods begin with the stages of the step
-//! before, rigid bodies with a rotation extrapolated likewise. (In phase space guesses are those of a simulation.) For the same reason an ensemble that starts from the
-//! states of another one agrees with it only to rounding: it does not know the earlier steps. States of a [`Single`]
-//! ensemble satisfy the constraint to seven digits; `scene.project` turns them into starts.
+//! before, rigid bodies with a rotation extrapolated likewise; in phase space guesses are those of a simulation. For
+//! the same reason an ensemble that starts from the states of another one agrees with it only to rounding: it does not
+//! know the earlier steps. States of a [`Single`] ensemble satisfy the constraint to seven digits; `scene.project`
+//! turns them into starts.
 //!
 //! **Functions.** Every function of the macros is available in lanes, as [straight-line code](crate::number::lanes) of
 //! 20 to 90 operations. Values differ from those of the system's mathematical library by rounding. sin, cos and tan of
