@@ -3,7 +3,7 @@
 use crate::common::{PlanarGravity, Trough};
 use rattle::bodies::Count;
 use rattle::composition::{KAHAN_LI_1997_ORDER_8, SUZUKI_1990_ORDER_4};
-use rattle::effect::{Effects, LinearDrag};
+use rattle::effect::Effects;
 use rattle::ensemble::InstructionSet;
 use rattle::links::planar::Rod as PlanarRod;
 use rattle::links::{Angle, Rod};
@@ -274,13 +274,12 @@ fn others_go_alone() {
         |x, y| abs(x) + y
     }
     alone(&Scene::points(1).link(Bent {}, [[0]]), |lean| vec![[1.0 + lean, -1.0 - lean]]);
-    // A link that moves, an effect with time, drag.
+    // A link that moves.
     constraint! {
         struct Lift {}
         |_x, y, t| y - sin(t)
     }
     alone(&Scene::points(1).link_moving(Lift {}, [[0]]), |lean| vec![[lean, 0.0]]);
-    alone(&double().with(LinearDrag::new(0.1)), places);
 }
 
 /// Trajectories of rows of 64 have the bits that they have in rows of 8, where no step is compiled for its sizes.

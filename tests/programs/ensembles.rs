@@ -8,6 +8,8 @@ mod ensemble;
 mod ensemble_retry;
 #[path = "../lanes_flows.rs"]
 mod lanes_flows;
+#[path = "../lanes_flows_linked.rs"]
+mod lanes_flows_linked;
 #[path = "../lanes_heat.rs"]
 mod lanes_heat;
 #[path = "../lanes_linked.rs"]

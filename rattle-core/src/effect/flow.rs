@@ -1,6 +1,6 @@
 //! Flows of momenta: effects that depend on momenta, such as drag, magnetic fields and thermostats.
 
-use crate::effect::interval::{Interval, Manner, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::one::{Acting, Effect};
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
@@ -23,10 +23,11 @@ use std::array::from_fn;
 /// the energy error is that of the method. Only methods with a symmetric step, and with momenta at the time of the
 /// positions, can be split like this; others are refused before a run.
 ///
-/// **In lanes.** Ensembles of one body on a surface apply flows in SIMD lanes. A flow with a
-/// [matrix](Self::linear), or one that is an [Ornstein–Uhlenbeck process](Self::ornstein_uhlenbeck), is applied to all
-/// lanes at once. Any other flow is evaluated lane by lane, with a lane's number as `T`: with `#[inline(always)]` it
-/// can be compiled for the wide instructions of the lanes. Flows that [feel forces](Self::FEELS_FORCES), and flows in
+/// **In lanes.** Ensembles of one body on a surface, and of linked bodies, apply flows in SIMD lanes. A flow with a
+/// matrix ([one body](Self::linear), [linked bodies](Self::linear_among)), or one that is an [Ornstein–Uhlenbeck
+/// process](Self::ornstein_uhlenbeck), is applied to all lanes at once. Any other flow is evaluated lane by lane, with
+/// a lane's number as `T` on surfaces, where with `#[inline(always)]` it can be compiled for the wide instructions of
+/// the lanes, and with `f64` as `T` for linked bodies. Flows that [feel forces](Self::FEELS_FORCES), and flows in
 /// other scenes, are computed as one simulation per trajectory;
 /// [`Ensemble::plan`](crate::run::ensemble::Ensemble::plan) says so.
 ///
@@ -84,6 +85,14 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
     /// of one body of unit mass, with the same A at all positions and times. Ensembles apply such a flow to all SIMD
     /// lanes at once.
     fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
+        None
+    }
+
+    /// The matrix A of body number `body` of a flow that is linear in the momenta of each body by itself, row by row:
+    /// [`flow`](Self::flow) then writes A p for this body in a time `h`, in a scene of any number of bodies of these
+    /// masses, with the same A at all positions and times. Ensembles of linked bodies apply such a flow to all SIMD
+    /// lanes at once.
+    fn linear_among(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
         None
     }
 
@@ -148,6 +157,9 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     }
     fn linear(&self, h: f64) -> Option<[[f64; D]; D]> {
         self.0.linear(h)
+    }
+    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
+        self.0.linear_among(h, body, inertia)
     }
 
     fn add_forces(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}

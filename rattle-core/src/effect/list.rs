@@ -2,7 +2,7 @@
 //! the same over a scalar. The empty list has a force of size zero, so the compiler removes the force phase of a step.
 
 use crate::effect::force::{Absent, Force};
-use crate::effect::interval::{Interval, Manner, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::noise::Noise;
 use crate::effect::one::{Acting, Effect};
@@ -98,6 +98,16 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
     /// The [matrix](Acting::linear) of flow number `number` in a time `h`, if it is linear.
     fn linear(&self, _number: usize, _h: f64) -> Option<[[f64; D]; D]> {
+        None
+    }
+    /// The [matrix](Acting::linear_among) of a body of these masses by flow number `number`, if it has one.
+    fn linear_among(
+        &self,
+        _number: usize,
+        _h: f64,
+        _body: usize,
+        _inertia: &dyn Inertia<f64, D>,
+    ) -> Option<[[f64; D]; D]> {
         None
     }
     /// The name of the type of the first effect that cannot act in the lanes of an ensemble: one that needs working
@@ -304,6 +314,19 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
     }
     fn linear(&self, number: usize, h: f64) -> Option<[[f64; D]; D]> {
         if number < F::FLOWS { self.others.linear(number, h) } else { self.effect.linear(h) }
+    }
+    fn linear_among(
+        &self,
+        number: usize,
+        h: f64,
+        body: usize,
+        inertia: &dyn Inertia<f64, D>,
+    ) -> Option<[[f64; D]; D]> {
+        if number < F::FLOWS {
+            self.others.linear_among(number, h, body, inertia)
+        } else {
+            self.effect.linear_among(h, body, inertia)
+        }
     }
     fn not_in_lanes(&self) -> Option<&'static str> {
         let timed = !A::FLOWS && self.effect.changes_with_time();

@@ -97,6 +97,10 @@ impl Flow<3> for MagneticField {
         Some(matrix(|p| self.in_space(h, &UnitMasses, 0, p)))
     }
 
+    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 3>) -> Option<[[f64; 3]; 3]> {
+        Some(matrix(|p| self.in_space(h, inertia, body, p)))
+    }
+
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {
         self.look(bodies)
     }
@@ -111,6 +115,10 @@ impl Flow<2> for MagneticField {
 
     fn linear(&self, h: f64) -> Option<[[f64; 2]; 2]> {
         Some(matrix(|p| self.in_plane(h, &UnitMasses, 0, p)))
+    }
+
+    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 2>) -> Option<[[f64; 2]; 2]> {
+        Some(matrix(|p| self.in_plane(h, inertia, body, p)))
     }
 
     fn check(&self, bodies: usize) -> Result<(), EffectMistake> {

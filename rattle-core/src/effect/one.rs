@@ -1,7 +1,7 @@
 //! One effect: as the scene is given it, and over a scalar.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Manner, Rule};
+use crate::effect::interval::{Inertia, Interval, Manner, Rule};
 use crate::effect::moment::Moment;
 use crate::effect::ornstein_uhlenbeck::OrnsteinUhlenbeck;
 use crate::effect::swept::Swept;
@@ -140,6 +140,11 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
 
     /// The matrix of a flow that is linear, see [`Flow::linear`](crate::effect::Flow::linear).
     fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
+        None
+    }
+
+    /// The matrix of a flow of one of several bodies, see [`Flow::linear_among`](crate::effect::Flow::linear_among).
+    fn linear_among(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
         None
     }
 

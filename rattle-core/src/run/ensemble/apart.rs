@@ -48,8 +48,11 @@ pub enum NotInLanes {
     /// type.
     #[error("flow `{0}` depends on forces, which are not known in lanes")]
     FeelsForces(&'static str),
-    /// In lanes, flows of momenta act on one body on a surface, moved by a splitting into kicks and drifts.
-    #[error("flows of momenta act in lanes on one body on a surface alone, moved by kicks and drifts")]
+    /// In lanes, flows of momenta act on one body on a surface or on linked bodies, moved by a splitting into kicks and
+    /// drifts.
+    #[error(
+        "flows of momenta act in lanes on one body on a surface and on linked bodies, moved by kicks and drifts"
+    )]
     Flows,
     /// The bodies, or the constraints and links between them, have no form in lanes, or scenes of a sweep differ in
     /// more than parameters.
@@ -65,7 +68,7 @@ impl Plan {
     }
 }
 
-/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface.
+/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface and on linked bodies.
 pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(
     effects: &F,
 ) -> Option<NotInLanes> {
@@ -79,6 +82,6 @@ pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: us
     if let Some((_, effect)) = manners.into_iter().find(|(manner, _)| manner.feels) {
         return Some(NotInLanes::FeelsForces(effect));
     }
-    let flows_do = const { matches!(C::KIND, Kind::Other) && !matches!(S::SPLITTING, Splitting::Not) };
+    let flows_do = const { !matches!(C::KIND, Kind::Rigid) && !matches!(S::SPLITTING, Splitting::Not) };
     if flows_do { None } else { Some(NotInLanes::Flows) }
 }

@@ -71,7 +71,7 @@ pub(super) fn of_all<E: Effects<D>, R: Pulled<D, W>, const D: usize, const W: us
     effects: &E,
     bodies: usize,
 ) -> Option<Box<dyn Pulls<R, W>>> {
-    if const { E::Forces::<f64>::EFFECTS == 0 } {
+    if const { E::Forces::<f64>::EFFECTS == E::Forces::<f64>::FLOWS } {
         None
     } else if const { E::Forces::<f64>::ON_EACH } {
         Some(Box::new(OnEach(Alike(effects.forces::<Number>()))))
@@ -85,7 +85,7 @@ pub(super) fn of_each<'a, E: Effects<D> + 'static, R: Pulled<D, W>, const D: usi
     effects: impl Fn(usize) -> &'a E,
     bodies: usize,
 ) -> Option<Box<dyn Pulls<R, W>>> {
-    if const { E::Forces::<f64>::EFFECTS == 0 } {
+    if const { E::Forces::<f64>::EFFECTS == E::Forces::<f64>::FLOWS } {
         None
     } else if const { E::Forces::<f64>::ON_EACH } {
         Some(Box::new(OnEach(E::swept::<Number, W>(effects))))

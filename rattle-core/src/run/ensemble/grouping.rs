@@ -73,10 +73,11 @@ impl HowInLanes {
         Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
     }
 
-    /// The method that these are, a splitting, as it moves rows.
-    fn splits<P: Precision, S: Method>(&self) -> Splits {
+    /// The method that these are, a splitting, as it moves rows, where flows act or do not.
+    fn splits<P: Precision, S: Method>(&self, flows: bool) -> Splits {
         let equal = const { S::SPLITTING as u8 == Splitting::OneStage as u8 };
-        Splits::new(&self.stages, self.h, equal, P::compute(Sums), self.set)
+        let splits = Splits::new(&self.stages, self.h, equal && !flows, P::compute(Sums), self.set);
+        if flows { splits.stirred(self.stirs_after) } else { splits }
     }
 }
 
@@ -201,7 +202,8 @@ pub(super) fn linked<P: Precision, S: Method, E: Effects<D>, const D: usize>(
     starts: &[State<D>],
     lanes: &HowInLanes,
 ) -> Groups<D> {
-    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.splits::<P, S>());
+    let flows = const { E::Forces::<f64>::FLOWS > 0 };
+    let (bodies, first, method) = (starts.first()?.len(), lanes.first, lanes.splits::<P, S>(flows));
     if starts.len() <= 3 * FEW {
         // Three rows of a few take less time than a full one.
         let row = LinkedLanes::<_, D, FEW>::new(network, effects, bodies, method)?;
@@ -225,7 +227,8 @@ pub(super) fn linked_apart<P: Precision, S: Method, E: Effects<D> + 'static, con
         return None;
     }
     in_rows(ROW, starts, &|from, starts| {
-        let (own, method) = (from..from + starts.len(), lanes.splits::<P, S>());
+        let flows = const { E::Forces::<f64>::FLOWS > 0 };
+        let (own, method) = (from..from + starts.len(), lanes.splits::<P, S>(flows));
         let row = LinkedLanes::<_, D, ROW>::swept(&networks[own.clone()], &effects[own], bodies, method)?;
         Some(side_by_side(Box::new(row), first + from, starts))
     })
@@ -244,7 +247,7 @@ pub(super) fn rigid<P: Precision, S: Method, Y: System<f64, D>, const D: usize>(
     if starts.iter().any(|start| start.len() != number) {
         return None;
     }
-    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>()));
+    let (first, method) = (lanes.first, Arc::new(lanes.splits::<P, S>(false)));
     let rows = Rigids { bodies, systems, effects, starts, first, method };
     if starts.len() <= 3 * FEW { rows.of::<FEW>() } else { rows.of::<ROW>() }
 }

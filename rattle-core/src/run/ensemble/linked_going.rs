@@ -4,6 +4,7 @@ use crate::number::instructions::Work;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
 use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
+use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::solve::crowd::EVERY;
 use crate::systems::network::group::LinkGroup;
 use crate::systems::network::in_lanes::{FEW, Numbers, ROW, RowLinks};
@@ -14,6 +15,8 @@ pub(super) trait Wide<const W: usize> {
     fn links<const D: usize>(group: &dyn LinkGroup<D>) -> Option<Box<dyn RowLinks<W>>>;
     /// Takes steps.
     fn go(steps: Steps<'_, '_, W>) -> Result<(), Stuck>;
+    /// Takes steps with flows.
+    fn stir(steps: StirredSteps<'_, '_, W>) -> Result<(), Stuck>;
     /// Writes velocities.
     fn look(velocities: Velocities<'_, '_, W>);
 }
@@ -28,6 +31,9 @@ impl Wide<ROW> for Width {
     fn go(steps: Steps<'_, '_, ROW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
+    fn stir(steps: StirredSteps<'_, '_, ROW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
     fn look(velocities: Velocities<'_, '_, ROW>) {
         velocities.course.set.run(velocities);
     }
@@ -38,6 +44,9 @@ impl Wide<FEW> for Width {
         group.in_few_lanes()
     }
     fn go(steps: Steps<'_, '_, FEW>) -> Result<(), Stuck> {
+        steps.course.set.run(steps)
+    }
+    fn stir(steps: StirredSteps<'_, '_, FEW>) -> Result<(), Stuck> {
         steps.course.set.run(steps)
     }
     fn look(velocities: Velocities<'_, '_, FEW>) {
@@ -70,7 +79,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
             numbers[plan.places.trial + c] = numbers[plan.places.q + c]; // where pinned bodies stay
         }
         if from == 0 && steps > 0 {
-            course.look_around(0, &parts[*part], numbers, &mut pulling)?;
+            course.look_around::<false>(0, &parts[*part], &[], numbers, &mut pulling)?;
         }
         let of_step = if *equal { 1 } else { parts.len() };
         let (mut now, end) = (from, from + steps);
@@ -82,7 +91,7 @@ impl<const W: usize> Work for Steps<'_, '_, W> {
                 course.rest(numbers);
             }
             if now % EVERY == 0 || (looks && now == end) {
-                course.look_around(now, &parts[*part], numbers, &mut pulling)?;
+                course.look_around::<false>(now, &parts[*part], &[], numbers, &mut pulling)?;
             }
         }
         let way = &numbers[plan.places.way..plan.places.way + plan.coordinates];

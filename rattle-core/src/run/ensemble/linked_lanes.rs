@@ -5,23 +5,25 @@ use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::state::State;
 use crate::motion::system::System;
-use crate::motion::witness::{Whoever, Witness};
+use crate::motion::witness::Whoever;
 use crate::number::lanes::{Fused, Lanes};
 use crate::run::answers::{Obeying, forces};
 use crate::run::ensemble::block::Part;
-use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
+use crate::run::ensemble::linked_law::{Heard, Law, answer, gradients};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
-use crate::run::ensemble::plan::{Links, Places, Plan, masses};
-use crate::run::ensemble::splitting_lanes::{Splits, by_itself};
+use crate::run::ensemble::linked_stirred::StirredSteps;
+use crate::run::ensemble::linked_stirring::RowStirring;
+use crate::run::ensemble::plan::{Links, Places, Plan};
+use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
+use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::of_system;
 use crate::systems::linked::Linked;
 use crate::systems::linked::kept::BodiesOf;
 use crate::systems::network::in_lanes::{Numbers, ROW, zeros};
-use crate::systems::network::shape::Shape;
 use crate::systems::network::{Network, constraints};
 use std::any::Any;
 use std::array::from_fn;
@@ -34,14 +36,6 @@ pub(super) struct Common {
     method: Splits,
 }
 
-/// A network, what moves a lane of it as a simulation does, and the mass and 1 over it of each coordinate.
-#[derive(Clone)]
-struct Law<F, const D: usize> {
-    network: Network<D>,
-    system: Arc<Linked<F, Many, D>>,
-    masses: Vec<[f64; 2]>,
-}
-
 /// What the lanes of a row obey.
 struct Obeyed<F, const D: usize, const W: usize> {
     /// One for all lanes, or one for each.
@@ -50,13 +44,20 @@ struct Obeyed<F, const D: usize, const W: usize> {
     pulls: Option<Box<dyn Pulls<LinkedRow, W>>>,
     /// 1 over the masses of all lanes, where they differ.
     over: Option<Vec<Numbers<W>>>,
+    stirring: Option<Box<RowStirring<W>>>,
 }
 
 impl<F: Clone, const D: usize, const W: usize> Clone for Obeyed<F, D, W> {
     fn clone(&self) -> Self {
-        let Self { laws, links, pulls, over } = self;
+        let Self { laws, links, pulls, over, stirring } = self;
         let pulls = pulls.as_ref().map(|pulls| pulls.boxed());
-        Self { laws: laws.clone(), links: links.clone(), pulls, over: over.clone() }
+        Self {
+            laws: laws.clone(),
+            links: links.clone(),
+            pulls,
+            over: over.clone(),
+            stirring: stirring.clone(),
+        }
     }
 }
 
@@ -68,12 +69,23 @@ pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     numbers: Vec<Numbers<W>>,
     /// The part of the method's step that comes next.
     part: usize,
+    account: Account,
+}
+
+/// What is kept of each lane where flows act; empty without flows.
+#[derive(Clone, Default)]
+struct Account {
+    /// The work of flows.
+    work: Vec<f64>,
+    /// The speed beyond which it is asked at once whether other sheets are near.
+    limits: Vec<f64>,
 }
 
 impl<F, const D: usize, const W: usize> Clone for LinkedLanes<F, D, W> {
     fn clone(&self) -> Self {
-        let Self { common, obeyed, numbers, part } = self;
-        Self { common: common.clone(), obeyed: obeyed.clone(), numbers: numbers.clone(), part: *part }
+        let Self { common, obeyed, numbers, part, account } = self;
+        let (common, obeyed) = (common.clone(), obeyed.clone());
+        Self { common, obeyed, numbers: numbers.clone(), part: *part, account: account.clone() }
     }
 }
 
@@ -92,18 +104,24 @@ where
         let shape = network.shape(bodies).ok()?;
         let (plan, links) =
             (Plan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
-        let obeyed = Obeyed {
-            laws: vec![Law::new(network, shape, effects, bodies)?],
-            links,
-            pulls: of_all(effects, bodies),
-            over: None,
-        };
+        let laws = vec![Law::new(network, shape, effects, bodies)?];
+        let stirring = RowStirring::of(|_| laws[0].shown(), &method);
+        let obeyed = Obeyed { laws, links, pulls: of_all(effects, bodies), over: None, stirring };
         Some(Self::with(plan, obeyed, method))
     }
 
     fn with(plan: Plan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
-        let numbers = vec![zeros(); plan.places.kept];
-        Self { common: Arc::new(Common { plan, method }), obeyed: Arc::new(obeyed), numbers, part: 0 }
+        let (numbers, mut account) = (vec![zeros(); plan.places.kept], Account::default());
+        if const { F::FLOWS > 0 } {
+            account = Account { work: vec![0.0; W], limits: vec![0.0; W] };
+        }
+        Self {
+            common: Arc::new(Common { plan, method }),
+            obeyed: Arc::new(obeyed),
+            numbers,
+            part: 0,
+            account,
+        }
     }
 }
 
@@ -140,6 +158,7 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
             over: apart.then(|| (0..plan.coordinates).map(over).collect()),
             links,
             pulls: of_each(|lane| effects[of(lane)], bodies),
+            stirring: RowStirring::of(|lane| laws[of(lane)].shown(), &method),
             laws: (0..ROW).map(|lane| laws[of(lane)].clone()).collect(),
         };
         Some(Self::with(plan, obeyed, method))
@@ -171,29 +190,6 @@ where
         Width::look(Velocities { course: &course, pulling, numbers, part });
         let Places { free, change, .. } = self.common.plan.places;
         [free, change]
-    }
-}
-
-impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
-    /// None where they cannot go side by side.
-    fn new<E: Effects<D, Forces<f64> = F>>(
-        network: &Network<D>,
-        shape: Shape<D>,
-        effects: &E,
-        bodies: usize,
-    ) -> Option<Self> {
-        let masses = masses(&shape)?;
-        let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
-        let wide = !system.is_narrow();
-        wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses })
-    }
-
-    /// What moves these bodies as a simulation does, in steps of this length.
-    fn ready(&self, bodies: &[Body<f64, D>], h: f64) -> Option<Linked<F, Many, D>> {
-        let none: [[f64; D]; 0] = [];
-        let start = State { bodies: bodies.to_vec(), ..State::of(none) };
-        let (effects, count) = (self.system.effects.clone(), Many(bodies.len()));
-        Linked::ready(&self.network, effects, count, &start, h, false).ok()
     }
 }
 
@@ -237,39 +233,6 @@ pub(super) fn bodies_of<const D: usize, const W: usize>(
         p_low: if *sums { momentum(low, body) } else { [0.0; D] },
     };
     (0..plan.coordinates / D).map(body).collect()
-}
-
-/// Hears all multipliers of a step.
-struct Heard {
-    /// Of the position and the momentum equation, by equation of the scene.
-    multipliers: [Vec<f64>; 2],
-}
-
-impl Heard {
-    fn of<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>) -> Self {
-        let equations = system.equations();
-        Self { multipliers: [vec![0.0; equations], vec![0.0; equations]] }
-    }
-}
-
-impl Witness<f64> for Heard {
-    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
-        self.multipliers[0][equation] = lambda;
-    }
-    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
-        self.multipliers[1][equation] = mu;
-    }
-}
-
-/// Entries of all gradients at these places.
-fn gradients<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>, q: &[[f64; D]]) -> Vec<f64> {
-    let shape = &*system.shape;
-    let (mut g, mut rates) = (vec![0.0; shape.equations], vec![0.0; shape.equations]);
-    let mut blocks = vec![[0.0; D]; shape.blocks];
-    for (c, component) in shape.components.iter().enumerate() {
-        shape.gradients(c, 0.0, q, &mut g, &mut blocks[component.first.1..], &mut rates);
-    }
-    blocks.as_flattened().to_vec()
 }
 
 /// Where a part of a step leads a lane by itself.
@@ -334,18 +297,41 @@ where
             let law = self.number_of_law(lane);
             go_apart(common, &self.obeyed.laws[law], lane, part, numbers, &mut bodies[law])
         };
-        let n = self.bodies_of_each();
+        let (n, mut account) = (self.bodies_of_each(), self.account.clone());
+        let freedom = common.plan.moving.len() - common.plan.equations;
         while let Some(Leg { from, steps, written, shown }) = tour.next() {
-            Width::go(Steps {
-                course: &course,
-                pulling: room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>),
-                apart: &mut apart,
-                numbers: &mut numbers,
-                part: &mut part,
-                from,
-                steps,
-                looks: shown,
-            })?;
+            let pulling = room.as_deref_mut().map(|pulling| pulling as &mut dyn Pulling<LinkedRow, W>);
+            if const { F::FLOWS > 0 }
+                && let Some(stirring) = &self.obeyed.stirring
+            {
+                Width::stir(StirredSteps {
+                    course: &course,
+                    stirring,
+                    kick: common.method.stirred_kick,
+                    pulling,
+                    apart: &mut apart,
+                    answer: &mut |question, changes| {
+                        answer(|lane| self.law(lane), freedom, stirring, question, changes);
+                    },
+                    numbers: &mut numbers,
+                    work: &mut account.work,
+                    limits: &mut account.limits,
+                    from,
+                    steps,
+                    looks: shown,
+                })?;
+            } else {
+                Width::go(Steps {
+                    course: &course,
+                    pulling,
+                    apart: &mut apart,
+                    numbers: &mut numbers,
+                    part: &mut part,
+                    from,
+                    steps,
+                    looks: shown,
+                })?;
+            }
             if let Some(written) = written {
                 let mut now = numbers.clone();
                 let way = self.velocities(&mut now, part);
@@ -354,7 +340,13 @@ where
             }
         }
         numbers.truncate(common.plan.places.kept);
-        Ok(Box::new(Self { common: self.common.clone(), obeyed: self.obeyed.clone(), numbers, part }))
+        Ok(Box::new(Self {
+            common: self.common.clone(),
+            obeyed: self.obeyed.clone(),
+            numbers,
+            part,
+            account,
+        }))
     }
 
     fn set(&mut self, lane: usize, bodies: &[Body<f64, D>]) -> bool {
@@ -412,18 +404,31 @@ where
             put(square + i, squares[i]);
             put(rest + i, at_rest(Fused(lengths[i]), Fused(reaches[i])).0);
         }
+        if const { F::FLOWS > 0 } {
+            self.book(lane, self.account.work[lane]);
+        }
         drifted.is_ok() && independent && !narrow && path.is_finite() && off <= 2.0 * path
     }
 
     fn copy(&mut self, from: usize, to: usize) {
         self.numbers.iter_mut().for_each(|numbers| numbers.0[to] = numbers.0[from]);
+        if const { F::FLOWS > 0 } {
+            let Account { work, limits } = &mut self.account;
+            (work[to], limits[to]) = (work[from], limits[from]);
+        }
     }
 
     fn obey(&mut self, from: usize, to: usize) {
-        if self.obeyed.laws.len() == 1 {
+        if self.obeyed.laws.len() == 1 && const { F::FLOWS == 0 } {
             return;
         }
-        let Obeyed { laws, links, pulls, over } = Arc::make_mut(&mut self.obeyed);
+        let Obeyed { laws, links, pulls, over, stirring } = Arc::make_mut(&mut self.obeyed);
+        if let Some(stirring) = stirring {
+            stirring.copy(from, to);
+        }
+        if laws.len() == 1 {
+            return;
+        }
         laws[to] = laws[from].clone();
         links.copy(from, to);
         if let Some(pulls) = pulls {
@@ -438,6 +443,27 @@ where
         }
     }
 
+    fn draw_as(&mut self, lane: usize, draws: Draws) {
+        if const { F::FLOWS > 0 }
+            && let Some(stirring) = &mut Arc::make_mut(&mut self.obeyed).stirring
+        {
+            stirring.draw_as(lane, draws);
+        }
+    }
+
+    fn work(&self, lane: usize) -> Option<f64> {
+        self.account.work.get(lane).copied()
+    }
+
+    fn book(&mut self, lane: usize, work: f64) {
+        if const { F::FLOWS > 0 } {
+            let Plan { places: Places { way, .. }, coordinates, .. } = self.common.plan;
+            let ways = self.numbers[way..way + coordinates].iter();
+            let fastest = ways.map(|x| x.0[lane].0.abs()).fold(0.0, f64::max);
+            (self.account.work[lane], self.account.limits[lane]) = (work, LARGER * fastest);
+        }
+    }
+
     fn bodies(&self, lane: usize) -> Vec<Body<f64, D>> {
         let mut now = self.with_room();
         let way = self.velocities(&mut now, self.part);
@@ -448,15 +474,24 @@ where
         &self,
         lane: usize,
         bodies: &[Body<f64, D>],
-        _: u64,
+        from: u64,
         steps: u64,
         parts: u32,
-        _: &mut u64,
+        place: &mut u64,
     ) -> Result<Moved<D>, Failure> {
         let law = self.law(lane);
         let ready = law.ready(bodies, self.common.method.h);
         let system = ready.as_ref().unwrap_or(&law.system);
-        by_itself::<f64, _, D>(system, &self.common.method.stages, None, steps, parts, bodies)
+        let stages = &self.common.method.stages;
+        if const { F::FLOWS > 0 }
+            && let Some(stirring) = &self.obeyed.stirring
+        {
+            let at = |steps| (stirring.noise(lane, from + steps), stirring.now(lane, from + steps));
+            let (after, work) = (stirring.after, self.account.work[lane]);
+            let stirred = StirredAlone { after, at: &at, place, work };
+            return by_itself::<f64, _, D>(system, stages, Some(stirred), steps, parts, bodies);
+        }
+        by_itself::<f64, _, D>(system, stages, None, steps, parts, bodies)
     }
 
     fn kick_alone(&self, steps: u32) {
@@ -479,6 +514,10 @@ where
         let numbers = self.numbers.iter().flat_map(|numbers| numbers.0.map(|x| x.0));
         to.numbers("numbers", &[self.numbers.len(), W], numbers);
         to.counts("part", [self.part as u64]);
+        if const { F::FLOWS > 0 } {
+            to.list("work", &self.account.work);
+            to.list("speed to ask at", &self.account.limits);
+        }
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
@@ -489,6 +528,10 @@ where
         }
         let [part] = from.counted("part")?;
         again.part = part as usize % self.common.method.parts.len();
+        if const { F::FLOWS > 0 } {
+            let work = from.numbers("work", &[W])?.to_vec();
+            again.account = Account { work, limits: from.numbers("speed to ask at", &[W])?.to_vec() };
+        }
         Ok(Box::new(again))
     }
 

@@ -12,12 +12,14 @@ use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
 
 impl<const W: usize> Course<'_, W> {
-    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`].
+    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`]. Where flows stir bodies, ways
+    /// are taken to be no shorter than the `least` of each coordinate.
     #[inline(always)]
-    pub(super) fn look_around(
+    pub(super) fn look_around<const STIRRED: bool>(
         &self,
         steps: u64,
         part: &Part,
+        least: &[Numbers<W>],
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) -> Result<(), Stuck> {
@@ -42,6 +44,13 @@ impl<const W: usize> Course<'_, W> {
                 [(entries, lifted + entry), (ways, way + coordinate), (pushes, change + coordinate)]
             {
                 each(to + i, [to + i, of], numbers, |[most, x]| most.max(x.abs()));
+            }
+            if STIRRED {
+                let (mut way, least) = (numbers[ways + i], &least[coordinate]);
+                for l in 0..W {
+                    way.0[l] = way.0[l].max(least.0[l]);
+                }
+                numbers[ways + i] = way;
             }
         }
         let [reach, path, pushed] = [reach, ROOT_3 * reach * PATH * (h / unit).abs(), ROOT_3].map(Fused);

@@ -347,7 +347,7 @@ impl<const W: usize> Course<'_, W> {
 
     /// Makes ways lead along the constraints, by G and M⁻¹Gᵀ as they are.
     #[inline(always)]
-    fn project(&self, numbers: &mut [Numbers<W>]) {
+    pub(super) fn project(&self, numbers: &mut [Numbers<W>]) {
         let Self { plan, sums, .. } = *self;
         let Places { way, way_low, change, .. } = plan.places;
         for &c in &plan.moving {

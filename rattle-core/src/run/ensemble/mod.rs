@@ -17,11 +17,13 @@
 //!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), or a Lobatto
 //!   method; except for Lobatto methods also with [flows](crate::effect::Flow) of momenta, such as heat, drag and
 //!   magnetic fields, unless they [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision.
+//! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision; also
+//!   with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
 //!   different topologies, or with other bodies pinned;
-//! * any number of [rigid bodies](crate::systems::rigid::Rigid), moved by the same methods, always in double precision;
+//! * any number of [rigid bodies](crate::systems::rigid::Rigid) without flows, moved by the same methods, always in
+//!   double precision;
 //! * any number of bodies in [phase space](crate::systems::phase), of up to 16 coordinates, moved by RATTLE or a
 //!   composition of it, always in double precision with compensated sums.
 //!
@@ -66,8 +68,11 @@ mod laws;
 mod linked_few;
 mod linked_going;
 mod linked_lanes;
+mod linked_law;
 mod linked_look;
 mod linked_row;
+mod linked_stirred;
+mod linked_stirring;
 mod look;
 mod loops;
 mod phase_energy;

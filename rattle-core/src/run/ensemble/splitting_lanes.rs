@@ -243,12 +243,26 @@ pub(super) struct Splits {
     /// Whether sums are compensated.
     pub(super) sums: bool,
     pub(super) set: Fusing,
+    /// After how many parts flows act, if there are any; after none half before each step and half after it. And the
+    /// kick that follows the half before.
+    pub(super) stirs_after: usize,
+    pub(super) stirred_kick: f64,
 }
 
 impl Splits {
     pub(super) fn new(stages: &[Stage], h: f64, equal: bool, sums: bool, set: Fusing) -> Self {
         let parts = if equal { Part::of::<true>(stages) } else { Part::of::<false>(stages) };
-        Self { stages: stages.to_vec(), parts, h, equal, sums, set }
+        Self { stages: stages.to_vec(), parts, h, equal, sums, set, stirs_after: 0, stirred_kick: 0.0 }
+    }
+
+    /// The same where flows act after so many stages. Where half of them act before each step, momenta are ahead by no
+    /// kick.
+    pub(super) fn stirred(self, stirs_after: usize) -> Self {
+        if stirs_after > 0 {
+            return Self { stirs_after, ..self };
+        }
+        let parts = Part::of::<false>(&without_first_kick(&self.stages));
+        Self { parts, stirred_kick: self.stages[0].before, ..self }
     }
 
     pub(super) fn hallmark(&self) -> Hallmark {
@@ -271,13 +285,13 @@ fn without_first_kick(stages: &[Stage]) -> Vec<Stage> {
 /// How flows stir bodies that go by themselves.
 pub(super) struct StirredAlone<'a> {
     /// After how many stages; after none half before each part of a step and half after it.
-    after: usize,
+    pub(super) after: usize,
     /// Where in the random numbers a trajectory is after so many steps, and when that is.
-    at: &'a dyn Fn(u64) -> (Noise, f64),
+    pub(super) at: &'a dyn Fn(u64) -> (Noise, f64),
     /// Flows that acted in the first step where it was tried before; and now.
-    place: &'a mut u64,
+    pub(super) place: &'a mut u64,
     /// The work on them since the start.
-    work: f64,
+    pub(super) work: f64,
 }
 
 impl StirredAlone<'_> {

@@ -26,7 +26,7 @@ pub(super) struct Stirs<'a, S, const L: usize, const D: usize> {
 
 /// It is asked at once whether other sheets are near where flows have made a momentum so many times as large as that
 /// for which it was asked: it was asked as far ahead as twice that leads.
-const LARGER: f64 = 1.5;
+pub(super) const LARGER: f64 = 1.5;
 
 /// The work of flows after which it is asked at once, where the work is this and the momentum that, or to be expected
 /// to be no less.

@@ -34,10 +34,10 @@ use std::f64::consts::TAU;
 
 /// Momenta are taken to be no more than so many times their standard deviation in equilibrium: a normal number is
 /// beyond that once in 5e8.
-const DEVIATIONS: f64 = 6.0;
+pub(super) const DEVIATIONS: f64 = 6.0;
 
 /// Lanes for which no μ is found in so many rounds go by themselves. Three are enough for flows that are linear.
-const MOST_ROUNDS: usize = 16;
+pub(super) const MOST_ROUNDS: usize = 16;
 
 /// What stirs each lane.
 pub(super) struct Stirring<S, const L: usize, const D: usize> {
@@ -428,7 +428,7 @@ impl<S: Lane, const L: usize, const D: usize> Stirring<S, L, D> {
 
 /// A normal number, or two, for each lane, of two words (G. Box, M. Muller).
 #[inline(always)]
-fn normal<const L: usize>([a, b]: &[[u64; L]; 2], numbers: &mut [[Fused<f64>; L]]) {
+pub(super) fn normal<const L: usize>([a, b]: &[[u64; L]; 2], numbers: &mut [[Fused<f64>; L]]) {
     let (mut cosines, mut sines) = ([Fused(0.0); L], [Fused(0.0); L]);
     for l in 0..L {
         let radius = (Fused(-2.0) * Fused(unit(a[l])).ln()).sqrt();

@@ -1,0 +1,128 @@
+//! What trajectories of linked bodies obey, as a simulation does.
+
+use crate::effect::interval::{Half, Interval};
+use crate::effect::list::{Effects, Forces};
+use crate::effect::moment::Moment;
+use crate::effect::noise::Noise;
+use crate::motion::bodies::{Body, Many};
+use crate::motion::state::State;
+use crate::motion::system::System;
+use crate::motion::witness::Witness;
+use crate::number::lanes::Fused;
+use crate::run::ensemble::linked_stirring::{Question, RowStirring, vectors};
+use crate::run::ensemble::plan::masses;
+use crate::systems::linked::Linked;
+use crate::systems::network::Network;
+use crate::systems::network::in_lanes::Numbers;
+use crate::systems::network::shape::Shape;
+use std::sync::Arc;
+
+/// A network, what moves a lane of it as a simulation does, and the mass and 1 over it of each coordinate.
+#[derive(Clone)]
+pub(super) struct Law<F, const D: usize> {
+    pub(super) network: Network<D>,
+    pub(super) system: Arc<Linked<F, Many, D>>,
+    pub(super) masses: Vec<[f64; 2]>,
+}
+
+impl<F: Forces<f64, D>, const D: usize> Law<F, D> {
+    /// None where they cannot go side by side.
+    pub(super) fn new<E: Effects<D, Forces<f64> = F>>(
+        network: &Network<D>,
+        shape: Shape<D>,
+        effects: &E,
+        bodies: usize,
+    ) -> Option<Self> {
+        let masses = masses(&shape)?;
+        let system = Linked::new(shape, effects.forces::<f64>(), Many(bodies));
+        let wide = !system.is_narrow();
+        wide.then(|| Self { network: network.clone(), system: Arc::new(system), masses })
+    }
+
+    /// Effects, what they act on, and masses.
+    pub(super) fn shown(&self) -> (&F, &Linked<F, Many, D>, &[[f64; 2]]) {
+        (&self.system.effects, &self.system, &self.masses)
+    }
+
+    /// What moves these bodies as a simulation does, in steps of this length.
+    pub(super) fn ready(&self, bodies: &[Body<f64, D>], h: f64) -> Option<Linked<F, Many, D>> {
+        let none: [[f64; D]; 0] = [];
+        let start = State { bodies: bodies.to_vec(), ..State::of(none) };
+        let (effects, count) = (self.system.effects.clone(), Many(bodies.len()));
+        Linked::ready(&self.network, effects, count, &start, h, false).ok()
+    }
+}
+
+/// Writes what a flow changes the velocities of each lane by that is asked.
+pub(super) fn answer<'a, F: Forces<f64, D>, const D: usize, const W: usize>(
+    law: impl Fn(usize) -> &'a Law<F, D>,
+    freedom: usize,
+    stirring: &RowStirring<W>,
+    Question { number, half, place, steps, lanes: asked, q, v }: Question<'_, W>,
+    changes: &mut [Numbers<W>],
+) {
+    for lane in (0..W).filter(|&lane| asked[lane] != 0) {
+        let Law { system, masses, .. } = law(lane);
+        let noise = Noise { effect: number as u64, place, ..stirring.noise(lane, steps) };
+        let [positions, velocities] = [q, v].map(|rows| vectors(rows, lane, |_, x| x.0));
+        let momenta: Vec<[f64; D]> = vectors(v, lane, |c, x| masses[c][0] * x.0);
+        let during = Interval {
+            h: stirring.time,
+            before: half == Half::Before,
+            at: Moment { time: stirring.now(lane, steps) + stirring.passed(half), positions: &positions },
+            momenta: &momenta,
+            velocities: &velocities,
+            rates: &[],
+            holding: &[],
+            coming: &[],
+            imposed: 0.0,
+            inertia: system.inertia(),
+            surface: None,
+            marks: &[],
+            tied: system.equations() > 0,
+            freedom,
+            noise,
+        };
+        let mut own = vec![[0.0; D]; positions.len()];
+        system.effects.flow(number, &during, &mut system.effects.room(own.len()), &mut own);
+        for ((to, change), [_, over]) in changes.iter_mut().zip(own.as_flattened()).zip(masses) {
+            to.0[lane] = Fused(if *over == 0.0 { 0.0 } else { over * change });
+        }
+    }
+}
+
+/// Hears all multipliers of a step.
+pub(super) struct Heard {
+    /// Of the position and the momentum equation, by equation of the scene.
+    pub(super) multipliers: [Vec<f64>; 2],
+}
+
+impl Heard {
+    pub(super) fn of<F: Forces<f64, D>, const D: usize>(system: &Linked<F, Many, D>) -> Self {
+        let equations = system.equations();
+        Self { multipliers: [vec![0.0; equations], vec![0.0; equations]] }
+    }
+}
+
+impl Witness<f64> for Heard {
+    fn position_multiplier(&mut self, equation: usize, lambda: f64) {
+        self.multipliers[0][equation] = lambda;
+    }
+    fn momentum_multiplier(&mut self, equation: usize, mu: f64) {
+        self.multipliers[1][equation] = mu;
+    }
+}
+
+/// Entries of all gradients at these places.
+pub(super) fn gradients<F: Forces<f64, D>, const D: usize>(
+    system: &Linked<F, Many, D>,
+    q: &[[f64; D]],
+) -> Vec<f64> {
+    let shape = &*system.shape;
+    let (mut g, mut rates) = (vec![0.0; shape.equations], vec![0.0; shape.equations]);
+    let mut blocks = vec![[0.0; D]; shape.blocks];
+    for (c, component) in shape.components.iter().enumerate() {
+        shape.gradients(c, 0.0, q, &mut g, &mut blocks[component.first.1..], &mut rates);
+    }
+    blocks.as_flattened().to_vec()
+}

@@ -1,0 +1,140 @@
+//! Steps of rows of linked bodies with flows of momenta, compiled once here.
+//!
+//! Kicks of two steps are not merged where flows act between them, and first guesses after a flow are Λ = 0: what flows
+//! have changed is not extrapolated. Normals are evaluated again before flows act at the start of a step, so that bits
+//! depend on no division of a run.
+
+use crate::effect::interval::Half;
+use crate::number::instructions::Work;
+use crate::run::ensemble::engine::Stuck;
+use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_row::{Apart, Course, LinkedRow};
+use crate::run::ensemble::linked_stirring::{Answer, RowStirring, When};
+use crate::run::ensemble::plan::Places;
+use crate::run::ensemble::stirred::LARGER;
+use crate::solve::crowd::EVERY;
+use crate::systems::network::in_lanes::{Numbers, zeros};
+
+/// Some steps of a row with flows, after so many.
+pub(super) struct StirredSteps<'a, 'b, const W: usize> {
+    pub(super) course: &'a Course<'b, W>,
+    pub(super) stirring: &'a RowStirring<W>,
+    /// The kick that follows the half of flows before a step.
+    pub(super) kick: f64,
+    pub(super) pulling: Option<&'a mut (dyn Pulling<LinkedRow, W> + 'b)>,
+    pub(super) apart: &'a mut Apart<'b, W>,
+    pub(super) answer: &'a mut Answer<'b, W>,
+    /// All numbers, those of one step too.
+    pub(super) numbers: &'a mut [Numbers<W>],
+    /// The work of flows on each lane, and the speed beyond which it is asked at once whether other sheets are near.
+    pub(super) work: &'a mut [f64],
+    pub(super) limits: &'a mut [f64],
+    pub(super) from: u64,
+    pub(super) steps: u64,
+    /// Whether it is to be asked at the end whether other sheets are near.
+    pub(super) looks: bool,
+}
+
+impl<const W: usize> Work for StirredSteps<'_, '_, W> {
+    type Done = Result<(), Stuck>;
+
+    #[inline(always)]
+    fn run(mut self) -> Result<(), Stuck> {
+        let (from, end, looks) = (self.from, self.from + self.steps, self.looks);
+        let Places { q, trial, way, .. } = self.course.plan.places;
+        let n = self.course.plan.coordinates;
+        self.numbers.copy_within(q..q + n, trial); // where pinned bodies stay
+        if from == 0 && end > 0 {
+            self.look_around(0)?;
+        }
+        for now in from..end {
+            self.step(now)?;
+            let taken = now + 1;
+            if taken % EVERY == 0 {
+                self.course.rest(self.numbers);
+            }
+            if taken % EVERY == 0 || (looks && taken == end) {
+                self.look_around(taken)?;
+            }
+        }
+        let way = &self.numbers[way..way + n];
+        let finite = |lane: usize| way.iter().map(|x| 0.0 * x.0[lane].0).sum::<f64>() == 0.0;
+        (0..W).find(|&lane| !finite(lane)).map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+    }
+}
+
+impl<const W: usize> StirredSteps<'_, '_, W> {
+    /// A step of the method with flows, after so many.
+    #[inline(always)]
+    fn step(&mut self, steps: u64) -> Result<(), Stuck> {
+        let (course, &RowStirring { after, at_once, .. }) = (self.course, self.stirring);
+        let around = after == 0;
+        if around {
+            course.links.gradients(course.plan, course.set, course.plan.places.q, self.numbers);
+            course.plan.lift(course.over, self.numbers);
+            self.act(Half::Before, steps)?;
+            self.lead();
+            self.heed()?;
+        }
+        for (i, part) in course.parts.iter().enumerate() {
+            course.advance(part, self.numbers, &mut self.pulling, self.apart)?;
+            if i + 1 == after {
+                if !at_once {
+                    self.act(Half::After, steps)?;
+                }
+                self.act(Half::Before, steps)?;
+                self.guess_nothing();
+                self.heed()?;
+            }
+        }
+        if around { self.act(Half::After, steps) } else { Ok(()) }
+    }
+
+    #[inline(always)]
+    fn act(&mut self, half: Half, steps: u64) -> Result<(), Stuck> {
+        let Self { course, stirring, numbers, work, answer, .. } = self;
+        let acted = stirring.act(course, When { half, steps }, numbers, work, answer);
+        acted.map_err(|lane| Stuck { lane, failure: None })
+    }
+
+    /// Kicks all lanes before the step to come.
+    #[inline(always)]
+    fn lead(&mut self) {
+        let Self { course, kick, numbers, pulling, .. } = self;
+        if *kick != 0.0 && pulling.is_some() {
+            let Places { way, way_low, .. } = course.plan.places;
+            course.kick(*kick, if course.sums { way_low } else { way }, numbers, pulling);
+            course.project(numbers);
+        }
+        self.guess_nothing();
+    }
+
+    #[inline(always)]
+    fn guess_nothing(&mut self) {
+        let guess = self.course.plan.places.guess;
+        self.numbers[guess..guess + self.course.plan.equations].fill(zeros());
+    }
+
+    /// Asks whether other sheets are near, after so many steps, and sets limits.
+    #[inline(always)]
+    fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
+        let Self { course, stirring, numbers, pulling, limits, .. } = self;
+        course.look_around::<true>(steps, &course.parts[0], &stirring.least, numbers, pulling)?;
+        let way = course.plan.places.way;
+        let fastest = stirring.fastest(&numbers[way..way + course.plan.coordinates], true);
+        limits.iter_mut().zip(fastest).for_each(|(limit, fastest)| *limit = LARGER * fastest);
+        Ok(())
+    }
+
+    /// The same at once, at as many places as at first, where a lane is faster than its limit.
+    #[inline(always)]
+    fn heed(&mut self) -> Result<(), Stuck> {
+        let way = self.course.plan.places.way;
+        let fastest = self.stirring.fastest(&self.numbers[way..way + self.course.plan.coordinates], false);
+        let mut within = true;
+        for (limit, fastest) in self.limits.iter().zip(fastest) {
+            within &= fastest <= *limit;
+        }
+        if within { Ok(()) } else { self.look_around(0) }
+    }
+}

@@ -1,0 +1,481 @@
+//! Flows of momenta on a row of trajectories of linked bodies.
+//!
+//! ```text
+//! linear     δ = B v + noise          B = M⁻¹A M, a block for each body
+//! any other  δ = M⁻¹(Φₕ(M v) − M v)   asked of the flow, lane by lane
+//!
+//! random     v ← v + δ(v) + n         n = M⁻¹Gᵀμ such that G v = 0
+//! symmetric  v ← v + δ(v + n/2) + n
+//! ```
+//!
+//! For linear flows μ solves G (1 + B/2) M⁻¹Gᵀ μ = −G (v + δ(v)): the [plan](crate::run::ensemble::plan) eliminates it
+//! with (1 + B/2) M⁻¹Gᵀ in the place of M⁻¹Gᵀ. The symmetric part of that matrix is positive for drags and fields, so
+//! no search for pivots is needed. For other flows n is found by repetition and secants, as [`crate::motion::stir`]
+//! does. A lane for which it is not found goes by itself.
+
+use crate::effect::interval::{Half, Inertia, Rule};
+use crate::effect::list::Forces;
+use crate::effect::noise::Noise;
+use crate::motion::system::System;
+use crate::number::clock::after_steps;
+use crate::number::lanes::{Fused, Lanes};
+use crate::number::real::Real;
+use crate::run::ensemble::engine::Draws;
+use crate::run::ensemble::linked_row::{CLEAR, Course};
+use crate::run::ensemble::plan::Places;
+use crate::run::ensemble::splitting_lanes::Splits;
+use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS, normal};
+use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
+use std::array::from_fn;
+
+/// What stirs the lanes of a row.
+#[derive(Clone)]
+pub(super) struct RowStirring<const W: usize> {
+    flows: Vec<Stir<W>>,
+    /// After how many parts of a step flows act; 0 where half of them act before the step and half after it.
+    pub(super) after: usize,
+    /// Whether they act once in a step, not in two halves.
+    pub(super) at_once: bool,
+    /// The step, and the time for which flows act each time.
+    h: f64,
+    pub(super) time: f64,
+    /// Whether a flow changes with time.
+    changes: bool,
+    /// Coordinates of a body.
+    dimension: usize,
+    /// Mass and 1 over it by coordinate; both 0 where pinned.
+    masses: Vec<[Numbers<W>; 2]>,
+    /// The largest velocity to expect of each coordinate.
+    pub(super) least: Vec<Numbers<W>>,
+    draws: [Draws; W],
+}
+
+/// A flow.
+#[derive(Clone)]
+enum Stir<const W: usize> {
+    /// By the same share of all velocities, with noise.
+    Bath(Rule, Bath<W>),
+    /// By B, body by body and row by row.
+    Matrix(Rule, Vec<Numbers<W>>),
+    /// By asking it.
+    Asked(Rule),
+}
+
+/// An Ornstein–Uhlenbeck process.
+#[derive(Clone)]
+struct Bath<const W: usize> {
+    lost: Numbers<W>,
+    /// Whether there is noise; √variance, and the seeds.
+    draws: bool,
+    deviation: Numbers<W>,
+    seed: [u64; W],
+}
+
+/// What is asked of a flow: what velocities change by, in these lanes.
+pub(super) struct Question<'a, const W: usize> {
+    pub(super) number: usize,
+    pub(super) half: Half,
+    /// Flows that acted earlier in this step, and steps taken.
+    pub(super) place: u64,
+    pub(super) steps: u64,
+    pub(super) lanes: &'a Which<W>,
+    pub(super) q: &'a [Numbers<W>],
+    pub(super) v: &'a [Numbers<W>],
+}
+
+/// Who answers.
+pub(super) type Answer<'a, const W: usize> = dyn FnMut(Question<'_, W>, &mut [Numbers<W>]) + 'a;
+
+/// When flows act: before a step or after it, after so many.
+#[derive(Clone, Copy)]
+pub(super) struct When {
+    pub(super) half: Half,
+    pub(super) steps: u64,
+}
+
+impl<const W: usize> RowStirring<W> {
+    /// What stirs lanes that obey these systems by this method; none where nothing does.
+    pub(super) fn of<'a, F: Forces<f64, D>, Y: System<f64, D>, const D: usize>(
+        lane: impl Fn(usize) -> (&'a F, &'a Y, &'a [[f64; 2]]),
+        method: &Splits,
+    ) -> Option<Box<Self>> {
+        if const { F::FLOWS == 0 } {
+            return None;
+        }
+        let &Splits { h, stirs_after: after, .. } = method;
+        let rule = |number| lane(0).0.manner(number).0.rule;
+        let at_once = after > 0 && F::FLOWS == 1 && rule(0) == Rule::Random;
+        let time = if at_once { h } else { 0.5 * h };
+        let n = lane(0).2.len();
+        let number = |f: &dyn Fn(usize) -> f64| Lanes(from_fn(|l| Fused(f(l))));
+        let masses: Vec<_> = (0..n).map(|c| [0, 1].map(|of| number(&|l| lane(l).2[c][of]))).collect();
+        let mut least = vec![zeros::<W>(); n];
+        let mut stir = |flow: usize| {
+            let processes: Option<Vec<_>> =
+                (0..W).map(|l| lane(l).0.ornstein_uhlenbeck(flow, time)).collect();
+            if let Some(of) = processes {
+                for (c, least) in least.iter_mut().enumerate() {
+                    for l in 0..W {
+                        let most = DEVIATIONS * (of[l].temperature() * lane(l).2[c][1]).sqrt();
+                        least.0[l] = least.0[l].max(Fused(most));
+                    }
+                }
+                let bath = Bath {
+                    lost: number(&|l| of[l].lost),
+                    draws: of.iter().any(|of| of.variance != 0.0),
+                    deviation: number(&|l| of[l].variance.sqrt()),
+                    seed: from_fn(|l| of[l].seed),
+                };
+                return Stir::Bath(rule(flow), bath);
+            }
+            let mut matrix = vec![zeros::<W>(); n * D];
+            for (body, rows) in matrix.chunks_mut(D * D).enumerate() {
+                for l in 0..W {
+                    let (effects, system, masses) = lane(l);
+                    let inertia: &dyn Inertia<f64, D> = system.inertia();
+                    let Some(a) = effects.linear_among(flow, time, body, inertia) else {
+                        return Stir::Asked(rule(flow));
+                    };
+                    for (to, (i, k)) in rows.iter_mut().zip((0..D * D).map(|at| (at / D, at % D))) {
+                        let (own, other) = (masses[body * D + i][1], masses[body * D + k][0]);
+                        to.0[l] = Fused(if i == k { a[i][k] } else { own * a[i][k] * other });
+                    }
+                }
+            }
+            Stir::Matrix(rule(flow), matrix)
+        };
+        let flows = (0..F::FLOWS).map(&mut stir).collect();
+        let (changes, draws) = ((0..W).any(|l| lane(l).0.changes_with_time()), [Draws::default(); W]);
+        Some(Box::new(Self { flows, after, at_once, h, time, changes, dimension: D, masses, least, draws }))
+    }
+
+    /// Has lane `to` be stirred as lane `from` is.
+    pub(super) fn copy(&mut self, from: usize, to: usize) {
+        self.draws[to] = self.draws[from];
+        self.masses.iter_mut().flatten().chain(&mut self.least).for_each(|row| row.0[to] = row.0[from]);
+        for flow in &mut self.flows {
+            match flow {
+                Stir::Bath(_, Bath { lost, deviation, seed, .. }) => {
+                    (lost.0[to], deviation.0[to]) = (lost.0[from], deviation.0[from]);
+                    seed[to] = seed[from];
+                }
+                Stir::Matrix(_, matrix) => matrix.iter_mut().for_each(|row| row.0[to] = row.0[from]),
+                Stir::Asked(_) => {}
+            }
+        }
+    }
+
+    /// Says where a lane starts.
+    pub(super) fn draw_as(&mut self, lane: usize, draws: Draws) {
+        self.draws[lane] = draws;
+    }
+
+    /// Where the random numbers of a lane are after so many steps.
+    #[inline(always)]
+    pub(super) fn noise(&self, lane: usize, steps: u64) -> Noise {
+        let Draws { trajectory, steps: before, .. } = self.draws[lane];
+        Noise { trajectory, step: before + steps, ..Noise::default() }
+    }
+
+    /// The time of a lane after so many steps, as flows are told it.
+    pub(super) fn now(&self, lane: usize, steps: u64) -> f64 {
+        let start = self.draws[lane].time;
+        if self.changes { after_steps(start, steps, self.h).0 } else { start.0 }
+    }
+
+    /// How much of the step has passed when flows act.
+    pub(super) fn passed(&self, half: Half) -> f64 {
+        match (self.changes, half) {
+            (false, _) => 0.0,
+            (true, _) if self.after > 0 => 0.5 * self.h,
+            (true, Half::Before) => 0.0,
+            (true, Half::After) => self.h,
+        }
+    }
+
+    /// The largest component of the velocity of each lane, or of what is to be expected.
+    #[inline(always)]
+    pub(super) fn fastest(&self, v: &[Numbers<W>], expected: bool) -> [f64; W] {
+        let mut most = [0.0; W];
+        for (v, least) in v.iter().zip(&self.least) {
+            for l in 0..W {
+                let x = v.0[l].0.abs();
+                most[l] = if x > most[l] { x } else { most[l] };
+                let x = least.0[l].0;
+                most[l] = if expected && x > most[l] { x } else { most[l] };
+            }
+        }
+        most
+    }
+
+    /// Twice the kinetic energy of each lane.
+    #[inline(always)]
+    fn energy(&self, course: &Course<'_, W>, numbers: &[Numbers<W>]) -> Numbers<W> {
+        let Places { way, way_low, .. } = course.plan.places;
+        let mut sum = zeros::<W>();
+        for (c, [mass, _]) in self.masses.iter().enumerate() {
+            let v = &numbers[way + c];
+            for l in 0..W {
+                let mut square = v.0[l] * v.0[l];
+                if course.sums {
+                    square = (Fused(2.0) * v.0[l]).multiply_add(numbers[way_low + c].0[l], square);
+                }
+                sum.0[l] = mass.0[l].multiply_add(square, sum.0[l]);
+            }
+        }
+        sum
+    }
+
+    /// Has all flows act in all lanes. G and M⁻¹Gᵀ are those where bodies are; ways, whose unit is 1, are along the
+    /// constraints then. An error for the first lane in which a flow cannot act so.
+    #[inline(always)]
+    pub(super) fn act(
+        &self,
+        course: &Course<'_, W>,
+        when: When,
+        numbers: &mut [Numbers<W>],
+        work: &mut [f64],
+        answer: &mut Answer<'_, W>,
+    ) -> Result<(), usize> {
+        let (n, before) = (self.flows.len(), self.energy(course, numbers));
+        let second = !self.at_once && (when.half == Half::After) == (self.after == 0);
+        for i in 0..n {
+            let number = if when.half == Half::Before { i } else { n - 1 - i };
+            let place = (if second { n + i } else { i }) as u64;
+            match &self.flows[number] {
+                Stir::Bath(rule, bath) => {
+                    let changes = course.plan.places.free;
+                    for c in 0..self.masses.len() {
+                        let mut change = numbers[course.plan.places.way + c];
+                        for l in 0..W {
+                            change.0[l] = bath.lost.0[l] * change.0[l];
+                        }
+                        numbers[changes + c] = change;
+                    }
+                    if bath.draws {
+                        self.draw(bath, (number, place, when.steps), &mut numbers[changes..]);
+                    }
+                    let half = |_: usize, _: usize| bath.lost;
+                    self.finish(course, *rule, true, half, numbers)?;
+                }
+                Stir::Matrix(rule, matrix) => {
+                    let Places { way, free: changes, .. } = course.plan.places;
+                    let d = self.dimension;
+                    for c in 0..self.masses.len() {
+                        let (first, mut change) = (c - c % d, zeros::<W>());
+                        for k in 0..d {
+                            let (b, v) = (&matrix[c * d + k], &numbers[way + first + k]);
+                            for l in 0..W {
+                                change.0[l] = b.0[l].multiply_add(v.0[l], change.0[l]);
+                            }
+                        }
+                        numbers[changes + c] = change;
+                    }
+                    let entry = |c: usize, k: usize| matrix[c * d + k];
+                    self.finish(course, *rule, false, entry, numbers)?;
+                }
+                Stir::Asked(rule) => self.ask(course, *rule, (number, place, when), numbers, answer)?,
+            }
+        }
+        let after = self.energy(course, numbers);
+        for (l, work) in work.iter_mut().enumerate() {
+            *work += 0.5 * (after.0[l] - before.0[l]).0;
+        }
+        Ok(())
+    }
+
+    /// Adds noise of covariance M⁻¹.
+    #[inline(always)]
+    fn draw(&self, bath: &Bath<W>, (number, place, steps): (usize, u64, u64), changes: &mut [Numbers<W>]) {
+        let d = self.dimension;
+        let of_body = d.div_ceil(4) as u64;
+        for (first, body) in (0..self.masses.len()).step_by(d).zip(0_u64..) {
+            for (four, draw) in (0..d).step_by(4).zip(body * of_body..) {
+                let (mut words, mut drawn) = ([[0; W]; 4], [[Fused(0.0); W]; 4]);
+                for l in 0..W {
+                    let noise = Noise { effect: number as u64, place, ..self.noise(l, steps) };
+                    let own = noise.words(bath.seed[l], draw);
+                    for (words, own) in words.iter_mut().zip(own) {
+                        words[l] = own;
+                    }
+                }
+                let pairs = if d - four > 2 { 2 } else { 1 };
+                for (two, words) in drawn.chunks_mut(2).zip(words.as_chunks().0).take(pairs) {
+                    normal(words, two);
+                }
+                for (c, drawn) in (first + four..first + d).zip(&drawn) {
+                    let (over, to) = (&self.masses[c][1], &mut changes[c]);
+                    for l in 0..W {
+                        let size = bath.deviation.0[l] * over.0[l].sqrt();
+                        to.0[l] = size.multiply_add(drawn[l], to.0[l]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the changes of a linear flow, and what constraints give: with `entry(c, k)` of B in row c and column k of
+    /// the body, or on the diagonal alone.
+    #[inline(always)]
+    fn finish(
+        &self,
+        course: &Course<'_, W>,
+        rule: Rule,
+        diagonal: bool,
+        entry: impl Fn(usize, usize) -> Numbers<W>,
+        numbers: &mut [Numbers<W>],
+    ) -> Result<(), usize> {
+        let plan = course.plan;
+        let (d, half) = (self.dimension, Fused(0.5));
+        let Places { free, lifted, diagonal: slopes, inverse, .. } = plan.places;
+        add(course, free, numbers);
+        if rule == Rule::Random || plan.equations == 0 {
+            course.project(numbers);
+            return Ok(());
+        }
+        for (block, of) in plan.of_entry.chunks(d).enumerate() {
+            let (mut turned, from) = ([zeros::<W>(); MOST], lifted + block * d);
+            for (i, &[c, _]) in of.iter().enumerate().take(MOST) {
+                turned[i] = numbers[from + i];
+                for k in 0..d {
+                    if !diagonal || i == k {
+                        let (b, of) = (entry(c, k), &numbers[from + k]);
+                        for l in 0..W {
+                            turned[i].0[l] = (half * b.0[l]).multiply_add(of.0[l], turned[i].0[l]);
+                        }
+                    }
+                }
+            }
+            numbers[from..from + d].copy_from_slice(&turned[..d]);
+        }
+        course.project(numbers);
+        let mut clear = [true; W];
+        for i in 0..plan.equations {
+            let (slope, inverse) = (&numbers[slopes + i], &numbers[inverse + i]);
+            for l in 0..W {
+                let (slope, inverse) = (slope.0[l].0, inverse.0[l].0);
+                clear[l] &= (0.0 < inverse) & (inverse * slope <= CLEAR);
+            }
+        }
+        plan.lift(course.over, numbers);
+        clear.iter().position(|&clear| !clear).map_or(Ok(()), Err)
+    }
+
+    /// Has a flow that is asked act in all lanes.
+    #[inline(always)]
+    fn ask(
+        &self,
+        course: &Course<'_, W>,
+        rule: Rule,
+        (number, place, When { half, steps }): (usize, u64, When),
+        numbers: &mut [Numbers<W>],
+        answer: &mut Answer<'_, W>,
+    ) -> Result<(), usize> {
+        let Places { q, way, way_low, free, .. } = course.plan.places;
+        let (n, one_half) = (self.masses.len(), Fused(0.5));
+        let vectors = || vec![zeros::<W>(); n];
+        let first = numbers[way..way + n].to_vec();
+        let low = if course.sums { numbers[way_low..way_low + n].to_vec() } else { vectors() };
+        let [mut changes, mut impulses, mut lacks, mut impulses_before, mut lacks_before, mut tried] =
+            from_fn(|_| vectors());
+        let mut going: Which<W> = [1; W];
+        for round in 0..MOST_ROUNDS {
+            for c in 0..n {
+                for l in 0..W {
+                    tried[c].0[l] = one_half.multiply_add(impulses[c].0[l], first[c].0[l]);
+                }
+            }
+            let lanes = &going;
+            let question = Question { number, half, place, steps, lanes, q: &numbers[q..q + n], v: &tried };
+            answer(question, &mut changes);
+            if rule == Rule::Random {
+                for (c, change) in changes.iter().enumerate() {
+                    numbers[free + c] = *change;
+                }
+                add(course, free, numbers);
+                course.project(numbers);
+                let fine = |l: usize| changes.iter().all(|change| change.0[l].0.is_finite());
+                return (0..W).find(|&l| !fine(l)).map_or(Ok(()), Err);
+            }
+            for c in 0..n {
+                numbers[way + c] = first[c];
+                if course.sums {
+                    numbers[way_low + c] = low[c];
+                }
+                let (change, impulse) = (&changes[c], &impulses[c]);
+                for l in 0..W {
+                    numbers[free + c].0[l] = change.0[l] + impulse.0[l];
+                }
+            }
+            add(course, free, numbers);
+            course.project(numbers);
+            let (mut lack, mut size) = ([Fused(0.0); W], [Fused(f64::MIN_POSITIVE); W]);
+            for c in 0..n {
+                let (new, change) = (numbers[way + c], &changes[c]);
+                let new_low = if course.sums { numbers[way_low + c] } else { low[c] };
+                for l in 0..W {
+                    let total = change.0[l] + impulses[c].0[l];
+                    let own = (new.0[l] - first[c].0[l]) + (new_low.0[l] - low[c].0[l]) - total;
+                    lacks[c].0[l] = own;
+                    // NaN is told by what is not at rest: `max` may pass it over.
+                    lack[l] = if own.abs().0 <= lack[l].0 { lack[l] } else { own.abs() };
+                    size[l] = size[l].max(new.0[l].abs()).max(total.abs());
+                }
+            }
+            for l in 0..W {
+                let rests = lack[l].0 <= 8.0 * f64::EPSILON * size[l].0;
+                going[l] = if rests || course.plan.equations == 0 && lack[l].0.is_finite() { 0 } else { 1 };
+            }
+            if going == [0; W] {
+                return Ok(());
+            }
+            let (mut along, mut square) = ([Fused(0.0); W], [Fused(0.0); W]);
+            for (now, then) in lacks.iter().zip(&lacks_before).take(if round > 0 { n } else { 0 }) {
+                for l in 0..W {
+                    let change = now.0[l] - then.0[l];
+                    along[l] = change.multiply_add(now.0[l], along[l]);
+                    square[l] = change.multiply_add(change, square[l]);
+                }
+            }
+            for c in 0..n {
+                for l in 0..W {
+                    let gamma = if square[l].0 > 0.0 { along[l] / square[l] } else { Fused(0.0) };
+                    let (impulse, lack) = (impulses[c].0[l], lacks[c].0[l]);
+                    let next = impulse + lack;
+                    let back = next - (impulses_before[c].0[l] + lacks_before[c].0[l]);
+                    let next = if round > 0 { (-gamma).multiply_add(back, next) } else { next };
+                    (impulses_before[c].0[l], lacks_before[c].0[l]) = (impulse, lack);
+                    impulses[c].0[l] = if going[l] == 0 { impulse } else { next };
+                }
+            }
+        }
+        going.iter().position(|&going| going != 0).map_or(Ok(()), Err)
+    }
+}
+
+/// Coordinates of a body, at most.
+const MOST: usize = 9;
+
+/// Adds changes to ways; where sums are compensated, to their low digits.
+#[inline(always)]
+fn add<const W: usize>(course: &Course<'_, W>, changes: usize, numbers: &mut [Numbers<W>]) {
+    let Places { way, way_low, .. } = course.plan.places;
+    let to = if course.sums { way_low } else { way };
+    for &c in &course.plan.moving {
+        let (mut sum, change): (Numbers<W>, Numbers<W>) = (numbers[to + c], numbers[changes + c]);
+        for l in 0..W {
+            sum.0[l] = sum.0[l] + change.0[l];
+        }
+        numbers[to + c] = sum;
+    }
+}
+
+/// The momenta or velocities of a lane, as flows are shown them.
+#[inline(always)]
+pub(super) fn vectors<const D: usize, const W: usize>(
+    rows: &[Numbers<W>],
+    lane: usize,
+    times: impl Fn(usize, Number) -> f64,
+) -> Vec<[f64; D]> {
+    (0..rows.len() / D).map(|body| from_fn(|d| times(body * D + d, rows[body * D + d].0[lane]))).collect()
+}
