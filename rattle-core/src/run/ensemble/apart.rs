@@ -68,7 +68,8 @@ impl Plan {
     }
 }
 
-/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface and on linked bodies.
+/// Why these effects cannot act in lanes, if they cannot: forces can, and flows on one body on a surface and on linked
+/// bodies.
 pub(super) fn act_in_lanes<S: Method, C: Hold<D>, F: Forces<f64, D>, const D: usize>(
     effects: &F,
 ) -> Option<NotInLanes> {
