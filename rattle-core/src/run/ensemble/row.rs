@@ -26,11 +26,12 @@ pub(super) const LOOKING: f64 = -2.0;
 pub(super) struct Tableau<S, const N: usize> {
     /// The step size.
     pub(super) h: S,
-    /// h cᵢ.
+    /// h cᵢ, and what rounding took from it.
     pub(super) drift: [S; N],
-    /// h² aᵢⱼ; and what rounding took from the last row.
+    pub(super) drift_rest: [S; N],
+    /// h² aᵢⱼ, and what rounding took from it.
     pub(super) push: [[S; N]; N],
-    pub(super) push_rest: [S; N],
+    pub(super) push_rest: [[S; N]; N],
     /// h bⱼ, and what rounding took from it.
     pub(super) kick: [S; N],
     pub(super) kick_rest: [S; N],
@@ -55,8 +56,9 @@ impl<S: Lane, const N: usize> Tableau<S, N> {
             h: number(h),
             first: from_fn(|i| from_fn(|k| number(first(i, k)))),
             drift: from_fn(|i| number(table.drift(h, i).0)),
+            drift_rest: from_fn(|i| rest(table.drift(h, i))),
             push: from_fn(|i| from_fn(|j| number(table.push(h, i, j).0))),
-            push_rest: from_fn(|j| rest(table.push(h, N - 1, j))),
+            push_rest: from_fn(|i| from_fn(|j| rest(table.push(h, i, j)))),
             kick: from_fn(|j| number(table.kick(h, j).0)),
             kick_rest: from_fn(|j| rest(table.kick(h, j))),
             ahead: table.ahead.map(|row| row.map(number)),
@@ -90,6 +92,9 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// Stages, how far they are from where they should be, and ∇g there. The first stage is the start.
     pub(super) place: [Vectors<S, L, D>; N],
     pub(super) away: [Vectors<S, L, D>; N],
+    /// Where positions are compensated sums: what rounding took from the start, and from coefficients on the way from
+    /// there to the stages.
+    pub(super) rest: [Vectors<S, L, D>; N],
     pub(super) normal: [Vectors<S, L, D>; N],
     /// g of the linearised equations; then what λ is corrected by.
     pub(super) residual: [[S; L]; N],
@@ -128,6 +133,7 @@ impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N
         Self {
             place: stages,
             away: stages,
+            rest: stages,
             normal: stages,
             residual: [zero; N],
             matrix: [[zero; N]; N],

@@ -8,7 +8,8 @@
 //! **First guess:** w and λ are the polynomials through the last step's stages and this step's exact start. **A pass**
 //! evaluates g, ∇g and f at all stages, forms the sums, and corrects λ by Newton's method and the matrix of the first
 //! pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane has converged** where the
-//! displacement of the next pass, estimated from the last ones, is below half a rounding. Its stages and λ are then not
+//! displacement of the next pass, estimated from the last ones, is below half a rounding, and, where positions are
+//! compensated sums, the one after it far below. Its stages and λ are then not
 //! changed, however many passes its neighbours take. A last evaluation of ∇g and f at the final stages gives w, so that
 //! momenta are kicked by the forces there.
 //!
@@ -22,7 +23,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, LOOKING, Row, Scratch, Tableau, pull};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.
@@ -47,7 +48,8 @@ pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, cons
 where
     S: Lane,
 {
-    let Scratch { place, away, normal, residual, matrix, moved, before, size, path, going, end } = scratch;
+    let Scratch { place, away, rest, normal, residual, matrix, moved, before, size, path, going, end } =
+        scratch;
     for d in 0..D {
         begin(tableau, d, row, place, size, path);
     }
@@ -59,7 +61,10 @@ where
             evaluate(laws, i, place, &row.lambda, residual, normal, &mut row.total);
         }
         for d in 0..D {
-            miss(tableau, d, row, &end.lambda, place, normal, away, residual);
+            if SUMS > 0 && pass == 0 {
+                round(tableau, d, row, &end.lambda, rest);
+            }
+            miss(tableau, d, row, &end.lambda, place, normal, rest, away, residual);
         }
         if pass == 0 {
             factor(&tableau.push, normal, matrix);
@@ -70,7 +75,7 @@ where
         for d in 0..D {
             shift(&tableau.push, d, residual, normal, away, going, place, moved);
         }
-        if !decide(pass, size, path, moved, before, going) {
+        if !decide::<S, L, SUMS>(pass, size, path, moved, before, going) {
             break;
         }
     }
@@ -212,6 +217,30 @@ fn pulls<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: us
     w
 }
 
+/// One coordinate of what rounding took from the start, and from coefficients on the way to the stages: by the first w,
+/// of which all but a small part is guessed.
+#[inline(always)]
+fn round<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
+    tableau: &Tableau<S, N>,
+    d: usize,
+    row: &Row<S, L, D, SUMS, N>,
+    lambda: &[S; L],
+    rest: &mut [Vectors<S, L, D>; N],
+) {
+    let Tableau { drift_rest, push_rest, .. } = tableau;
+    for l in 0..L {
+        let (_, low, v) = row.coordinate(d, l);
+        let w = pulls(row, lambda, d, l);
+        for i in 1..N {
+            let mut x = drift_rest[i].multiply_add(v, low);
+            for j in 0..N - 1 {
+                x = push_rest[i][j].multiply_add(w[j], x);
+            }
+            rest[i][d][l] = x;
+        }
+    }
+}
+
 /// One coordinate of how far stages are from where they should be by the present w; adds to g by how much it changes on
 /// the way.
 #[allow(clippy::too_many_arguments, reason = "slices that are arguments do not overlap")]
@@ -223,19 +252,21 @@ fn miss<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usi
     lambda: &[S; L],
     place: &[Vectors<S, L, D>; N],
     normal: &[Vectors<S, L, D>; N],
+    rest: &[Vectors<S, L, D>; N],
     away: &mut [Vectors<S, L, D>; N],
     residual: &mut [[S; L]; N],
 ) {
     let Tableau { drift, push, .. } = tableau;
     for l in 0..L {
-        let (q, low, v) = row.coordinate(d, l);
+        let (q, _, v) = row.coordinate(d, l);
         let w = pulls(row, lambda, d, l);
         for i in 1..N {
-            let mut x = drift[i] * v;
+            // What rounding took comes first: added to a rounded sum it would be lost each time.
+            let mut x = if SUMS == 0 { drift[i] * v } else { drift[i].multiply_add(v, rest[i][d][l]) };
             for j in 0..N - 1 {
                 x = push[i][j].multiply_add(w[j], x);
             }
-            let off = if SUMS == 0 { x } else { x + low } - (place[i][d][l] - q);
+            let off = x - (place[i][d][l] - q);
             away[i][d][l] = off;
             residual[i][l] = normal[i][d][l].multiply_add(off, residual[i][l]);
         }
@@ -366,7 +397,7 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
 
 /// Which lanes rest now, and which go by themselves. Returns whether one is still going.
 #[inline(always)]
-fn decide<S: Lane, const L: usize>(
+fn decide<S: Lane, const L: usize, const SUMS: usize>(
     pass: usize,
     size: &[S; L],
     path: &[S; L],
@@ -376,7 +407,8 @@ fn decide<S: Lane, const L: usize>(
 ) -> bool {
     let [zero, one, half, by_itself] = [0.0, 1.0, 0.5, BY_ITSELF].map(S::from_f64);
     let (rounding, far) = (S::from_f64(S::EPSILON), S::from_f64(FAR_GUESS));
-    let [last, noise, shrinks] = [LAST_OF_STAGES, NOISE, SHRINKS].map(S::from_f64);
+    let [last, next] = [LAST_OF_STAGES, NEXT_OF_STAGES].map(S::from_f64);
+    let [noise, shrinks] = [NOISE, SHRINKS].map(S::from_f64);
     let (first, late, end) = (pass == 0, pass > 3, pass + 1 == MOST_PASSES);
     let mut any = false;
     for l in 0..L {
@@ -384,7 +416,9 @@ fn decide<S: Lane, const L: usize>(
         let rate = off / before[l];
         let rate = S::select(shrinks.le(rate), rate, shrinks);
         let rate = if first { one } else { rate };
-        let rests = (rate * off).le(last * size) | (late & half.le(rate) & off.le(noise * size));
+        let left = rate * off;
+        let near = left.le(last * size) & (SUMS == 0 || (rate * left).le(next * size));
+        let rests = near | (late & half.le(rate) & off.le(noise * size));
         let lost = if first { !off.le(far * path[l]) } else { !off.le(before[l] + noise * size) | end };
         let now = S::select(rests, zero, S::select(lost, by_itself, one));
         going[l] = S::select(zero.lt(going[l]), now, going[l]);
@@ -405,23 +439,36 @@ fn gather<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     end: &mut End<S, L, D>,
 ) {
     let Tableau { h, push, push_rest, kick, kick_rest, .. } = tableau;
-    let (h, push, push_rest, kick, kick_rest) = (*h, push[N - 1], *push_rest, *kick, *kick_rest);
+    let (h, push, push_rest, kick, kick_rest) = (*h, push[N - 1], push_rest[N - 1], *kick, *kick_rest);
     for l in 0..L {
         let (q, low, v) = row.coordinate(d, l);
         let w = pulls(row, &end.lambda, d, l);
         let (mut way, mut kicked) = (S::default(), S::default());
-        for j in 0..N - 1 {
-            way = push[j].multiply_add(w[j], push_rest[j].multiply_add(w[j], way));
-            kicked = kick[j].multiply_add(w[j], kick_rest[j].multiply_add(w[j], kicked));
+        // What rounding took comes first: added to a rounded sum it would be lost each time.
+        if SUMS == 0 {
+            for j in 0..N - 1 {
+                way = push[j].multiply_add(w[j], push_rest[j].multiply_add(w[j], way));
+                kicked = kick[j].multiply_add(w[j], kick_rest[j].multiply_add(w[j], kicked));
+            }
+        } else {
+            let p_low = row.p_low[0][d][l];
+            (way, kicked) = (h.multiply_add(p_low, low), p_low);
+            for j in 0..N - 1 {
+                way = push_rest[j].multiply_add(w[j], way);
+                kicked = kick_rest[j].multiply_add(w[j], kicked);
+            }
+            for j in 0..N - 1 {
+                way = push[j].multiply_add(w[j], way);
+                kicked = kick[j].multiply_add(w[j], kicked);
+            }
         }
         let way = h.multiply_add(v, way);
         (away[N - 1][d][l], away[0][d][l], row.total[0][d][l]) = (way, kicked, w[0]);
         if SUMS == 0 {
             end.q[d][l] = q + way;
         } else {
-            let ([place], [rest]) = two_sum(&[q], &[way + low]);
+            let ([place], [rest]) = two_sum(&[q], &[way]);
             (end.q[d][l], end.q_low[d][l]) = (place, rest);
-            away[0][d][l] = kicked + row.p_low[0][d][l];
         }
     }
 }

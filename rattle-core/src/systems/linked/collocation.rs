@@ -22,7 +22,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -139,12 +139,14 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let n = self.count.number();
         let p = sum(&bodies.p.as_ref()[body], &bodies.p_low.as_ref()[body]);
         let (drift, rest) = table.drift(h, stage);
-        let mut impulse = p.map(|p| rest * p);
+        let (mut impulse, mut low) = ([0.0; D], p.map(|p| rest * p));
         for j in 0..S - 1 {
             let ((factor, rest), total) = (table.push(h, stage, j), &stages.total[j * n + body]);
-            impulse = add_scaled(&add_scaled(&impulse, rest, total), factor, total);
+            impulse = add_scaled(&impulse, factor, total);
+            low = add_scaled(&low, rest, total);
         }
         let (increment, rest) = two_sum(&scaled(drift, &p), &impulse);
+        let rest = sum(&rest, &low);
         let root = &self.shape.roots[body];
         (root.velocity(&increment), root.velocity(&rest))
     }
@@ -164,9 +166,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         for iteration in 0..patience {
             for stage in 1..S {
                 for body in 0..n {
-                    let (increment, _) = self.increment(table, h, bodies, stages, stage, body);
+                    let (increment, rest) = self.increment(table, h, bodies, stages, stage, body);
                     let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
-                    stages.q[stage * n + body] = sum(q, &sum(q_low, &increment));
+                    stages.q[stage * n + body] = sum(q, &sum(&increment, &sum(q_low, &rest)));
                 }
                 let q = &stages.q[stage * n..][..n];
                 let force = &mut stages.force[stage * n..][..n];
@@ -240,7 +242,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.9 && worst < NOISE * long;
-            if worst <= LAST_OF_STAGES || stalled {
+            if (worst <= LAST_OF_STAGES && contraction * worst <= NEXT_OF_STAGES) || stalled {
                 return Ok(());
             }
             if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {
@@ -303,12 +305,15 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         }
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
-            let mut impulse = *p_low;
+            let (mut impulse, mut low) = ([0.0; D], *p_low);
             for j in 0..S - 1 {
                 let ((kick, rest), total) = (table.kick(h, j), &stages.total[j * n + body]);
-                impulse = add_scaled(&add_scaled(&impulse, rest, total), kick, total);
+                impulse = add_scaled(&impulse, kick, total);
+                low = add_scaled(&low, rest, total);
             }
-            (*p, *p_low) = two_sum(p, &impulse);
+            let (change, lost) = two_sum(&impulse, &low);
+            let (moved, rest) = two_sum(p, &change);
+            (*p, *p_low) = (moved, sum(&rest, &lost));
         }
         for component in &shape.components {
             let (rows, row) = (&component.rows, component.first.0);

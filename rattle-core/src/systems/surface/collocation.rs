@@ -10,8 +10,10 @@
 //! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one.
 //! Else constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to
 //! node. **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the
-//! positions. **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
-//! ([`crate::solve::stop`]). **Which root.** Normals of successive stages must not be turned over.
+//! positions. **Stopping.** The solve ends after a displacement below half a rounding, if the next one would be far below,
+//! or where these no longer shrink ([`crate::solve::stop`]). **Sums.** What rounding takes from coefficients is smaller
+//! than half a digit of the sums that it belongs to: added to these it would be lost each time, and energy would drift. So
+//! it is added up by itself, with what rounding takes from the sums. **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -25,7 +27,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -189,7 +191,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             let v = &bodies.p.as_ref()[body];
             let total: &[[T; D]; S] = part(&stages.total, body);
             for stage in 1..S {
-                stages.increment[body * S + stage] = increment(&pushes[stage], drift[stage], v, total);
+                let at = body * S + stage;
+                (stages.increment[at], stages.rest[at]) = increment(&pushes[stage], drift[stage], v, total);
             }
         }
         let times = |stage: usize| bodies.time + h * table.nodes[stage];
@@ -198,7 +201,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             for body in 0..n {
                 let (q, q_low) = (&bodies.q.as_ref()[body], &bodies.q_low.as_ref()[body]);
                 for stage in 1..S {
-                    stages.q[stage * n + body] = sum(q, &sum(q_low, &stages.increment[body * S + stage]));
+                    let at = body * S + stage;
+                    let increment = sum(&stages.increment[at], &sum(q_low, &stages.rest[at]));
+                    stages.q[stage * n + body] = sum(q, &increment);
                 }
             }
             let renew = iteration == 0 || last > NORMALS_MOVE || last_contraction > 0.1;
@@ -216,7 +221,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                     part_mut(&mut stages.normal, body),
                     part_mut(&mut stages.total, body),
                     part_mut(&mut stages.lambda, body),
-                    part_mut(&mut stages.increment, body),
+                    (part(&stages.increment, body), part_mut(&mut stages.rest, body)),
                     &mut stages.inverse[body * S * S..][..S * S],
                     renew,
                 );
@@ -235,7 +240,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < NOISE;
-            if worst <= LAST_OF_STAGES || stalled {
+            if (worst <= LAST_OF_STAGES && contraction * worst <= NEXT_OF_STAGES) || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
             if iteration + 1 == MAX_ITERATIONS {
@@ -340,7 +345,9 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         for body in 0..n {
             let (p, p_low) = (&mut bodies.p.as_mut()[body], &mut bodies.p_low.as_mut()[body]);
             let (high, low) = weighted(&kicks, part(&stages.total, body));
-            (*p, *p_low) = two_sum(p, &sum(&sum(p_low, &low), &high));
+            let (change, lost) = two_sum(&high, &sum(p_low, &low));
+            let (moved, rest) = two_sum(p, &change);
+            (*p, *p_low) = (moved, sum(&rest, &lost));
         }
     }
 }
@@ -361,7 +368,7 @@ fn improve<T, K, F, const D: usize, const S: usize>(
     normal: &mut [[T; D]; S],
     total: &mut [[T; D]; S],
     lambda: &mut [T; S],
-    increment: &mut [[T; D]; S],
+    (increment, rest): (&[[T; D]; S], &mut [[T; D]; S]),
     inverse: &mut [T],
     renew: bool,
 ) -> (T, T)
@@ -378,8 +385,9 @@ where
         let ([g], [gradient]) = constraint.value_and_jacobian(at);
         normal[stage] = gradient;
         // What rounding took from the place.
-        let rest: [T; D] = from_fn(|d| (start.0[d] - at[d]) + (start.1[d] + increment[stage][d]));
-        right[stage] = -g - dot(&gradient, &rest);
+        let way = sum(&increment[stage], &sum(start.1, &rest[stage]));
+        let off: [T; D] = from_fn(|d| (start.0[d] - at[d]) + way[d]);
+        right[stage] = -g - dot(&gradient, &off);
         let sum = force[stage * stride].add_to(gradient.map(|n| lambda[stage] * n), T::from_f64(1.0));
         change[stage] = add_scaled(&sum, T::from_f64(-1.0), &total[stage]);
         total[stage] = sum;
@@ -414,10 +422,10 @@ where
         }
     }
     for i in 1..S {
-        increment[i] = sum(&increment[i], &shift[i]);
+        rest[i] = sum(&rest[i], &shift[i]);
     }
     let moved = shift[1..].iter().map(largest).fold(zero, select_larger);
-    let far = increment[1..].iter().map(largest).fold(zero, select_larger);
+    let far = (1..S).map(|i| largest(&sum(&increment[i], &rest[i]))).fold(zero, select_larger);
     (moved, far)
 }
 
@@ -441,16 +449,17 @@ fn part_mut<X, const S: usize>(all: &mut [X], body: usize) -> &mut [X; S] {
     stages.first_chunk_mut().expect("a slice of S is an array of S")
 }
 
-/// Qᵢ − q of one body: drift and the sum over the stages.
+/// Qᵢ − q of one body, drift and the sum over the stages; and what rounding took from it.
 #[inline(always)]
 fn increment<T: Scalar, const D: usize, const S: usize>(
     row: &[(T, T); S],
     (drift, rest): (T, T),
     velocity: &[T; D],
     total: &[[T; D]; S],
-) -> [T; D] {
-    let (high, low) = weighted(row, total);
-    from_fn(|d| drift * velocity[d] + (high[d] + (low[d] + rest * velocity[d])))
+) -> ([T; D], [T; D]) {
+    let (bend, low) = weighted(row, total);
+    let (increment, lost) = two_sum(&scaled(drift, velocity), &bend);
+    (increment, sum(&lost, &add_scaled(&low, rest, velocity)))
 }
 
 /// The sum over all stages but the last, and by itself that of what rounding took from the weights: added one by one to

@@ -19,8 +19,9 @@ pub(crate) struct Stages<T: Scalar, F: Forces<T, D>, const D: usize> {
     /// f + ∇g λ.
     pub(super) total: Vec<[T; D]>,
     pub(super) lambda: Vec<T>,
-    /// Qᵢ − q.
+    /// Qᵢ − q by the first guess; what rounding took from it, and how far stages have moved since.
     pub(super) increment: Vec<[T; D]>,
+    pub(super) rest: Vec<[T; D]>,
     /// The inverse of the matrix, S × S.
     pub(super) inverse: Vec<T>,
 }
@@ -36,6 +37,7 @@ impl<T: Scalar, F: Forces<T, D>, const D: usize> Stages<T, F, D> {
             total: vec![[zero; D]; n],
             lambda: vec![zero; n],
             increment: vec![[zero; D]; n],
+            rest: vec![[zero; D]; n],
             inverse: vec![zero; stages * n],
         }
     }
