@@ -87,6 +87,8 @@ fn families(seed: u64, sweeps: u32) -> [Outcome; 7] {
 #[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn lanes_stay_on_their_sheets() {
     families(1, 1).iter().for_each(|outcome| outcome.check(13));
+    let rings = |k| Scene::in_phase_space(Rings { k }, Falling { g: 0.3 });
+    stay(1004, 5, rings, &[radius], Rattle::new).check(100);
 }
 
 /// `cargo long --test phase phase_lanes::many -- --ignored`

@@ -78,6 +78,7 @@ mod loops;
 mod phase_energy;
 mod phase_fibre;
 mod phase_lanes;
+mod phase_numbers;
 mod phase_row;
 mod phase_step;
 mod plan;
