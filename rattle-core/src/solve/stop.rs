@@ -31,11 +31,6 @@ pub(crate) const SPARE: f64 = 1.0 / 16.0;
 /// displacements below 40 are the last, 1e-19 below 1, 4e-20 below a half, at 12, 13 and 14 evaluations of g.
 pub(crate) const LAST_OF_STAGES: f64 = 0.5;
 
-/// … and if the next displacement, as the last two shrank, would be below so many: what the last one changes forces by is
-/// of this size, of one sign over a whole run, and adds up. Measured on pendulums that swing wide, five stages: without it
-/// energy drifts by 7e-20 each step at h = 0.05 and by 2e-19 at h = 0.12; with it by less than 1e-20 and 6e-20.
-pub(crate) const NEXT_OF_STAGES: f64 = 1e-5;
-
 /// Corrections that one matrix makes shrink by about the same factor each time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shrinking<T> {

@@ -8,8 +8,7 @@
 //! **First guess:** w and λ are the polynomials through the last step's stages and this step's exact start. **A pass**
 //! evaluates g, ∇g and f at all stages, forms the sums, and corrects λ by Newton's method and the matrix of the first
 //! pass, h² aᵢⱼ ∇g(Qᵢ)·∇g(Qⱼ), as in [`crate::systems::surface::collocation`]. **A lane has converged** where the
-//! displacement of the next pass, estimated from the last ones, is below half a rounding, and, where positions are
-//! compensated sums, the one after it far below. Its stages and λ are then not
+//! displacement of the next pass, estimated from the last ones, is below half a rounding. Its stages and λ are then not
 //! changed, however many passes its neighbours take. A last evaluation of ∇g and f at the final stages gives w, so that
 //! momenta are kicked by the forces there.
 //!
@@ -23,7 +22,7 @@ use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, LOOKING, Row, Scratch, Tableau, pull};
-use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.
@@ -75,7 +74,7 @@ where
         for d in 0..D {
             shift(&tableau.push, d, residual, normal, away, going, place, moved);
         }
-        if !decide::<S, L, SUMS>(pass, size, path, moved, before, going) {
+        if !decide(pass, size, path, moved, before, going) {
             break;
         }
     }
@@ -397,7 +396,7 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
 
 /// Which lanes rest now, and which go by themselves. Returns whether one is still going.
 #[inline(always)]
-fn decide<S: Lane, const L: usize, const SUMS: usize>(
+fn decide<S: Lane, const L: usize>(
     pass: usize,
     size: &[S; L],
     path: &[S; L],
@@ -407,8 +406,7 @@ fn decide<S: Lane, const L: usize, const SUMS: usize>(
 ) -> bool {
     let [zero, one, half, by_itself] = [0.0, 1.0, 0.5, BY_ITSELF].map(S::from_f64);
     let (rounding, far) = (S::from_f64(S::EPSILON), S::from_f64(FAR_GUESS));
-    let [last, next] = [LAST_OF_STAGES, NEXT_OF_STAGES].map(S::from_f64);
-    let [noise, shrinks] = [NOISE, SHRINKS].map(S::from_f64);
+    let [last, noise, shrinks] = [LAST_OF_STAGES, NOISE, SHRINKS].map(S::from_f64);
     let (first, late, end) = (pass == 0, pass > 3, pass + 1 == MOST_PASSES);
     let mut any = false;
     for l in 0..L {
@@ -416,9 +414,7 @@ fn decide<S: Lane, const L: usize, const SUMS: usize>(
         let rate = off / before[l];
         let rate = S::select(shrinks.le(rate), rate, shrinks);
         let rate = if first { one } else { rate };
-        let left = rate * off;
-        let near = left.le(last * size) & (SUMS == 0 || (rate * left).le(next * size));
-        let rests = near | (late & half.le(rate) & off.le(noise * size));
+        let rests = (rate * off).le(last * size) | (late & half.le(rate) & off.le(noise * size));
         let lost = if first { !off.le(far * path[l]) } else { !off.le(before[l] + noise * size) | end };
         let now = S::select(rests, zero, S::select(lost, by_itself, one));
         going[l] = S::select(zero.lt(going[l]), now, going[l]);

@@ -22,7 +22,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -242,7 +242,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.9 && worst < NOISE * long;
-            if (worst <= LAST_OF_STAGES && contraction * worst <= NEXT_OF_STAGES) || stalled {
+            if worst <= LAST_OF_STAGES || stalled {
                 return Ok(());
             }
             if !worst.is_finite() || (iteration > 20 && contraction > 0.95) {

@@ -10,10 +10,10 @@
 //! **First guess.** If wanted, the polynomial through the stages of the step before and the exact start of this one.
 //! Else constant acceleration, from g̈ = 0 at the start. Where that does not converge, steps of RATTLE from node to
 //! node. **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the
-//! positions. **Stopping.** The solve ends after a displacement below half a rounding, if the next one would be far below,
-//! or where these no longer shrink ([`crate::solve::stop`]). **Sums.** What rounding takes from coefficients is smaller
-//! than half a digit of the sums that it belongs to: added to these it would be lost each time, and energy would drift. So
-//! it is added up by itself, with what rounding takes from the sums. **Which root.** Normals of successive stages must not be turned over.
+//! positions. **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
+//! ([`crate::solve::stop`]). **Sums.** What rounding takes from coefficients is smaller than half a digit of the sums
+//! that it belongs to, and would be lost there each time. So it is added up by itself, with what rounding takes from the
+//! sums. **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
@@ -27,7 +27,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NEXT_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -240,7 +240,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
             }
             let contraction = worst / last;
             let stalled = iteration > 3 && contraction >= 0.5 && worst < NOISE;
-            if (worst <= LAST_OF_STAGES && contraction * worst <= NEXT_OF_STAGES) || stalled {
+            if worst <= LAST_OF_STAGES || stalled {
                 return self.upright::<T, D, S>(h, stages);
             }
             if iteration + 1 == MAX_ITERATIONS {
