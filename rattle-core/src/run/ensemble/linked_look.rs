@@ -12,8 +12,8 @@ use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
 
 impl<const W: usize> Course<'_, W> {
-    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`]. Where flows stir bodies, ways
-    /// are taken to be no shorter than the `least` of each coordinate.
+    /// Whether no other sheets are near, after so many steps; see [`crate::solve::crowd`]. Where flows stir bodies,
+    /// ways are taken to be no shorter than the `least` of each coordinate.
     #[inline(always)]
     pub(super) fn look_around<const STIRRED: bool>(
         &self,

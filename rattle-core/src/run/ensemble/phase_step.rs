@@ -3,8 +3,8 @@
 //!
 //! Each lane does what a simulation does, from the same first guesses, until the same residuals are rounding, and is
 //! asked the same questions: whether the guess was near, N has changed little, and what the guess was off by is as
-//! usual. **A lane for which the answer is not plain takes the step by itself**, as a simulation does: there the step is
-//! looked at inside, followed from its start, or refused. So a lane ends on no other sheet than a simulation does.
+//! usual. **A lane for which the answer is not plain takes the step by itself**, as a simulation does: there the step
+//! is looked at inside, followed from its start, or refused. So a lane ends on no other sheet than a simulation does.
 
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::number::lanes::Fused;

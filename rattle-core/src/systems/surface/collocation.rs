@@ -12,8 +12,8 @@
 //! node. **Matrix.** Inverted where normals are first evaluated, and again while they move by more than 1e-7 of the
 //! positions. **Stopping.** The solve ends after a displacement below half a rounding, or where these no longer shrink
 //! ([`crate::solve::stop`]). **Sums.** What rounding takes from coefficients is smaller than half a digit of the sums
-//! that it belongs to, and would be lost there each time. So it is added up by itself, with what rounding takes from the
-//! sums. **Which root.** Normals of successive stages must not be turned over.
+//! that it belongs to, and would be lost there each time. So it is added up by itself, with what rounding takes from
+//! the sums. **Which root.** Normals of successive stages must not be turned over.
 
 use crate::effect::force::Force;
 use crate::effect::list::Forces;
