@@ -2,7 +2,9 @@
 
 use crate::common::Trough;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::effect::{Andersen, DryFriction, Effects, Flow, Interval, Langevin, LinearDrag, MagneticField};
+use rattle::effect::{
+    Andersen, DryFriction, Effects, Flow, Inertia, Interval, Langevin, LinearDrag, MagneticField,
+};
 use rattle::effect::{QuadraticDrag, Rule, SelfPropulsion, VelocityRescaling};
 use rattle::ensemble::{InstructionSet, NotInLanes};
 use rattle::method::Method;
@@ -452,7 +454,7 @@ impl Flow<3> for Growing {
             *change = p.map(|p| gained * p);
         }
     }
-    fn linear(&self, h: f64) -> Option<[[f64; 3]; 3]> {
+    fn linear(&self, h: f64, _: usize, _: &dyn Inertia<f64, 3>) -> Option<[[f64; 3]; 3]> {
         let gained = (self.r * h).exp_m1();
         self.as_matrix.then_some([[gained, 0.0, 0.0], [0.0, gained, 0.0], [0.0, 0.0, gained]])
     }

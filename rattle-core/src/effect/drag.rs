@@ -72,13 +72,7 @@ impl<const D: usize> Flow<D> for LinearDrag<D> {
         }
     }
 
-    fn linear(&self, h: f64) -> Option<[[f64; D]; D]> {
-        let factor = self.of_bodies.first().copied().unwrap_or(1.0);
-        let lost = self.along.map(|c| (-h * (c * factor)).exp_m1());
-        Some(from_fn(|i| from_fn(|k| if i == k { lost[i] } else { 0.0 })))
-    }
-
-    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
+    fn linear(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
         let factor = self.of_bodies.get(body).copied().unwrap_or(1.0);
         let inverse = diagonal(inertia, body)?;
         let lost = |i: usize| (-h * (self.along[i] * factor * inverse[i])).exp_m1();

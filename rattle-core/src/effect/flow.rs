@@ -24,7 +24,7 @@ use std::array::from_fn;
 /// positions, can be split like this; others are refused before a run.
 ///
 /// **In lanes.** Ensembles of one body on a surface, and of linked bodies, apply flows in SIMD lanes. A flow with a
-/// matrix ([one body](Self::linear), [linked bodies](Self::linear_among)), or one that is an [Ornstein–Uhlenbeck
+/// [matrix](Self::linear), or one that is an [Ornstein–Uhlenbeck
 /// process](Self::ornstein_uhlenbeck), is applied to all lanes at once. Any other flow is evaluated lane by lane, with
 /// a lane's number as `T` on surfaces, where with `#[inline(always)]` it can be compiled for the wide instructions of
 /// the lanes, and with `f64` as `T` for linked bodies. Flows that [feel forces](Self::FEELS_FORCES), and flows in
@@ -81,18 +81,11 @@ pub trait Flow<const D: usize>: Clone + Send + Sync + 'static {
         None
     }
 
-    /// The matrix A of a flow that is linear, row by row: [`flow`](Self::flow) then writes A p in a time `h` in a scene
-    /// of one body of unit mass, with the same A at all positions and times. Ensembles apply such a flow to all SIMD
-    /// lanes at once.
-    fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
-        None
-    }
-
     /// The matrix A of body number `body` of a flow that is linear in the momenta of each body by itself, row by row:
     /// [`flow`](Self::flow) then writes A p for this body in a time `h`, in a scene of any number of bodies of these
-    /// masses, with the same A at all positions and times. Ensembles of linked bodies apply such a flow to all SIMD
-    /// lanes at once.
-    fn linear_among(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
+    /// masses, with the same A at all positions and times. A body on a surface is number 0, and its mass is 1.
+    /// Ensembles apply such a flow to all SIMD lanes at once.
+    fn linear(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
         None
     }
 
@@ -155,11 +148,8 @@ impl<T: Real, F: Flow<D>, const D: usize> Acting<T, D> for ActsByFlow<F> {
     fn ornstein_uhlenbeck(&self, h: f64) -> Option<OrnsteinUhlenbeck> {
         self.0.ornstein_uhlenbeck(h)
     }
-    fn linear(&self, h: f64) -> Option<[[f64; D]; D]> {
-        self.0.linear(h)
-    }
-    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
-        self.0.linear_among(h, body, inertia)
+    fn linear(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
+        self.0.linear(h, body, inertia)
     }
 
     fn add_forces(&self, _: Moment<'_, T, D>, (): &mut (), _: &mut [[T; D]]) {}

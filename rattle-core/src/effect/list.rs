@@ -96,12 +96,8 @@ pub trait Forces<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     fn ornstein_uhlenbeck(&self, _number: usize, _h: f64) -> Option<OrnsteinUhlenbeck> {
         None
     }
-    /// The [matrix](Acting::linear) of flow number `number` in a time `h`, if it is linear.
-    fn linear(&self, _number: usize, _h: f64) -> Option<[[f64; D]; D]> {
-        None
-    }
-    /// The [matrix](Acting::linear_among) of a body of these masses by flow number `number`, if it has one.
-    fn linear_among(
+    /// The [matrix](Acting::linear) of a body of these masses by flow number `number`, if it has one.
+    fn linear(
         &self,
         _number: usize,
         _h: f64,
@@ -312,10 +308,7 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
             self.effect.ornstein_uhlenbeck(h)
         }
     }
-    fn linear(&self, number: usize, h: f64) -> Option<[[f64; D]; D]> {
-        if number < F::FLOWS { self.others.linear(number, h) } else { self.effect.linear(h) }
-    }
-    fn linear_among(
+    fn linear(
         &self,
         number: usize,
         h: f64,
@@ -323,9 +316,9 @@ impl<T: Real, A: Acting<T, D>, F: Forces<T, D>, const D: usize> Forces<T, D> for
         inertia: &dyn Inertia<f64, D>,
     ) -> Option<[[f64; D]; D]> {
         if number < F::FLOWS {
-            self.others.linear_among(number, h, body, inertia)
+            self.others.linear(number, h, body, inertia)
         } else {
-            self.effect.linear_among(h, body, inertia)
+            self.effect.linear(h, body, inertia)
         }
     }
     fn not_in_lanes(&self) -> Option<&'static str> {

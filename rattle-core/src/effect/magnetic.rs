@@ -1,7 +1,7 @@
 //! A magnetic field, which turns momenta and does no work.
 
 use crate::effect::flow::Flow;
-use crate::effect::interval::{Inertia, Interval, UnitMasses, inverse_mass};
+use crate::effect::interval::{Inertia, Interval, inverse_mass};
 use crate::error::EffectMistake;
 use crate::number::linear::solve_positive;
 use crate::number::real::Real;
@@ -93,11 +93,7 @@ impl Flow<3> for MagneticField {
         }
     }
 
-    fn linear(&self, h: f64) -> Option<[[f64; 3]; 3]> {
-        Some(matrix(|p| self.in_space(h, &UnitMasses, 0, p)))
-    }
-
-    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 3>) -> Option<[[f64; 3]; 3]> {
+    fn linear(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 3>) -> Option<[[f64; 3]; 3]> {
         Some(matrix(|p| self.in_space(h, inertia, body, p)))
     }
 
@@ -113,11 +109,7 @@ impl Flow<2> for MagneticField {
         }
     }
 
-    fn linear(&self, h: f64) -> Option<[[f64; 2]; 2]> {
-        Some(matrix(|p| self.in_plane(h, &UnitMasses, 0, p)))
-    }
-
-    fn linear_among(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 2>) -> Option<[[f64; 2]; 2]> {
+    fn linear(&self, h: f64, body: usize, inertia: &dyn Inertia<f64, 2>) -> Option<[[f64; 2]; 2]> {
         Some(matrix(|p| self.in_plane(h, inertia, body, p)))
     }
 

@@ -139,12 +139,7 @@ pub trait Acting<T: Real, const D: usize>: Clone + Send + Sync + 'static {
     }
 
     /// The matrix of a flow that is linear, see [`Flow::linear`](crate::effect::Flow::linear).
-    fn linear(&self, _h: f64) -> Option<[[f64; D]; D]> {
-        None
-    }
-
-    /// The matrix of a flow of one of several bodies, see [`Flow::linear_among`](crate::effect::Flow::linear_among).
-    fn linear_among(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
+    fn linear(&self, _h: f64, _body: usize, _inertia: &dyn Inertia<f64, D>) -> Option<[[f64; D]; D]> {
         None
     }
 

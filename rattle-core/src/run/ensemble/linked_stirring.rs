@@ -133,7 +133,7 @@ impl<const W: usize> RowStirring<W> {
                 for l in 0..W {
                     let (effects, system, masses) = lane(l);
                     let inertia: &dyn Inertia<f64, D> = system.inertia();
-                    let Some(a) = effects.linear_among(flow, time, body, inertia) else {
+                    let Some(a) = effects.linear(flow, time, body, inertia) else {
                         return Stir::Asked(rule(flow));
                     };
                     for (to, (i, k)) in rows.iter_mut().zip((0..D * D).map(|at| (at / D, at % D))) {
@@ -334,19 +334,20 @@ impl<const W: usize> RowStirring<W> {
             return Ok(());
         }
         for (block, of) in plan.of_entry.chunks(d).enumerate() {
-            let (mut turned, from) = ([zeros::<W>(); MOST], lifted + block * d);
-            for (i, &[c, _]) in of.iter().enumerate().take(MOST) {
-                turned[i] = numbers[from + i];
+            let from = lifted + block * d;
+            for (i, &[c, _]) in of.iter().enumerate() {
+                let mut turned = numbers[from + i];
                 for k in 0..d {
                     if !diagonal || i == k {
                         let (b, of) = (entry(c, k), &numbers[from + k]);
                         for l in 0..W {
-                            turned[i].0[l] = (half * b.0[l]).multiply_add(of.0[l], turned[i].0[l]);
+                            turned.0[l] = (half * b.0[l]).multiply_add(of.0[l], turned.0[l]);
                         }
                     }
                 }
+                numbers[free + i] = turned; // changes are added, and their place is free
             }
-            numbers[from..from + d].copy_from_slice(&turned[..d]);
+            numbers.copy_within(free..free + d, from);
         }
         course.project(numbers);
         let mut clear = [true; W];
@@ -452,9 +453,6 @@ impl<const W: usize> RowStirring<W> {
         going.iter().position(|&going| going != 0).map_or(Ok(()), Err)
     }
 }
-
-/// Coordinates of a body, at most.
-const MOST: usize = 9;
 
 /// Adds changes to ways; where sums are compensated, to their low digits.
 #[inline(always)]

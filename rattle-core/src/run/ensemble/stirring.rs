@@ -234,7 +234,7 @@ impl<S: Lane, const L: usize, const D: usize> Linear<S, L, D> {
                     linear.most[lane] = DEVIATIONS * of.temperature().sqrt();
                     from_fn(|i| from_fn(|k| if i == k { of.lost } else { 0.0 }))
                 }
-                None => effects.linear(number, h)?,
+                None => effects.linear(number, h, 0, &UnitMasses)?,
             };
             for (to, from) in linear.matrix.as_flattened_mut().iter_mut().zip(matrix.as_flattened()) {
                 to[lane] = S::from_f64(*from);
