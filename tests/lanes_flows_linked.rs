@@ -287,6 +287,65 @@ fn those_that_fail_disturb_no_other() {
     disturb_no_other(&chain().with(Combed(0.5)).with(Andersen { rate: 2.0, temperature: 0.1, seed: 3 }), 8);
 }
 
+/// A lane that stands in for one that has ended draws as the one that it is a copy of. Where it drew otherwise, it would
+/// fail where that one does not, which would go by itself then.
+#[test]
+fn stand_ins_draw_as_their_originals() {
+    let scene = dumbbell().with(Langevin { temperature: 36.0, ..HEAT }); // so hot that several fail
+    let ends = |i: &u64| i.is_multiple_of(3);
+    let begin = |i: u64| {
+        let start = start(&scene, 2, i);
+        let faster: Vec<_> = start.momenta().map(|p| 1e4 * p).collect();
+        if ends(&i) { start.with_momenta(faster) } else { start }
+    };
+    let of = |numbers: Vec<u64>| scene.ensemble(numbers.into_iter().map(begin), Rattle::new(0.05)).unwrap();
+    let others: Vec<u64> = (0..64).filter(|i| !ends(i)).collect();
+    let (mut all, mut few) = (of((0..64).collect()), of(others.clone()));
+    all.run(60);
+    few.run(60);
+    assert!((0..64).filter(ends).all(|i| all.failure(i as usize).is_some()));
+    for (number, i) in others.into_iter().enumerate() {
+        assert_eq!(bits(&few, number), bits(&all, i as usize), "{i}");
+    }
+}
+
+/// Bits are the same by all instruction sets that fuse, and for one thread and two; a bill changes none.
+#[test]
+fn bits_depend_on_no_machine() {
+    fn check<E: Effects<3>, S: Method>(scene: &Linked<E, 3>, bodies: usize, method: &S) {
+        let widest = InstructionSet::widest();
+        let of = |set: InstructionSet| {
+            let starts = (0..70).map(|i| start(scene, bodies, i));
+            Ensemble::of(Double, scene, starts, method.clone(), set).unwrap()
+        };
+        let all = |ensemble: &Ensemble<3>| (0..ensemble.len()).map(|i| bits(ensemble, i)).collect::<Vec<_>>();
+        let mut first = of(widest);
+        in_lanes(&first);
+        first.run(40);
+        let expected = all(&first);
+        for set in [InstructionSet::Avx2, InstructionSet::Avx512] {
+            if set.is_present() && set.fuses() && widest.fuses() {
+                let mut other = of(set);
+                other.run(40);
+                assert!(all(&other) == expected, "{set}");
+            }
+        }
+        for threads in [1, 2] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let mut other = of(widest);
+            pool.install(|| other.run(40));
+            assert!(all(&other) == expected, "{threads} threads");
+        }
+        let mut few = scene.ensemble((0..5).map(|i| start(scene, bodies, i)), method.clone()).unwrap();
+        few.run(40);
+        let before = all(&few);
+        assert_eq!(few.bill().unwrap().side_by_side > 1, widest.fuses());
+        assert!(all(&few) == before, "after a bill");
+    }
+    check(&dumbbell().with(HEAT).with(MagneticField::new(FIELD)), 2, &Baoab::new(0.02));
+    check(&triangle().with(Combed(0.8)).with(HEAT), 3, &Rattle::new(0.02));
+}
+
 /// A checkpoint of other flows is refused.
 #[test]
 fn other_flows_are_refused() {
