@@ -173,6 +173,19 @@ fn flows_as_alone() {
     assert!(found.iter().all(|&off| off < 1e-12), "{found:?}");
 }
 
+constraint! {
+    /// A rod in ten dimensions.
+    struct LongRod { length }
+    |c: [[f64; 10]; 2]| sum(k in 0..10, (c[0][k] - c[1][k])^2) - length^2
+}
+
+/// Bodies of many coordinates.
+#[test]
+fn ten_dimensions_as_alone() {
+    let rod = || Scene::points::<10>(2).link(LongRod { length: 1.0 }, [[0, 1]]).masses([1.0, 3.0]);
+    as_alone(&rod().with(LinearDrag::new(0.9)).with(HEAT), 2, "in ten dimensions");
+}
+
 /// Each trajectory of a sweep has masses, links and flows of its own.
 #[test]
 fn flows_by_lane() {
@@ -287,8 +300,8 @@ fn those_that_fail_disturb_no_other() {
     disturb_no_other(&chain().with(Combed(0.5)).with(Andersen { rate: 2.0, temperature: 0.1, seed: 3 }), 8);
 }
 
-/// A lane that stands in for one that has ended draws as the one that it is a copy of. Where it drew otherwise, it would
-/// fail where that one does not, which would go by itself then.
+/// A lane that stands in for one that has ended draws as the one that it is a copy of. Where it drew otherwise, it
+/// would fail where that one does not, which would go by itself then.
 #[test]
 fn stand_ins_draw_as_their_originals() {
     let scene = dumbbell().with(Langevin { temperature: 36.0, ..HEAT }); // so hot that several fail
