@@ -1,4 +1,7 @@
 //! Flows of momenta on linked bodies in lanes: as each trajectory alone but for rounding, what they keep, their work.
+//!
+//! Many kinds of flows take long to compile: those of `flows_by_lane` stand for them, and `cargo long` has all.
+#![cfg_attr(not(long), allow(unused_imports, dead_code, reason = "of the long tests"))]
 
 use rattle::bodies::{Count, Many};
 use rattle::composition::SUZUKI_1990_ORDER_4;
@@ -141,12 +144,13 @@ fn heat_as_alone() {
     as_alone(&triangle().with(HEAT), 3, "triangles");
     as_alone(&pendulum().with(HEAT), 3, "pendulums");
     as_alone(&chain().with(HEAT), 8, "chains");
-    as_alone(&dumbbell().with(Andersen { rate: 5.0, temperature: 0.5, seed: 3 }), 2, "collisions");
-    as_alone(&dumbbell().with(VelocityRescaling { time: 0.3, temperature: 0.5, seed: 3 }), 2, "rescaling");
 }
 
 #[test]
+#[cfg(long)]
 fn flows_as_alone() {
+    as_alone(&dumbbell().with(Andersen { rate: 5.0, temperature: 0.5, seed: 3 }), 2, "collisions");
+    as_alone(&dumbbell().with(VelocityRescaling { time: 0.3, temperature: 0.5, seed: 3 }), 2, "rescaling");
     as_alone(&triangle().with(LinearDrag::along([0.1, 2.0, 0.7]).times([1.0, 3.0, 0.5])), 3, "drag");
     as_alone(&dumbbell().with(MagneticField::new(FIELD).charges([-2.0, 1.0])), 2, "a field");
     as_alone(
@@ -173,6 +177,7 @@ fn flows_as_alone() {
     assert!(found.iter().all(|&off| off < 1e-12), "{found:?}");
 }
 
+#[cfg(long)]
 constraint! {
     /// A rod in ten dimensions.
     struct LongRod { length }
@@ -181,6 +186,7 @@ constraint! {
 
 /// Bodies of many coordinates.
 #[test]
+#[cfg(long)]
 fn ten_dimensions_as_alone() {
     let rod = || Scene::points::<10>(2).link(LongRod { length: 1.0 }, [[0, 1]]).masses([1.0, 3.0]);
     as_alone(&rod().with(LinearDrag::new(0.9)).with(HEAT), 2, "in ten dimensions");
@@ -303,6 +309,7 @@ fn those_that_fail_disturb_no_other() {
 /// A lane that stands in for one that has ended draws as the one that it is a copy of. Where it drew otherwise, it
 /// would fail where that one does not, which would go by itself then.
 #[test]
+#[cfg(long)]
 fn stand_ins_draw_as_their_originals() {
     let scene = dumbbell().with(Langevin { temperature: 36.0, ..HEAT }); // so hot that several fail
     let ends = |i: &u64| i.is_multiple_of(3);
@@ -324,6 +331,7 @@ fn stand_ins_draw_as_their_originals() {
 
 /// Bits are the same by all instruction sets that fuse, and for one thread and two; a bill changes none.
 #[test]
+#[cfg(long)]
 fn bits_depend_on_no_machine() {
     fn check<E: Effects<3>, S: Method>(scene: &Linked<E, 3>, bodies: usize, method: &S) {
         let widest = InstructionSet::widest();

@@ -52,7 +52,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     /// let pendulum = Scene::points(2).link(Rod { length: 1.0 }, [[0, 1]]).pin(0, [0.0; 2]).with(Gravity { g: 1.0 });
     /// let start = State::of([[0.0, 0.0], [1.0, 0.0]]);
     /// let height = |now: &BoxedSimulation<2>| now.positions().nth(1).unwrap().y;
-    /// let prices = pendulum.price(&start, 10.0).budget(0.2).observe("height", height).measure()?;
+    /// let prices = pendulum.price(&start, 10.0).budget(1.0).observe("height", height).measure()?;
     /// println!("{prices}");
     /// assert!(prices.rows.iter().all(|row| row.position.is_some())); // how far they get is the processor's
     /// # Ok::<(), rattle::Error>(())
