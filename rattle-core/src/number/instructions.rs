@@ -125,7 +125,8 @@ impl fmt::Display for InstructionSet {
 }
 
 /// Work to be compiled for each instruction set. `run` and everything that it calls must be `#[inline(always)]`, since
-/// only inlined code uses the instructions.
+/// only inlined code uses the instructions. What is long, and asked for at several places, is work of its own: inlined,
+/// it is compiled at each place.
 pub trait Work {
     /// The result.
     type Done;

@@ -17,7 +17,7 @@
 //! [`Simulation`](crate::run::simulation::Simulation) does. Every 64 steps other sheets are searched for
 //! ([`crate::solve::crowd`]).
 
-use crate::number::instructions::Fusing;
+use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector;
@@ -348,7 +348,41 @@ impl<const W: usize> Course<'_, W> {
     /// Makes ways lead along the constraints, by G and M⁻¹Gᵀ as they are.
     #[inline(always)]
     pub(super) fn project(&self, numbers: &mut [Numbers<W>]) {
-        let Self { plan, sums, .. } = *self;
+        self.set.run(Projection { course: self, numbers });
+    }
+
+    /// What |g| may be at rest, by the gradients just evaluated.
+    #[inline(always)]
+    pub(super) fn rest(&self, numbers: &mut [Numbers<W>]) {
+        let Self { plan, .. } = *self;
+        let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
+        let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
+        for i in 0..plan.equations {
+            (numbers[lengths + i], numbers[sizes + i]) = (zeros(), zeros());
+        }
+        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
+            each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
+            let of = [sizes + i, q + coordinate, way + coordinate];
+            each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(way.abs()));
+        }
+        for i in 0..plan.equations {
+            each(rest + i, [lengths + i, sizes + i], numbers, |[length, size]| at_rest(length, size));
+        }
+    }
+}
+
+/// See [`Course::project`]. Work by itself: it is long, and many ask for it.
+struct Projection<'a, 'b, const W: usize> {
+    course: &'a Course<'b, W>,
+    numbers: &'a mut [Numbers<W>],
+}
+
+impl<const W: usize> Work for Projection<'_, '_, W> {
+    type Done = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { course: &Course { plan, sums, .. }, numbers } = self;
         let Places { way, way_low, change, .. } = plan.places;
         for &c in &plan.moving {
             if sums {
@@ -370,25 +404,6 @@ impl<const W: usize> Course<'_, W> {
             } else {
                 numbers[way + c] = numbers[change + c];
             }
-        }
-    }
-
-    /// What |g| may be at rest, by the gradients just evaluated.
-    #[inline(always)]
-    pub(super) fn rest(&self, numbers: &mut [Numbers<W>]) {
-        let Self { plan, .. } = *self;
-        let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
-        let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
-        for i in 0..plan.equations {
-            (numbers[lengths + i], numbers[sizes + i]) = (zeros(), zeros());
-        }
-        for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
-            each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
-            let of = [sizes + i, q + coordinate, way + coordinate];
-            each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(way.abs()));
-        }
-        for i in 0..plan.equations {
-            each(rest + i, [lengths + i, sizes + i], numbers, |[length, size]| at_rest(length, size));
         }
     }
 }

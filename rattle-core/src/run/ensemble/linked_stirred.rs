@@ -119,7 +119,7 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
     #[inline(always)]
     fn look_around(&mut self, steps: u64) -> Result<(), Stuck> {
         let Self { course, stirring, numbers, pulling, limits, .. } = self;
-        course.look_around::<true>(steps, &course.parts[0], &stirring.least, numbers, pulling)?;
+        course.look_around(steps, &course.parts[0], &stirring.least, numbers, pulling)?;
         let way = course.plan.places.way;
         let fastest = stirring.fastest(&numbers[way..way + course.plan.coordinates], true);
         limits.iter_mut().zip(fastest).for_each(|(limit, fastest)| *limit = LARGER * fastest);

@@ -18,6 +18,7 @@ use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::motion::system::System;
 use crate::number::clock::after_steps;
+use crate::number::instructions::Work;
 use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::engine::Draws;
@@ -228,7 +229,6 @@ impl<const W: usize> RowStirring<W> {
 
     /// Has all flows act in all lanes. G and M⁻¹Gᵀ are those where bodies are; ways, whose unit is 1, are along the
     /// constraints then. An error for the first lane in which a flow cannot act so.
-    #[inline(always)]
     pub(super) fn act(
         &self,
         course: &Course<'_, W>,
@@ -237,51 +237,7 @@ impl<const W: usize> RowStirring<W> {
         work: &mut [f64],
         answer: &mut Answer<'_, W>,
     ) -> Result<(), usize> {
-        let (n, before) = (self.flows.len(), self.energy(course, numbers));
-        let second = !self.at_once && (when.half == Half::After) == (self.after == 0);
-        for i in 0..n {
-            let number = if when.half == Half::Before { i } else { n - 1 - i };
-            let place = (if second { n + i } else { i }) as u64;
-            match &self.flows[number] {
-                Stir::Bath(rule, bath) => {
-                    let changes = course.plan.places.free;
-                    for c in 0..self.masses.len() {
-                        let mut change = numbers[course.plan.places.way + c];
-                        for l in 0..W {
-                            change.0[l] = bath.lost.0[l] * change.0[l];
-                        }
-                        numbers[changes + c] = change;
-                    }
-                    if bath.draws {
-                        self.draw(bath, (number, place, when.steps), &mut numbers[changes..]);
-                    }
-                    let half = |_: usize, _: usize| bath.lost;
-                    self.finish(course, *rule, true, half, numbers)?;
-                }
-                Stir::Matrix(rule, matrix) => {
-                    let Places { way, free: changes, .. } = course.plan.places;
-                    let d = self.dimension;
-                    for c in 0..self.masses.len() {
-                        let (first, mut change) = (c - c % d, zeros::<W>());
-                        for k in 0..d {
-                            let (b, v) = (&matrix[c * d + k], &numbers[way + first + k]);
-                            for l in 0..W {
-                                change.0[l] = b.0[l].multiply_add(v.0[l], change.0[l]);
-                            }
-                        }
-                        numbers[changes + c] = change;
-                    }
-                    let entry = |c: usize, k: usize| matrix[c * d + k];
-                    self.finish(course, *rule, false, entry, numbers)?;
-                }
-                Stir::Asked(rule) => self.ask(course, *rule, (number, place, when), numbers, answer)?,
-            }
-        }
-        let after = self.energy(course, numbers);
-        for (l, work) in work.iter_mut().enumerate() {
-            *work += 0.5 * (after.0[l] - before.0[l]).0;
-        }
-        Ok(())
+        course.set.run(Acting { stirring: self, course, when, numbers, work, answer })
     }
 
     /// Adds noise of covariance M⁻¹.
@@ -361,19 +317,104 @@ impl<const W: usize> RowStirring<W> {
         plan.lift(course.over, numbers);
         clear.iter().position(|&clear| !clear).map_or(Ok(()), Err)
     }
+}
 
-    /// Has a flow that is asked act in all lanes.
+/// See [`RowStirring::act`]. Work by itself: it is long, and a step asks for it more than once.
+struct Acting<'a, 'b, 'c, const W: usize> {
+    stirring: &'a RowStirring<W>,
+    course: &'a Course<'b, W>,
+    when: When,
+    numbers: &'a mut [Numbers<W>],
+    work: &'a mut [f64],
+    answer: &'a mut Answer<'c, W>,
+}
+
+impl<const W: usize> Work for Acting<'_, '_, '_, W> {
+    type Done = Result<(), usize>;
+
     #[inline(always)]
-    fn ask(
-        &self,
-        course: &Course<'_, W>,
-        rule: Rule,
-        (number, place, When { half, steps }): (usize, u64, When),
-        numbers: &mut [Numbers<W>],
-        answer: &mut Answer<'_, W>,
-    ) -> Result<(), usize> {
+    fn run(self) -> Result<(), usize> {
+        let Self { stirring, course, when, numbers, work, answer } = self;
+        let (n, before) = (stirring.flows.len(), stirring.energy(course, numbers));
+        let second = !stirring.at_once && (when.half == Half::After) == (stirring.after == 0);
+        for i in 0..n {
+            let number = if when.half == Half::Before { i } else { n - 1 - i };
+            let place = (if second { n + i } else { i }) as u64;
+            match &stirring.flows[number] {
+                Stir::Bath(rule, bath) => {
+                    let changes = course.plan.places.free;
+                    for c in 0..stirring.masses.len() {
+                        let mut change = numbers[course.plan.places.way + c];
+                        for l in 0..W {
+                            change.0[l] = bath.lost.0[l] * change.0[l];
+                        }
+                        numbers[changes + c] = change;
+                    }
+                    if bath.draws {
+                        stirring.draw(bath, (number, place, when.steps), &mut numbers[changes..]);
+                    }
+                    let half = |_: usize, _: usize| bath.lost;
+                    stirring.finish(course, *rule, true, half, numbers)?;
+                }
+                Stir::Matrix(rule, matrix) => {
+                    let Places { way, free: changes, .. } = course.plan.places;
+                    let d = stirring.dimension;
+                    for c in 0..stirring.masses.len() {
+                        let (first, mut change) = (c - c % d, zeros::<W>());
+                        for k in 0..d {
+                            let (b, v) = (&matrix[c * d + k], &numbers[way + first + k]);
+                            for l in 0..W {
+                                change.0[l] = b.0[l].multiply_add(v.0[l], change.0[l]);
+                            }
+                        }
+                        numbers[changes + c] = change;
+                    }
+                    let entry = |c: usize, k: usize| matrix[c * d + k];
+                    stirring.finish(course, *rule, false, entry, numbers)?;
+                }
+                &Stir::Asked(rule) => {
+                    course.set.run(Asking {
+                        stirring,
+                        course,
+                        rule,
+                        number,
+                        place,
+                        when,
+                        numbers,
+                        answer,
+                    })?;
+                }
+            }
+        }
+        let after = stirring.energy(course, numbers);
+        for (l, work) in work.iter_mut().enumerate() {
+            *work += 0.5 * (after.0[l] - before.0[l]).0;
+        }
+        Ok(())
+    }
+}
+
+/// Has a flow that is asked act in all lanes.
+struct Asking<'a, 'b, 'c, const W: usize> {
+    stirring: &'a RowStirring<W>,
+    course: &'a Course<'b, W>,
+    rule: Rule,
+    number: usize,
+    place: u64,
+    when: When,
+    numbers: &'a mut [Numbers<W>],
+    answer: &'a mut Answer<'c, W>,
+}
+
+impl<const W: usize> Work for Asking<'_, '_, '_, W> {
+    type Done = Result<(), usize>;
+
+    #[inline(always)]
+    fn run(self) -> Result<(), usize> {
+        let Self { stirring, course, rule, number, place, when: When { half, steps }, numbers, answer } =
+            self;
         let Places { q, way, way_low, free, .. } = course.plan.places;
-        let (n, one_half) = (self.masses.len(), Fused(0.5));
+        let (n, one_half) = (stirring.masses.len(), Fused(0.5));
         let vectors = || vec![zeros::<W>(); n];
         let first = numbers[way..way + n].to_vec();
         let low = if course.sums { numbers[way_low..way_low + n].to_vec() } else { vectors() };
