@@ -146,6 +146,21 @@ fn heat_as_alone() {
     as_alone(&chain().with(HEAT), 8, "chains");
 }
 
+/// Who starts at rest goes side by side too: not with the bits of a simulation.
+#[test]
+fn from_rest() {
+    let scene = triangle().with(HEAT);
+    let begin = |i: u64| start(&scene, 3, i).with_momenta([[0.0; 3]; 3]);
+    let mut ensemble = scene.ensemble((0..64).map(begin), Rattle::new(0.02)).unwrap();
+    ensemble.run(30);
+    for i in (0..64).step_by(5) {
+        let mut alone = scene.simulate(begin(i), Rattle::new(0.02)).unwrap();
+        alone.run(30).unwrap();
+        let off = off(&alone.state(), &ensemble.state(i as usize));
+        assert!(off < 1e-12 && (off > 0.0) == InstructionSet::widest().fuses(), "{i}: {off}");
+    }
+}
+
 #[test]
 #[cfg(long)]
 fn flows_as_alone() {

@@ -36,6 +36,9 @@ pub(super) struct Common {
     method: Splits,
 }
 
+/// By so many roundings of places a step leads off where bodies rest: g of a start is zero to a few.
+const ROUNDINGS: f64 = 16.0;
+
 /// What the lanes of a row obey.
 struct Obeyed<F, const D: usize, const W: usize> {
     /// One for all lanes, or one for each.
@@ -407,7 +410,10 @@ where
         if const { F::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);
         }
-        drifted.is_ok() && independent && !narrow && path.is_finite() && off <= 2.0 * path
+        // Farther off than twice the path is another root, unless at rest, where rounding alone leads off.
+        let largest = sizes.iter().fold(0.0_f64, |most, &x| most.max(x));
+        let near = off <= 2.0 * path + ROUNDINGS * f64::EPSILON * largest;
+        drifted.is_ok() && independent && !narrow && path.is_finite() && near
     }
 
     fn copy(&mut self, from: usize, to: usize) {
