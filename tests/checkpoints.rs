@@ -116,7 +116,8 @@ fn ensembles_go_on_with_those_that_failed() {
     }
     lanes_go_on(Compensated, &Composition::new(SUZUKI_1990_ORDER_4, h), [40, 30]);
     lanes_go_on(Single, &Geodesic::new(2, h), [40, 60]);
-    lanes_go_on(Double, &Dop853::new(h), [40, 30]); // by themselves
+    lanes_go_on(Double, &Dop853::new(h), [40, 30]);
+    lanes_go_on(Double, &Taylor::new(8, h), [40, 30]); // by themselves
 }
 
 #[test]

@@ -8,6 +8,7 @@ use rattle::error::{MethodFailure, StepFailure};
 use rattle::links::planar::TurningLine;
 use rattle::methods::dop853_table as table;
 use rattle::prelude::*;
+use rattle::surfaces::Torus;
 
 /// Decimals kept in exact sums.
 const DECIMALS: u32 = 60;
@@ -173,6 +174,25 @@ fn errors_follow_the_tolerance() {
         }
         assert!(errors[0] > 1e-8 && errors[3] < 1e-11, "{errors:?}");
     }
+}
+
+/// Whether a long step is right is asked of each of its inner steps: it costs what shorter ones do that take as long.
+/// On one curve through its ends it was 60 times as much.
+#[test]
+fn long_steps_cost_what_their_inner_ones_do() {
+    let evaluations = |h: f64| {
+        let torus = Counted::new(Torus { major: 1.0, minor: 0.4 });
+        let counts = torus.counts();
+        let scene = Scene::on(torus).with(Gravity { g: 1.0 });
+        let start = State::at([1.4, 0.0, 0.0]).moving([0.0, 0.6, 0.8]);
+        let mut simulation = scene.simulate(start, Dop853::adaptive(h, 1e-10)).unwrap();
+        let before = counts.all();
+        simulation.run((10.0 / h).round() as u64).unwrap();
+        counts.all() - before
+    };
+    let counted = [0.25, 1.0, 10.0].map(evaluations);
+    println!("{counted:?}");
+    assert!(counted.iter().max() < Some(&(counted[0] * 6 / 5)), "{counted:?}");
 }
 
 /// Two bodies on a line that attract each other like 1/r², and fall together from rest: at t = π/4 from a distance of

@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rattle::Error;
 use rattle::composition::SUZUKI_1990_ORDER_4;
-use rattle::ensemble::{Double, Precision, Single};
+use rattle::ensemble::{Double, InstructionSet, Precision, Single};
 use rattle::error::StepFailure;
 use rattle::kernel::ConstraintKernel;
 use rattle::prelude::*;
@@ -218,6 +218,30 @@ fn no_method_goes_across() {
     roof_by(&Bdf2::new(h));
 }
 
+/// A spring pulls over the ridge and back within one step, which is divided: inner steps are looked at.
+#[test]
+fn there_and_back_within_a_step() {
+    potential! {
+        struct Spring {}
+        |x, _y, _z| x^2 / 2
+    }
+    let scene = Scene::on(Roof { slope: 0.5 }).with(Spring {});
+    let period = std::f64::consts::TAU * 1.25_f64.sqrt(); // of (1 + slope²) ẋ²/2 + x²/2
+    fn crosses(simulated: Result<(), Error>) {
+        let (step, argument, share, _) = kink(simulated.unwrap_err());
+        assert_eq!((step, argument), (1, "x"));
+        assert!((share - 0.25).abs() < 0.02, "{share}"); // where the straight way of an inner step meets the ridge
+    }
+    let start = State::at([1.0, 0.0, -0.5]);
+    crosses(scene.simulate(start.clone(), Dop853::adaptive(period, 1e-8)).unwrap().run(1));
+    crosses(scene.simulate(start.clone(), Taylor::adaptive(12, period, 1e-8)).unwrap().run(1));
+    if InstructionSet::widest().fuses() {
+        let mut ensemble = scene.ensemble([start], Dop853::adaptive(period, 1e-8)).unwrap();
+        ensemble.run(1);
+        crosses(Err(ensemble.failure(0).unwrap().clone()));
+    }
+}
+
 constraint! {
     /// Continuous curvature.
     struct Cubic {}
@@ -363,6 +387,7 @@ fn lanes_end_as_simulations_do() {
     for halvings in [0, 3] {
         lanes(Double, Rattle::new(0.01), halvings);
         lanes(Double, Lobatto::<3>::new(0.01), halvings);
+        lanes(Double, Dop853::new(0.01), halvings);
     }
     lanes(Single, Rattle::new(0.01), 0);
 }

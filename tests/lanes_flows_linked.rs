@@ -89,7 +89,7 @@ fn start<E: Effects<D>, const D: usize>(scene: &Linked<E, D>, bodies: usize, i: 
     });
     let rough = State::of(places(bodies, lean)).with_momenta(momenta.collect::<Vec<_>>());
     let state = scene.project(&rough).unwrap().at_time(0.01 * i as f64);
-    if i % 2 == 0 { state.numbered(1000 + i) } else { state.numbered(i).after_steps(5 * i) }
+    if i.is_multiple_of(2) { state.numbered(1000 + i) } else { state.numbered(i).after_steps(5 * i) }
 }
 
 fn off<const D: usize>(a: &State<D>, b: &State<D>) -> f64 {

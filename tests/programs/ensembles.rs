@@ -16,6 +16,8 @@ mod lanes_heat;
 mod lanes_linked;
 #[path = "../lanes_phase.rs"]
 mod lanes_phase;
+#[path = "../lanes_projected.rs"]
+mod lanes_projected;
 #[path = "../lanes_rigid.rs"]
 mod lanes_rigid;
 #[path = "../lanes_splittings.rs"]

@@ -17,8 +17,9 @@ use crate::error::{Error, MethodFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
+use crate::motion::course::look;
 use crate::motion::failure::Failure;
-use crate::motion::method::{Method, View, check_step_size, check_tolerance};
+use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates};
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::{AtEnd, Witness};
@@ -26,11 +27,11 @@ use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 
 /// Inner steps are made for this part of the error that just passes.
-const SAFETY: f64 = 0.9;
+pub(crate) const SAFETY: f64 = 0.9;
 /// An inner step is at least and at most so many times as long as the one before.
-const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
+pub(crate) const CHANGE: (f64, f64) = (1.0 / 3.0, 6.0);
 /// The smallest part of a step that is tried.
-const SMALLEST_PART: f64 = 1e-6;
+pub(crate) const SMALLEST_PART: f64 = 1e-6;
 /// Vectors per body: the rates at the stages.
 const ROOM: usize = 2 * STAGES;
 
@@ -77,6 +78,8 @@ impl Method for Dop853 {
     type Memory<T: Scalar> = [T; 0];
     type Need = (Kicks, WithRates);
     const HAS_STRUCTURE: bool = false;
+    const CHECKS: bool = true;
+    const PROJECTS: Projecting = Projecting::Dop853;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -89,6 +92,9 @@ impl Method for Dop853 {
     }
     fn with_step(&self, h: f64) -> Self {
         Self { h, ..*self }
+    }
+    fn tolerance(&self) -> Option<f64> {
+        self.tolerance
     }
     fn with_tolerance_times(&self, factor: f64) -> Option<Self> {
         self.tolerance.map(|tolerance| Self { tolerance: Some(tolerance * factor), ..*self })
@@ -141,7 +147,8 @@ impl Dop853 {
         let mut stages = Stages::begin(system, bodies, saved, room, witness);
         let Some(tolerance) = self.tolerance else {
             stages.evaluate(system, bodies, self.h);
-            return stages.arrive(system, bodies, self.h);
+            stages.arrive(system, bodies, self.h)?;
+            return look::<Self, T, Y, D>(self.h, system.0, stages.start, bodies);
         };
         let (mut left, mut inner) = (self.h, self.h);
         loop {
@@ -155,6 +162,8 @@ impl Dop853 {
             let fitting = fitting.max(CHANGE.0).min(CHANGE.1);
             if error <= tolerance {
                 stages.arrive(system, bodies, inner)?;
+                let looked = look::<Self, T, Y, D>(inner, system.0, stages.start, bodies);
+                looked.map_err(|failure| failure.of_part(1.0 - left / self.h, inner / self.h))?;
                 if last {
                     return Ok(());
                 }

@@ -18,8 +18,9 @@
 //! Source: À. Jorba, M. Zou, Exp. Math. 14 (2005) 99.
 
 use crate::error::{Error, MethodFailure};
-use crate::motion::bodies::{Bodies, Count};
+use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::{Rates, Series};
+use crate::motion::course::look;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
@@ -69,6 +70,7 @@ impl Method for Taylor {
     type Memory<T: Scalar> = [T; 0];
     type Need = (Kicks, WithRates, WithSeries);
     const HAS_STRUCTURE: bool = false;
+    const CHECKS: bool = true;
 
     fn step_size(&self) -> f64 {
         self.h
@@ -113,8 +115,8 @@ impl Method for Taylor {
         witness: &mut W,
     ) -> Result<(), Failure> {
         let n = bodies.q.as_ref().len();
-        bodies.with_room(self.coefficients(), |bodies, _, room| {
-            self.steps(system, bodies, room, witness)?;
+        bodies.with_room(self.coefficients(), |bodies, saved, room| {
+            self.steps(system, bodies, saved, room, witness)?;
             if W::LISTENS {
                 let (_, rates, _) = system;
                 rates.evaluate_rates(bodies, &mut room[..n], &mut AtEnd(witness));
@@ -135,13 +137,16 @@ impl Taylor {
         &self,
         system: View<'_, Self, T, Y, D>,
         bodies: &mut BodiesOf<Y, T, D>,
+        start: &mut Saved<Y::Count, T, D>,
         series: &mut [[T; D]],
         witness: &mut W,
     ) -> Result<(), Failure> {
         let (_, _, motion) = system;
+        bodies.save(start);
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
-            return self.arrive(system, bodies, series, self.h);
+            self.arrive(system, bodies, series, self.h)?;
+            return look::<Self, T, Y, D>(self.h, system.0, start, bodies);
         };
         let mut left = self.h;
         loop {
@@ -159,10 +164,13 @@ impl Taylor {
             let last = longest >= left.abs();
             let inner = if last { left } else { longest.copysign(left) };
             self.arrive(system, bodies, series, inner)?;
+            let looked = look::<Self, T, Y, D>(inner, system.0, start, bodies);
+            looked.map_err(|failure| failure.of_part(1.0 - left / self.h, inner / self.h))?;
             if last {
                 return Ok(());
             }
             left -= inner;
+            bodies.save(start);
             motion.expand(bodies, series, &mut ());
         }
     }

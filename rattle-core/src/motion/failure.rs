@@ -25,6 +25,15 @@ impl Failure {
         Self { body, cause: StepFailure::Kink { argument, equation, position, share, angle, gap } }
     }
 
+    /// The same, told of a whole step: it is that of a `part` of it, which began after the share `from`.
+    #[cold]
+    pub(crate) fn of_part(mut self, from: f64, part: f64) -> Self {
+        if let StepFailure::Kink { share, .. } = &mut self.cause {
+            *share = from + part * *share;
+        }
+        self
+    }
+
     /// Looks whether the forces on these bodies are numbers.
     pub(crate) fn unless_finite<T: Scalar, F: Forces<T, D>, const D: usize>(
         effects: &F,

@@ -80,6 +80,11 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// sheet of {g = 0}; the simulation checks that after a step where other sheets are near.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
+    /// Whether a step checks by itself what the simulation would check after it: a method that divides its steps has
+    /// each inner one checked.
+    #[doc(hidden)]
+    const CHECKS: bool = false;
+
     /// Why a step cannot be divided, by [`retry`](crate::run::simulation::Simulation::retry) or at an event; `None` if
     /// it can.
     fn undivided(&self) -> Option<&'static str> {
@@ -116,6 +121,16 @@ pub trait Method: Clone + Send + Sync + 'static {
     /// constant of the type, as [`SPLITTING`](Self::SPLITTING), so that the SIMD code of ensembles is compiled for such
     /// methods alone, with a [`Table`](crate::motion::table::Table) of this many stages.
     const COLLOCATES: usize = 0;
+
+    /// Whether a step disregards the constraint until its end is projected onto it, and how it gets there. A constant
+    /// of the type, as [`SPLITTING`](Self::SPLITTING), so that the SIMD code of ensembles is compiled for such methods
+    /// alone.
+    const PROJECTS: Projecting = Projecting::Not;
+
+    /// The tolerance of the inner steps into which a step is divided, a length; `None` where it is not divided.
+    fn tolerance(&self) -> Option<f64> {
+        None
+    }
 
     /// How often a step evaluates the forces; `None` if that is not known in advance. Used by the
     /// [bill](crate::run::bill).
@@ -190,6 +205,15 @@ pub enum Splitting {
     OneStage,
     /// Any number of stages.
     Stages,
+}
+
+/// Whether a step of a [`Method`] disregards the constraint until its end is projected onto it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projecting {
+    /// It does not, or has no form in lanes.
+    Not,
+    /// By the stages of [`Dop853`](crate::methods::dop853::Dop853), with its [tolerance](Method::tolerance).
+    Dop853,
 }
 
 /// A stage of a splitting: a drift along the constraints, with a kick before and after it. After each kick momenta are

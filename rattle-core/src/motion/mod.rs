@@ -2,6 +2,7 @@
 
 pub mod bodies;
 pub mod capability;
+pub(crate) mod course;
 pub mod failure;
 pub mod guess;
 pub mod hold;

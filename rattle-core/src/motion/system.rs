@@ -318,14 +318,13 @@ pub trait System<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     }
 
     /// Checks whether a step of length h, by a method that does not follow the root of its constraints, has ended on
-    /// another sheet; `steps` steps were taken before. Does nothing where the system cannot tell.
+    /// another sheet. Does nothing where the system cannot tell.
     ///
     /// # Errors
     /// [`StepFailure::OtherSheet`](crate::error::StepFailure::OtherSheet).
     #[inline(always)]
     fn check_sheets(
         &self,
-        _steps: u64,
         _h: f64,
         _before: &Saved<Self::Count, T, D>,
         _now: &mut BodiesOf<Self, T, D>,

@@ -2,10 +2,10 @@
 
 use crate::effect::interval::Half;
 use crate::error::Error;
+use crate::motion::course::look;
 use crate::motion::method::Method;
 use crate::motion::stir::{stir, times};
 use crate::motion::system::System;
-use crate::run::course::check;
 use crate::run::simulation::Simulation;
 use std::fmt;
 use std::hint::black_box;
@@ -146,7 +146,8 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let mut copy = self.clone();
         let look = time(&mut || {
-            drop(black_box(check(&copy.method, &copy.system, 1, &copy.before, &mut copy.bodies)));
+            let h = copy.method.step_size();
+            drop(black_box(look::<S, _, _, D>(h, &copy.system, &copy.before, &mut copy.bodies)));
         });
         items.push(Item { what: "looking whether a step is right".into(), nanoseconds: look });
         let rest = format!("places and constraints by {}", self.method.name());

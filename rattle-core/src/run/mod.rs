@@ -6,7 +6,6 @@ pub mod bill;
 pub mod boxed;
 pub mod checkpoint;
 mod collide;
-mod course;
 pub mod ensemble;
 pub(crate) mod events;
 mod fingerprint;

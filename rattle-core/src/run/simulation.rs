@@ -4,6 +4,7 @@ use crate::effect::noise::Noise;
 use crate::error::{Error, StepFailure, SurfaceFailure};
 use crate::methods::able::{no_way_back, view};
 use crate::motion::bodies::{Bodies, Saved};
+use crate::motion::course::check;
 use crate::motion::failure::Failure;
 use crate::motion::identity::Identity;
 use crate::motion::method::{Method, check_tolerance};
@@ -13,7 +14,6 @@ use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
 use crate::number::vector::add_scaled;
-use crate::run::course::check;
 use crate::run::events::{Events, Stretch};
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
@@ -357,7 +357,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         }
         let stepped =
             step(&self.method, system, &self.system, &mut self.bodies, self.memory.as_mut(), witness);
-        let look = |()| check(&self.method, &self.system, self.steps, &self.before, &mut self.bodies);
+        let look = |()| check(&self.method, &self.system, &self.before, &mut self.bodies);
         match stepped.and_then(look) {
             Ok(()) => {
                 if let Some(taken) = self.method.time_taken(self.memory.as_ref()) {
@@ -397,10 +397,9 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         self.system.put_aside(&self.before, start);
         let halvings = self.halving.map_or(0, |halving| halving.most);
         let (system, method, bodies) = (&self.system, &self.method, &mut self.bodies);
-        let (steps, divided) = (self.steps, false);
+        let divided = false;
         let noise = Noise { step: self.first.step + self.steps, ..self.first };
-        let mut stretch =
-            Stretch { system, method, bodies, start, noise, aside, witness, steps, halvings, divided };
+        let mut stretch = Stretch { system, method, bodies, start, noise, aside, witness, halvings, divided };
         let met = meet(search, &mut stretch, stepped.map_err(Trouble::from));
         let divided = stretch.divided;
         match met {
@@ -492,7 +491,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             }
         }
         self.memory = self.method.memory(system, &self.bodies);
-        Ok(check(&self.method, &self.system, self.steps, &self.before, &mut self.bodies)?)
+        Ok(check(&self.method, &self.system, &self.before, &mut self.bodies)?)
     }
 
     /// Takes the step just made, in so many parts, back, compares, and makes it again.

@@ -66,6 +66,10 @@ pub(crate) const LITTLE_OFF: f64 = 1.0 / 64.0;
 /// what the step may have led astray. Between two sheets, side by side, it is a tenth.
 pub(crate) const OFF_INSIDE: f64 = 1.0 / 64.0;
 
+/// Such a step that led astray by more than this part of its path is walked. On a circle that are steps of more than
+/// 1.1 radians.
+pub(crate) const BOLD: f64 = 0.1;
+
 /// What is found inside may be so many times as much, or as little, as it should be.
 const TIMES: f64 = 3.0;
 

@@ -54,18 +54,32 @@ pub(crate) const FARTHER: f64 = 4.0;
 /// … and no farther than this part of the radius in which a path is bent, where any surface turns.
 pub(crate) const OF_RADIUS: f64 = 0.1;
 
-/// Of steps that do not follow their root: how far it was last asked, as a length, and whether a sheet was near.
+/// Of steps that do not follow their root: how many were looked at, how far it was last asked, as a length, and whether
+/// a sheet was near.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Asked {
+    pub(crate) steps: u64,
     pub(crate) reach: f64,
     pub(crate) near: bool,
 }
 
 impl Asked {
-    /// After so many steps, the last of which may have led so far astray: the turn of [`shares`], if it is time to ask.
-    /// It is that of the first time for a sheet that was passed over, where the step may have led `times` as far astray
-    /// as was asked; and to be clear of one that was near, which a few places may all miss.
-    pub(crate) fn turn(&mut self, steps: u64, astray: f64, times: f64) -> Option<u64> {
+    /// The steps and whether a sheet was near, in one number. Records of the first version have no steps.
+    pub(crate) fn in_one(self) -> u64 {
+        2 * self.steps + u64::from(self.near)
+    }
+
+    /// The same again, with how far it was asked.
+    pub(crate) fn of(in_one: u64, reach: f64) -> Self {
+        Self { steps: in_one / 2, reach, near: in_one % 2 == 1 }
+    }
+
+    /// After another step, which may have led so far astray: the turn of [`shares`], if it is time to ask. It is that
+    /// of the first time for a sheet that was passed over, where the step may have led `times` as far astray as was
+    /// asked; and to be clear of one that was near, which a few places may all miss.
+    pub(crate) fn turn(&mut self, astray: f64, times: f64) -> Option<u64> {
+        let steps = self.steps;
+        self.steps += 1;
         let within = |times: f64| astray <= times * self.reach; // not where it is no number
         if within(1.0) && !steps.is_multiple_of(EVERY_ALONE) {
             return None;
@@ -173,8 +187,11 @@ mod tests {
     #[test]
     fn it_is_asked_now_and_then_and_after_steps_that_lead_farther() {
         let ask = |near: bool, steps, astray| {
-            let mut asked = Asked { reach: 2.0, near };
-            (asked.turn(steps, astray, 3.0), asked.reach)
+            let mut asked = Asked { steps, reach: 2.0, near };
+            let turn = asked.turn(astray, 3.0);
+            let again = Asked::of(asked.in_one(), asked.reach);
+            assert_eq!((again.steps, again.near), (steps + 1, near));
+            (turn, asked.reach)
         };
         assert_eq!([ask(false, 15, 2.0), ask(true, 17, 0.0)], [(None, 2.0); 2]);
         assert_eq!([ask(false, 32, 0.5), ask(true, 32, 0.5)], [(Some(128), 2.0), (Some(0), 2.0)]);

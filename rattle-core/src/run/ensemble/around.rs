@@ -1,10 +1,11 @@
 //! Lanes near other sheets of their surface.
 
 use crate::number::lanes::Lane;
+use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
-use crate::solve::crowd::{rises, shares};
+use crate::solve::crowd::{FARTHER, is_alone, reach, rises, shares, shift};
 use std::borrow::Borrow;
 
 /// An error for the first lane that has another sheet near, after so many steps: where g does not rise along the
@@ -29,4 +30,47 @@ pub(super) fn look_around<S: Lane, const L: usize, const D: usize>(
     }
     let crowded = least.iter().position(|&least| !S::default().le(least));
     crowded.map_or(Ok(()), |lane| Err(Stuck { lane, failure: None }))
+}
+
+/// Looks around all lanes, at these places, momenta, normals and accelerations, as far as steps that do not follow
+/// their root may have led astray since it was looked before.
+#[inline(always)]
+pub(super) fn look_as_far<S: Lane, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    steps: u64,
+    [q, p, normal, pull]: [&Vectors<S, L, D>; 4],
+    asked: &mut [S; L],
+    astray: &mut [S; L],
+) -> Result<(), Stuck> {
+    let zero = S::default();
+    let (mut square, mut furthest) = ([zero; L], [zero; L]);
+    for l in 0..L {
+        asked[l] = reach(astray[l], asked[l]);
+        astray[l] = zero;
+        let (n, p) = (at(normal, l), at(p, l));
+        square[l] = dot(&n, &n);
+        furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(pull, l)));
+    }
+    look_around(laws, steps, q, normal, &square, &furthest)
+}
+
+/// Looks for other sheets where such a step leads a lane, to this place with momentum, normal and acceleration there,
+/// if it has gone farther astray than it was looked before.
+#[inline(always)]
+pub(super) fn ask_around<S: Lane, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    lane: usize,
+    end: [&Vectors<S, L, D>; 4],
+    strays: S,
+    asked: &mut S,
+) -> Result<(), Stuck> {
+    if strays.le(*asked) {
+        return Ok(());
+    }
+    let [q, p, normal, pull] = end.map(|x| at(x, lane));
+    let (reach, square) = (S::from_f64(FARTHER) * strays, dot(&normal, &normal));
+    let furthest = shift(reach, square, dot(&p, &p), dot(&normal, &pull));
+    *asked = reach;
+    let alone = is_alone(laws.constraint(lane).borrow(), 0, [&q, &normal], square, furthest);
+    if alone { Ok(()) } else { Err(Stuck { lane, failure: None }) }
 }

@@ -11,16 +11,16 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
-use crate::number::vector::{add_scaled, dot};
+use crate::number::vector::add_scaled;
 use crate::number::vectors::at;
-use crate::run::ensemble::around::look_around;
+use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
-use crate::solve::crowd::{EVERY, FARTHER, is_alone, reach, shift};
+use crate::solve::crowd::{Asked, EVERY};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::any::Any;
 use std::borrow::Borrow;
@@ -110,9 +110,9 @@ where
         let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
         let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
-        for number in 0..steps {
+        for _ in 0..steps {
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
-            system.check_sheets(number, *h, &start, &mut bodies)?;
+            system.check_sheets(*h, &start, &mut bodies)?;
         }
         Ok((vec![bodies.body(0).map(S::to_f64)], 0.0))
     }
@@ -200,7 +200,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         while let Some(Leg { from, steps, written, .. }) = tour.next() {
             for now in from..from + steps {
                 if now % EVERY == 0 && now > 0 {
-                    look(row, now, &laws)?;
+                    let Row { q, p, normal, total, asked, astray, .. } = &mut *row;
+                    look_as_far(&laws, now, [q, p, normal, &total[N - 1]], asked, astray)?;
                 }
                 if !advance(row, &laws, &tableau, scratch) {
                     let Scratch { going, end, .. } = &mut *scratch;
@@ -210,7 +211,8 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
                         if going != S::from_f64(LOOKING) {
                             move_apart(row, lane, &laws, table, *h, now + 1, end)?;
                         }
-                        ask_around(row, lane, &laws, end)?;
+                        let there = [&end.q, &end.p, &end.normal, &end.total];
+                        ask_around(&laws, lane, there, end.strays[lane], &mut row.asked[lane])?;
                     }
                 }
                 if const { !X::Constraint::KINKS.is_empty() } {
@@ -225,26 +227,6 @@ impl<S: Lane, X: Laws<S, D>, const L: usize, const D: usize, const SUMS: usize, 
         }
         Ok(desk.row)
     }
-}
-
-/// Looks around all lanes, as far as steps may have led astray since it was looked before.
-#[inline(always)]
-fn look<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &mut Row<S, L, D, SUMS, N>,
-    now: u64,
-    laws: &impl Laws<S, D>,
-) -> Result<(), Stuck> {
-    let Row { q, p, normal, total, asked, astray, .. } = row;
-    let zero = S::default();
-    let (mut square, mut furthest) = ([zero; L], [zero; L]);
-    for l in 0..L {
-        asked[l] = reach(astray[l], asked[l]);
-        astray[l] = zero;
-        let (n, p) = (at(normal, l), at(p, l));
-        square[l] = dot(&n, &n);
-        furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(&total[N - 1], l)));
-    }
-    look_around(laws, now, q, normal, &square, &furthest)
 }
 
 /// Finds where the step leads a lane that cannot go with the others.
@@ -263,31 +245,11 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
     let mut memory = vec![S::default(); 1 + N * (D + 1)];
     let mut bodies = system.bodies(&[row.body(lane)], 0.0);
-    bodies.kept.crowd.asked.reach = row.asked[lane].to_f64();
+    bodies.kept.crowd.asked = Asked { steps: number, reach: row.asked[lane].to_f64(), near: false };
     let stuck = |failure| Stuck { lane, failure: Some(failure) };
     let start = apart(&system, table, h, 1, &mut bodies, &mut memory).map_err(stuck)?;
     if !row.land(lane, laws, S::from_f64(h), &bodies.body(0), &memory, end) {
-        system.check_sheets(number, h, &start, &mut bodies).map_err(stuck)?;
+        system.check_sheets(h, &start, &mut bodies).map_err(stuck)?;
     }
     if bodies.kept.crowd.asked.near { Err(Stuck { lane, failure: None }) } else { Ok(()) }
-}
-
-/// Looks for other sheets where the step leads a lane that has gone farther astray than it was looked before.
-#[inline(always)]
-fn ask_around<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
-    row: &mut Row<S, L, D, SUMS, N>,
-    lane: usize,
-    laws: &impl Laws<S, D>,
-    end: &End<S, L, D>,
-) -> Result<(), Stuck> {
-    let strays = end.strays[lane];
-    if strays.le(row.asked[lane]) {
-        return Ok(());
-    }
-    let [q, p, normal, pull] = [&end.q, &end.p, &end.normal, &end.total].map(|x| at(x, lane));
-    let (asked, square) = (S::from_f64(FARTHER) * strays, dot(&normal, &normal));
-    let furthest = shift(asked, square, dot(&p, &p), dot(&normal, &pull));
-    row.asked[lane] = asked;
-    let alone = is_alone(laws.constraint(lane).borrow(), 0, [&q, &normal], square, furthest);
-    if alone { Ok(()) } else { Err(Stuck { lane, failure: None }) }
 }

@@ -3,9 +3,10 @@
 
 use crate::effect::list::{Effects, Forces};
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::methods::dop853::Dop853;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{PhaseSpaces, Surfaces};
-use crate::motion::method::{Method, Splitting, Stage};
+use crate::motion::method::{Method, Projecting, Splitting, Stage};
 use crate::motion::state::State;
 use crate::motion::system::System;
 use crate::motion::table::{Table, Tabulated};
@@ -23,6 +24,7 @@ use crate::run::ensemble::linked_lanes::LinkedLanes;
 use crate::run::ensemble::phase_lanes::{PhaseLanes, fits_lanes};
 use crate::run::ensemble::phase_row::ROW as IN_PHASE_SPACE;
 use crate::run::ensemble::precision::{InNumbers, Precision};
+use crate::run::ensemble::projected_lanes::ProjectedLanes;
 use crate::run::ensemble::rigid_lanes::RigidLanes;
 use crate::run::ensemble::rigid_row::{RigidRow, Turns};
 use crate::run::ensemble::side_by_side::side_by_side;
@@ -49,18 +51,21 @@ pub(super) struct HowInLanes {
     pub(super) set: Fusing,
     /// The number of the first trajectory.
     pub(super) first: usize,
+    /// The tolerance of inner steps.
+    pub(super) tolerance: Option<f64>,
 }
 
 impl HowInLanes {
     /// By this method with this instruction set.
     ///
     /// # Errors
-    /// Where the instructions do not fuse, steps are too short, or the method is neither a splitting nor a collocation.
+    /// Where the instructions do not fuse, steps are too short, or the method is neither a splitting nor a collocation,
+    /// nor one of those whose steps are projected.
     pub(super) fn of<S: Method>(method: &S, set: InstructionSet) -> Result<Self, NotInLanes> {
         let fusing = Fusing::of(set).ok_or(NotInLanes::Instructions(set))?;
         let (stages, h, set) = (method.stages(), method.step_size(), fusing);
         let goes = match S::SPLITTING {
-            Splitting::Not => S::COLLOCATES > 0,
+            Splitting::Not => S::COLLOCATES > 0 || S::PROJECTS != Projecting::Not,
             Splitting::OneStage => stages.len() == 1,
             Splitting::Stages => !stages.is_empty(),
         };
@@ -70,7 +75,8 @@ impl HowInLanes {
         if !is_long(h, &stages) {
             return Err(NotInLanes::ShortSteps(h));
         }
-        Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0 })
+        let tolerance = method.tolerance();
+        Ok(Self { stages, h, stirs_after: method.stirs_after(), set, first: 0, tolerance })
     }
 
     /// The method that these are, a splitting, as it moves rows, where flows act or do not.
@@ -186,6 +192,9 @@ fn grouped<P: Precision, S: Method, O: Obeyed<D>, const D: usize>(
         return Some(P::compute(Splittings::<O, false, D>(obeyed, starts, lanes)));
     }
     by_stages!(2 3 4 5 6 7 8 9);
+    if const { S::PROJECTS as u8 == Projecting::Dop853 as u8 && D <= MOST_COORDINATES && !O::FLOWS } {
+        return P::compute(Projections::<O, D>(obeyed, starts, lanes));
+    }
     None
 }
 
@@ -360,7 +369,7 @@ impl<O: Obeyed<D>, const EQUAL: bool, const D: usize> InNumbers for Splittings<'
     type Done = Vec<Box<dyn Group<D>>>;
 
     fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
-        let Self(obeyed, starts, HowInLanes { stages, h, stirs_after, set, first }) = self;
+        let Self(obeyed, starts, HowInLanes { stages, h, stirs_after, set, first, .. }) = self;
         if const { O::ALIKE } && starts.len() == 1 {
             let laws = obeyed.laws::<S, 1>(0);
             let engine = SplittingLanes::<S, _, 1, D, SUMS, EQUAL>::new(laws, stages, *stirs_after, *h, *set);
@@ -395,6 +404,24 @@ where
             }
             let laws = obeyed.laws::<S, OF_STAGES>(from);
             let engine = CollocationLanes::<S, _, OF_STAGES, D, SUMS, N>::new(laws, table, *h, *set);
+            Some(side_by_side(Box::new(engine), first + from, starts))
+        })
+    }
+}
+
+/// Trajectories by steps that are projected onto the constraint. A single one too has a row of that width: lanes made
+/// for one would have to be compiled beside it.
+struct Projections<'a, O, const D: usize>(&'a O, &'a [State<D>], &'a HowInLanes);
+
+impl<O: Obeyed<D>, const D: usize> InNumbers for Projections<'_, O, D> {
+    type Done = Groups<D>;
+
+    fn compute<S: Lane, const SUMS: usize>(self) -> Self::Done {
+        let Self(obeyed, starts, HowInLanes { h, set, first, tolerance, .. }) = self;
+        let method = tolerance.map_or(Dop853::new(*h), |tolerance| Dop853::adaptive(*h, tolerance));
+        in_rows(OF_STAGES, starts, &|from, starts| {
+            let laws = obeyed.laws::<S, OF_STAGES>(from);
+            let engine = ProjectedLanes::<S, _, OF_STAGES, D, SUMS, _>::new(laws, method, *set);
             Some(side_by_side(Box::new(engine), first + from, starts))
         })
     }

@@ -14,10 +14,11 @@
 //! several trajectories, one in each lane of a register. This is done for
 //!
 //! * one body of up to 16 coordinates on a surface with one equation, moved by RATTLE, position Verlet, symplectic
-//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), or a Lobatto
-//!   method; except for Lobatto methods also with [flows](crate::effect::Flow) of momenta, such as heat, drag and
-//!   magnetic fields, unless they [feel forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
-//! * any number of linked bodies, moved by the same methods except Lobatto methods, always in double precision; also
+//!   Euler, Geodesic RATTLE, a composition of one of them, [`Baoab`](crate::methods::baoab::Baoab), a Lobatto
+//!   method, or [`Dop853`](crate::methods::dop853::Dop853); except for the last two also with
+//!   [flows](crate::effect::Flow) of momenta, such as heat, drag and magnetic fields, unless they [feel
+//!   forces](crate::effect::Flow::FEELS_FORCES) or have a memory;
+//! * any number of linked bodies, moved by the same methods except those two, always in double precision; also
 //!   with flows of momenta, of the same kinds.
 //!   Exceptions are links that move, have kinks or act on chosen coordinates; masses that are matrices;
 //!   [`LinearAlgebra::Orthogonal`](crate::systems::network::LinearAlgebra::Orthogonal); and sweeps over networks of
@@ -58,6 +59,7 @@ mod asked;
 mod block;
 mod collocation_lanes;
 mod crossing;
+mod dop853_lanes;
 mod engine;
 mod forces_in_lanes;
 mod group;
@@ -83,6 +85,9 @@ mod phase_row;
 mod phase_step;
 mod plan;
 pub mod precision;
+mod projected;
+mod projected_lanes;
+mod projected_row;
 mod rigid_lanes;
 mod rigid_row;
 mod row;

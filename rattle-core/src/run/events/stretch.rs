@@ -3,10 +3,10 @@
 use crate::effect::noise::Noise;
 use crate::methods::able::view;
 use crate::motion::bodies::Saved;
+use crate::motion::course::check;
 use crate::motion::method::Method;
 use crate::motion::system::{BodiesOf, System};
 use crate::motion::witness::Hears;
-use crate::run::course::check;
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
 
@@ -23,7 +23,6 @@ pub(in crate::run) struct Stretch<'a, Y: System<f64, D>, S: Method, const D: usi
     /// Room for two more places.
     pub(in crate::run) aside: &'a mut [Saved<Y::Count, f64, D>; 2],
     pub(in crate::run) witness: &'a mut dyn Hears<f64>,
-    pub(in crate::run) steps: u64,
     /// How often a try that fails is halved.
     pub(in crate::run) halvings: u32,
     /// Whether anything was tried but the whole step.
@@ -59,7 +58,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Stretch<'_, Y, S, D> {
         for _ in 0..parts {
             seldom(&method, self.system, self.bodies, memory.as_mut(), self.witness)?;
         }
-        Ok(check(&whole, self.system, self.steps, self.start, self.bodies)?)
+        Ok(check(&whole, self.system, self.start, self.bodies)?)
     }
 
     /// Back to where it begins.

@@ -96,6 +96,8 @@ pub(crate) struct Room<const D: usize> {
     pub(super) push: Vec<[f64; D]>,
     /// The increment under way.
     pub(super) lift: Vec<[f64; D]>,
+    /// Forces at the end of a step, those of constraints too.
+    pub(super) forces: Vec<[f64; D]>,
     /// Positions that g is tried at.
     pub(super) trial: Vec<[f64; D]>,
     pub(super) blocks: Vec<[f64; D]>,
@@ -287,6 +289,7 @@ impl<const D: usize> Room<D> {
             drift: vec![[0.0; D]; n],
             push: vec![[0.0; D]; n],
             lift: vec![[0.0; D]; n],
+            forces: vec![[0.0; D]; n],
             trial: vec![[0.0; D]; n],
             blocks: vec![[0.0; D]; blocks],
             before: vec![[0.0; D]; blocks],

@@ -22,6 +22,7 @@ use crate::solve::crowd::{OF_RADIUS, RISES, THERE, shares};
 use crate::solve::curve::quartic;
 use crate::systems::linked::kept::{BodiesOf, Linked, Room, Tied};
 use std::array::from_fn;
+use std::mem::take;
 
 /// On the quartic g is less than this part of s (s/path)⁴, where s is by how much a body's velocity changes, times h:
 /// three times what it is on a circle. For a body that starts at rest that is more than it may have been led astray.
@@ -37,7 +38,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     /// Looks inside a step of length h, after so many; and now and then whether other roots are near.
     pub(super) fn look_inside(
         &self,
-        steps: u64,
         h: f64,
         before: &Saved<N, f64, D>,
         now: &mut BodiesOf<F, N, D>,
@@ -46,24 +46,23 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         now.kept.tied.lend_normals(&self.shape, now.time, now.q.as_ref());
         now.kept.tied.room.lift.fill([0.0; D]);
         self.take_ends(h, before, now);
-        self.ask(steps, before, now);
+        self.ask(before, now);
         if now.kept.tied.asked.near {
             return self.go_there(h, before, now);
         }
         if !self.is_off_inside(h, false, before, now) {
             return Ok(());
         }
-        now.with_room(1, |now, _, forces| {
-            self.evaluate_rates(now, forces, &mut ());
-            self.take_ends(h, before, now);
-            for (body, root) in roots.iter().enumerate() {
-                let (a, [q, r]) =
-                    (root.velocity(&forces[body]), [&before.q, &now.q].map(|q| q.as_ref()[body]));
-                let Room { drift: v, velocity: w, lift, .. } = &mut now.kept.tied.room;
-                let of_cubic = |i: usize| 6.0 * (q[i] - r[i]) + h * (2.0 * v[body][i] + 4.0 * w[body][i]);
-                lift[body] = from_fn(|i| 0.5 * (h * h * a[i] - of_cubic(i)));
-            }
-        });
+        let mut forces = take(&mut now.kept.tied.room.forces);
+        self.evaluate_rates(now, &mut forces, &mut ());
+        self.take_ends(h, before, now);
+        for (body, root) in roots.iter().enumerate() {
+            let (a, [q, r]) = (root.velocity(&forces[body]), [&before.q, &now.q].map(|q| q.as_ref()[body]));
+            let Room { drift: v, velocity: w, lift, .. } = &mut now.kept.tied.room;
+            let of_cubic = |i: usize| 6.0 * (q[i] - r[i]) + h * (2.0 * v[body][i] + 4.0 * w[body][i]);
+            lift[body] = from_fn(|i| 0.5 * (h * h * a[i] - of_cubic(i)));
+        }
+        now.kept.tied.room.forces = forces;
         if self.is_off_inside(h, true, before, now) { self.go_there(h, before, now) } else { Ok(()) }
     }
 
@@ -81,9 +80,9 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 
     /// Now and then, and after a step that may have led farther astray than was asked for, asks whether other roots are
     /// near.
-    fn ask(&self, steps: u64, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
+    fn ask(&self, before: &Saved<N, f64, D>, now: &mut BodiesOf<F, N, D>) {
         let astray = most(now.kept.tied.room.push.iter().map(largest));
-        let Some(turn) = now.kept.tied.asked.turn(steps, astray, 1.0) else { return };
+        let Some(turn) = now.kept.tied.asked.turn(astray, 1.0) else { return };
         let ways = now.q.as_ref().iter().zip(before.q.as_ref());
         let path = most(ways.map(|(q, from)| largest(&add_scaled(q, -1.0, from))));
         let radius = path * (path / (12.0 * astray)).sqrt(); // as on a circle; none where nothing is led astray

@@ -76,7 +76,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         to.counts("counts", [solves, corrections, values, gradients, followed]);
         pace.record(aims.len(), &mut aims.iter(), to);
         to.numbers("crowd looked at", &[1], [asked.reach]);
-        to.counts("crowd", [u64::from(asked.near)]);
+        to.counts("crowd", [asked.in_one()]);
     }
 
     fn recall(&self, bodies: &mut BodiesOf<F, N, D>, from: &mut Reading<'_>) -> Result<(), Error> {
@@ -84,8 +84,8 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         bodies.kept.tied.counts = Counts { solves, corrections, values, gradients, followed };
         let aims = &mut bodies.kept.tied.aims;
         bodies.kept.tied.pace = Pace::recall(aims.len(), &mut aims.iter_mut(), from)?;
-        let ([reach], [near]) = (from.array("crowd looked at")?, from.counted("crowd")?);
-        bodies.kept.tied.asked = Asked { reach, near: near != 0 };
+        let ([reach], [asked]) = (from.array("crowd looked at")?, from.counted("crowd")?);
+        bodies.kept.tied.asked = Asked::of(asked, reach);
         Ok(())
     }
 
@@ -216,12 +216,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
 
     fn check_sheets(
         &self,
-        steps: u64,
         h: f64,
         before: &Saved<N, f64, D>,
         now: &mut BodiesOf<F, N, D>,
     ) -> Result<(), Failure> {
-        if self.shape.equations == 0 { Ok(()) } else { self.look_inside(steps, h, before, now) }
+        if self.shape.equations == 0 { Ok(()) } else { self.look_inside(h, before, now) }
     }
 
     fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {

@@ -36,15 +36,15 @@ impl Crowd {
 
     pub(super) fn record(&self, to: &mut Record) {
         to.counts("crowded tiles", self.tiles.iter().copied());
-        to.counts("crowd", [self.drifts, u64::from(self.asked.near)]);
+        to.counts("crowd", [self.drifts, self.asked.in_one()]);
         to.numbers("crowd looked at", &[2], [self.longest, self.asked.reach]);
     }
 
     pub(super) fn recalled(from: &mut Reading<'_>, tiles: usize) -> Result<Self, Error> {
         let found = from.counts("crowded tiles")?;
-        let [drifts, near] = from.counted("crowd")?;
+        let [drifts, asked] = from.counted("crowd")?;
         let [longest, reach] = from.array("crowd looked at")?;
-        let mut crowd = Self { drifts, longest, asked: Asked { reach, near: near != 0 }, ..Self::of(tiles) };
+        let mut crowd = Self { drifts, longest, asked: Asked::of(asked, reach), ..Self::of(tiles) };
         crowd.tiles.iter_mut().zip(found).for_each(|(tile, &bits)| *tile = bits);
         Ok(crowd)
     }

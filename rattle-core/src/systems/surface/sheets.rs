@@ -19,7 +19,7 @@ use crate::motion::bodies::{Body, Count, Saved};
 use crate::motion::failure::{Failure, numbers};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
-use crate::solve::aim::{INSIDE, OFF_INSIDE, ROUNDINGS};
+use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, THERE, is_alone, shift};
 use crate::solve::curve::{cubic, quartic};
 use crate::systems::surface::equation::Equation;
@@ -35,10 +35,6 @@ const MOST_WAYS: usize = 256;
 /// The smallest part of what is left to walk that is tried at once.
 const SMALLEST_SHARE: f64 = 1.0 / 1024.0;
 
-/// A step that led astray by more than this part of its path is walked. On a circle that are steps of more than 1.1
-/// radians.
-const BOLD: f64 = 0.1;
-
 /// Parts of the step that a walk goes by way of.
 const BENDS: u32 = 8;
 
@@ -51,7 +47,6 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     #[inline(always)]
     pub(super) fn check_each<T, const D: usize>(
         &self,
-        steps: u64,
         h: f64,
         before: &Saved<N, T, D>,
         now: &mut BodiesOf<N, T, F, D>,
@@ -63,7 +58,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let bodies = 0..self.count.number();
         let astray = bodies.map(|body| astray(h, &before.body(body), &now.body(body))).fold(0.0, f64::max);
-        if let Some(turn) = now.kept.crowd.asked.turn(steps, astray, FARTHER) {
+        if let Some(turn) = now.kept.crowd.asked.turn(astray, FARTHER) {
             self.ask(turn, before, now);
         }
         let near = now.kept.crowd.asked.near;

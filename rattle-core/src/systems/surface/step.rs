@@ -232,7 +232,7 @@ where
     let (q, q_low) = (&mut bodies.q.as_mut()[body], &mut bodies.q_low.as_mut()[body]);
     let zero = T::from_f64(0.0);
     let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
-    let rounding = T::from_f64(f64::EPSILON) * largest(q).max(largest(&path));
+    let rounding = T::from_f64(T::EPSILON) * largest(q).max(largest(&path));
     let (mut nearing, mut left) = (Nearing::leaving(1.0), zero);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([g], [gradient]) = constraint.value_and_jacobian(q);

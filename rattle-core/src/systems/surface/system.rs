@@ -278,12 +278,11 @@ where
 
     fn check_sheets(
         &self,
-        steps: u64,
         h: f64,
         before: &Saved<N, T, D>,
         now: &mut BodiesOf<N, T, F, D>,
     ) -> Result<(), Failure> {
-        self.check_each(steps, h, before, now)
+        self.check_each(h, before, now)
     }
 
     fn equations(&self) -> usize {

@@ -1,0 +1,194 @@
+//! The stages of [`Dop853`] for trajectories in lanes.
+
+use crate::effect::list::Forces;
+use crate::kernel::functions::ConstraintKernel;
+use crate::methods::dop853::{CHANGE, Dop853, SAFETY};
+use crate::methods::dop853_table::{ERROR_3, ERROR_5, STAGES, STEPS, WEIGHTS};
+use crate::motion::bodies::One;
+use crate::motion::failure::Failure;
+use crate::motion::method::Method;
+use crate::number::lanes::Lane;
+use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::projected::Projects;
+use crate::run::ensemble::projected_row::Place;
+use crate::run::ensemble::row::pull;
+use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
+use std::borrow::Borrow;
+
+/// Rates of places and momenta at the stages, and where a stage is.
+pub(crate) struct Stages<S, const L: usize, const D: usize> {
+    v: [Vectors<S, L, D>; STAGES],
+    f: [Vectors<S, L, D>; STAGES],
+    q: Vectors<S, L, D>,
+}
+
+impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
+    type Method = Self;
+    type Room = Stages<S, L, D>;
+
+    fn method(&self) -> &Self {
+        self
+    }
+
+    fn room(&self) -> Stages<S, L, D> {
+        let zero = [[S::default(); L]; D];
+        Stages { v: [zero; STAGES], f: [zero; STAGES], q: zero }
+    }
+
+    fn evaluations(&self) -> u32 {
+        STAGES as u32
+    }
+
+    #[inline(always)]
+    fn sum<const SUMS: usize>(
+        &self,
+        laws: &impl Laws<S, D>,
+        now: &Place<S, L, D>,
+        left: &[S; L],
+        inner: &mut [S; L],
+        next: &mut [S; L],
+        taken: &mut [bool; L],
+        [way, change]: [&mut Vectors<S, L, D>; 2],
+        room: &mut Stages<S, L, D>,
+    ) {
+        let Stages { v, f, q } = room;
+        for l in 0..L {
+            inner[l] = S::select(left[l].abs().le(inner[l].abs()), left[l], inner[l]);
+        }
+        (v[0], f[0]) = (now.p, now.pull);
+        for stage in 1..STAGES {
+            for d in 0..D {
+                let low = [&now.q_low[d], &now.p_low[d]];
+                let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
+                combine(STEPS[stage], d, v, &mut x);
+                combine(STEPS[stage], d, f, &mut y);
+                reach::<S, L, SUMS>(inner, &x, &now.q[d], low[0], &mut q[d]);
+                reach::<S, L, SUMS>(inner, &y, &now.p[d], low[1], &mut v[stage][d]);
+            }
+            rates(laws, q, &v[stage], &mut f[stage]);
+        }
+        match self.tolerance() {
+            None => (*next, *taken) = (*inner, [true; L]),
+            Some(tolerance) => {
+                let (mut fifth, mut third) = ([S::default(); L], [S::default(); L]);
+                let whole = S::from_f64(self.step_size().abs());
+                length(ERROR_5, whole, v, f, &mut fifth);
+                length(ERROR_3, whole, v, f, &mut third);
+                fit(S::from_f64(tolerance), &fifth, &third, inner, next, taken);
+            }
+        }
+        for d in 0..D {
+            let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
+            combine(WEIGHTS, d, v, &mut x);
+            combine(WEIGHTS, d, f, &mut y);
+            for l in 0..L {
+                (way[d][l], change[d][l]) = (inner[l] * x[l], inner[l] * y[l]);
+            }
+        }
+    }
+
+    fn by_itself<K: ConstraintKernel<S, D, 1>, F: Forces<S, D>>(
+        &self,
+        system: &OnSurface<K, F, One, OneByOne>,
+        parts: u32,
+        bodies: &mut BodiesOf<One, S, F, D>,
+    ) -> Result<(), Failure> {
+        let part = self.with_step(self.step_size() / f64::from(parts));
+        (0..parts).try_for_each(|_| {
+            part.step::<S, OnSurface<K, F, One, OneByOne>, _, D>((system, system), bodies, &mut [], &mut ())
+        })
+    }
+}
+
+/// Adds one coordinate of the rates with these weights.
+#[inline(always)]
+fn combine<S: Lane, const L: usize, const D: usize>(
+    weights: &[(usize, f64)],
+    d: usize,
+    rates: &[Vectors<S, L, D>; STAGES],
+    to: &mut [S; L],
+) {
+    for &(stage, weight) in weights {
+        let (weight, rate) = (S::from_f64(weight), &rates[stage][d]);
+        for l in 0..L {
+            to[l] = weight.multiply_add(rate[l], to[l]);
+        }
+    }
+}
+
+/// One coordinate of where these rates lead.
+#[inline(always)]
+fn reach<S: Lane, const L: usize, const SUMS: usize>(
+    inner: &[S; L],
+    rates: &[S; L],
+    from: &[S; L],
+    low: &[S; L],
+    to: &mut [S; L],
+) {
+    for l in 0..L {
+        let way = if SUMS > 0 { inner[l].multiply_add(rates[l], low[l]) } else { inner[l] * rates[l] };
+        to[l] = from[l] + way;
+    }
+}
+
+/// f + ∇g λ at these places and momenta, with λ from g̈ = 0.
+#[inline(always)]
+fn rates<S: Lane, const L: usize, const D: usize>(
+    laws: &impl Laws<S, D>,
+    q: &Vectors<S, L, D>,
+    p: &Vectors<S, L, D>,
+    to: &mut Vectors<S, L, D>,
+) {
+    for l in 0..L {
+        let (q, p) = (at(q, l), at(p, l));
+        let [gradient] = laws.constraint(l).borrow().jacobian(&q);
+        put(to, l, pull(laws, l, &q, &p, &gradient).1);
+    }
+}
+
+/// |Σ cⱼ q̇ⱼ| + h |Σ cⱼ ṗⱼ| of each lane.
+#[inline(always)]
+fn length<S: Lane, const L: usize, const D: usize>(
+    weights: &[(usize, f64)],
+    whole: S,
+    v: &[Vectors<S, L, D>; STAGES],
+    f: &[Vectors<S, L, D>; STAGES],
+    to: &mut [S; L],
+) {
+    let (mut places, mut momenta) = ([S::default(); L], [S::default(); L]);
+    for d in 0..D {
+        let (mut x, mut y) = ([S::default(); L], [S::default(); L]);
+        combine(weights, d, v, &mut x);
+        combine(weights, d, f, &mut y);
+        for l in 0..L {
+            places[l] = x[l].multiply_add(x[l], places[l]);
+            momenta[l] = y[l].multiply_add(y[l], momenta[l]);
+        }
+    }
+    for l in 0..L {
+        to[l] = places[l].sqrt() + whole * momenta[l].sqrt();
+    }
+}
+
+/// Which inner steps are within the tolerance, and how long the next ones are to be.
+#[inline(always)]
+fn fit<S: Lane, const L: usize>(
+    tolerance: S,
+    fifth: &[S; L],
+    third: &[S; L],
+    inner: &[S; L],
+    next: &mut [S; L],
+    taken: &mut [bool; L],
+) {
+    let [zero, safety, least, most, tenth] = [0.0, SAFETY, CHANGE.0, CHANGE.1, 0.1].map(S::from_f64);
+    for l in 0..L {
+        let (a, b) = (fifth[l], tenth * third[l]);
+        let error = inner[l].abs() * a * (a / a.multiply_add(a, b * b).sqrt());
+        let error = S::select(a.le(zero), zero, error);
+        let fits = safety * (tolerance / error).sqrt().sqrt().sqrt();
+        let fits = S::select(least.le(fits), fits, least).min(most); // also where it is no number
+        taken[l] = error.le(tolerance);
+        next[l] = inner[l] * S::select(taken[l], fits, fits.min(safety));
+    }
+}

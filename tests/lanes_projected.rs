@@ -1,0 +1,167 @@
+//! DOP853 in lanes: as each trajectory alone but for rounding, with fixed steps and with a tolerance; never silently on
+//! another sheet.
+
+use crate::common::bits;
+use rattle::ensemble::InstructionSet;
+use rattle::nalgebra::Vector3;
+use rattle::prelude::*;
+use rattle::surfaces::{Lemniscate, Sphere};
+
+potential! {
+    struct Weight { g }
+    |_x, y, z| g * z + y^2 / 4
+}
+
+const R: f64 = 1.0 / 6.0;
+
+fn scene() -> Scene<Lemniscate, impl rattle::effect::list::Effects<3>, rattle::bodies::One, 3> {
+    Scene::on(Lemniscate { a: 1.0, r: R }).with(Weight { g: 1.0 })
+}
+
+fn start(speed: f64, i: u32) -> State<3> {
+    let angle = 0.37 * f64::from(i);
+    State::at([0.0, 0.0, R]).moving([speed * angle.cos(), speed * angle.sin(), 0.0])
+}
+
+/// The largest difference of places and momenta from simulations by themselves, after a time of a half. Neighbouring
+/// trajectories have parted by less than 30 times then, and rounding takes some 1e-16 in each of up to 50 steps.
+fn off<P: Precision>(precision: P, method: Dop853, steps: u64) -> f64 {
+    let mut ensemble = scene().ensemble_in(precision, (0..20).map(|i| start(1.0, i)), method).unwrap();
+    ensemble.run(steps);
+    assert_eq!(ensemble.plan().in_lanes, if InstructionSet::widest().fuses() { 20 } else { 0 });
+    let apart = (0..20).map(|i| {
+        let mut alone = scene().simulate(start(1.0, i), method).unwrap();
+        alone.run(steps).unwrap();
+        let state = ensemble.state(i as usize);
+        assert!(ensemble.failure(i as usize).is_none() && state.time() == alone.time());
+        let (q, p) = (state.positions().next().unwrap(), state.momenta().next().unwrap());
+        (q - alone.position()).norm().max((p - alone.momentum()).norm())
+    });
+    apart.fold(0.0, f64::max)
+}
+
+#[test]
+fn as_alone_but_for_rounding() {
+    let found = [
+        off(Double, Dop853::new(0.01), 50),
+        off(Compensated, Dop853::new(0.02), 25),
+        off(Double, Dop853::adaptive(0.05, 1e-12), 10),
+        off(Double, Dop853::adaptive(0.25, 1e-10), 2),
+        off(Double, Dop853::adaptive(-0.25, 1e-10), 2),
+    ];
+    println!("{found:?}");
+    let fused = InstructionSet::widest().fuses();
+    assert!(found.iter().all(|&off| off < 1e-12 && (off > 0.0) == fused), "{found:?}");
+    assert!(off(Single, Dop853::new(0.02), 25) < 1e-3);
+}
+
+/// Halved steps leave 2⁻⁸ of the error; the reference is a simulation with a tolerance.
+#[test]
+fn of_order_eight() {
+    let mut exact = scene().simulate(start(1.0, 2), Dop853::adaptive(0.1, 1e-15)).unwrap();
+    exact.run(5).unwrap();
+    let [one, two] = [10_u32, 20].map(|steps| {
+        let method = Dop853::new(0.5 / f64::from(steps));
+        let mut ensemble = scene().ensemble([start(1.0, 2)], method).unwrap();
+        ensemble.run(steps.into());
+        (ensemble.state(0).positions().next().unwrap() - exact.position()).norm()
+    });
+    let order = (one / two).log2();
+    println!("{one:e} {two:e} {order}");
+    assert!((order - 8.0).abs() < 1.0, "{order}");
+}
+
+/// Round a great circle three times, in steps so short that their own error is 1e-20: what is off is rounding.
+#[test]
+fn compensated_sums() {
+    fn off<P: Precision>(precision: P) -> f64 {
+        let method = Dop853::new(std::f64::consts::TAU / 300.0);
+        let scene = Scene::on(Sphere { r: 1.0 });
+        let starts = (0..16).map(|i| {
+            let (sin, cos) = f64::from(i).sin_cos();
+            State::at([1.0, 0.0, 0.0]).moving([0.0, cos, sin])
+        });
+        let mut ensemble = scene.ensemble_in(precision, starts, method).unwrap();
+        ensemble.run(900);
+        let off = |state: State<3>| (state.positions().next().unwrap() - Vector3::x()).norm();
+        ensemble.states().map(off).fold(0.0, f64::max)
+    }
+    let found = [off(Compensated), off(Double)];
+    println!("{found:?}");
+    assert!(found[0] < 0.5 * found[1], "{found:?}");
+}
+
+/// Trajectories too fast for their steps end, as they do alone; the others have the bits that they have without them,
+/// in other divisions of the run, by other instructions, and where a checkpoint is gone on from.
+#[test]
+fn who_fails_touches_no_one_else() {
+    let fast = |i: &u32| i.is_multiple_of(3);
+    for method in [Dop853::new(0.02), Dop853::adaptive(0.02, 1e-9)] {
+        let starts = |numbers: &[u32]| {
+            numbers.iter().map(|i| start(if fast(i) { 30.0 } else { 1.0 }, *i)).collect::<Vec<_>>()
+        };
+        let numbers: Vec<u32> = (0..22).collect();
+        let calm: Vec<u32> = (0..22).filter(|i| !fast(i)).collect();
+        let of = |numbers: &[u32]| scene().ensemble(starts(numbers), method).unwrap();
+        let mut all = of(&numbers);
+        all.run(40);
+        let record = all.checkpoint();
+        all.run(20);
+        let mut resumed = of(&numbers);
+        resumed.resume(&record).unwrap();
+        resumed.run(20);
+        let mut narrow = Ensemble::of(Double, &scene(), starts(&calm), method, InstructionSet::Avx2).unwrap();
+        let mut calm_ones = of(&calm);
+        calm_ones.run(60);
+        narrow.run(60);
+        for (n, &i) in calm.iter().enumerate() {
+            let expected = bits(&calm_ones.state(n));
+            assert_eq!(bits(&all.state(i as usize)), expected, "trajectory {i}");
+            assert_eq!(bits(&resumed.state(i as usize)), expected, "trajectory {i} resumed");
+            if narrow.instruction_set().fuses() {
+                assert_eq!(bits(&narrow.state(n)), expected, "trajectory {i} by narrow registers");
+            }
+        }
+        let ended: Vec<usize> = all.failures().map(|(i, _)| i).collect();
+        println!("{}: {ended:?}", rattle::method::Method::name(&method));
+        assert!(ended.iter().all(|&i| fast(&(i as u32))), "{ended:?}");
+        if method == Dop853::new(0.02) {
+            assert!(!ended.is_empty());
+        }
+        for i in ended {
+            let mut alone = scene().simulate(start(30.0, i as u32), method).unwrap();
+            let error = alone.run(60).unwrap_err();
+            let kind = std::mem::discriminant(&error);
+            assert_eq!(std::mem::discriminant(all.failure(i).unwrap()), kind, "trajectory {i}: {error}");
+        }
+    }
+}
+
+/// On shells as close as a step leads astray each motion stays on its own, or ends. Without being looked at, nine of
+/// the last twenty would go on from another one.
+#[test]
+fn shells_are_not_changed_in_silence() {
+    constraint! {
+        struct Shells { k }
+        |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
+    }
+    let (mut right, mut refused) = (0, 0);
+    for (k, h) in [(30.0, 0.3), (300.0, 0.5), (1e7, 1.0), (1e8, 0.8)] {
+        let start = |i: u32| {
+            let angle = 0.2 * f64::from(i);
+            State::at([1.0, 0.0, 0.0]).moving([0.0, angle.cos(), angle.sin()])
+        };
+        let scene = Scene::on(Shells { k }).with(Weight { g: 1.0 });
+        for method in [Dop853::new(h), Dop853::adaptive(h, 1e-6)] {
+            let mut ensemble = scene.ensemble((0..20).map(start), method).unwrap();
+            ensemble.run(4);
+            for (i, state) in ensemble.states().enumerate() {
+                let off = (state.positions().next().unwrap().norm() - 1.0).abs();
+                assert!(off < 0.1 / k, "k = {k}, h = {h}, trajectory {i}: {off:e} off");
+                *if ensemble.failure(i).is_some() { &mut refused } else { &mut right } += 1;
+            }
+        }
+    }
+    println!("{right} right, {refused} refused");
+    assert!(right > 80, "{right} right, {refused} refused");
+}
