@@ -59,6 +59,14 @@ fn stages_in_lanes_stay_on_their_sheets() {
     ensembles(9, 10, Lobatto::<5>::new).check(75);
 }
 
+/// With a tolerance, steps of up to 1.6 have inner ones of their own in each lane.
+#[test]
+#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+fn dop853_in_lanes_stays_on_its_sheet() {
+    ensembles(10, 10, Dop853::new).check(75);
+    ensembles(11, 10, |h| Dop853::adaptive(4.0 * h, 1e-8)).check(75);
+}
+
 constraint! {
     /// |q| = 1, and below a height many more spheres: |∇g| changes by any factor in a step or two.
     #[derive(Clone, Copy)]
@@ -123,6 +131,8 @@ fn lanes_go_in_among_spheres_and_out_again() {
         assert!(astray == 0 && refused < 60, "{astray} astray, {refused} refused, each {every}");
         let suzuki = |h| Composition::new(SUZUKI_1990_ORDER_4, h);
         let [astray, refused] = going_in_and_out(22, 30, every, suzuki);
+        assert!(astray == 0 && refused < 20, "{astray} astray, {refused} refused, each {every}");
+        let [astray, refused] = going_in_and_out(23, 30, every, |h| Dop853::adaptive(2.0 * h, 1e-9));
         assert!(astray == 0 && refused < 20, "{astray} astray, {refused} refused, each {every}");
     }
 }

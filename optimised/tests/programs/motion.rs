@@ -2,6 +2,8 @@
 
 #[path = "../../../tests/common/mod.rs"]
 mod common;
+#[path = "../drifts.rs"]
+mod drifts;
 #[path = "../events.rs"]
 mod events;
 #[path = "../every_method.rs"]

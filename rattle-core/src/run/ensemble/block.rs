@@ -107,6 +107,9 @@ pub(crate) struct Part {
     pub(super) h: f64,
     /// What momenta are kept times: h where all steps are equal, else 1.
     pub(super) unit: f64,
+    /// The unit over the length, and what rounding took from that: it is the same in each step, so that energy would
+    /// drift.
+    pub(super) over: [f64; 2],
     /// The kick before it, by which momenta are ahead.
     pub(super) lead: f64,
     /// The kick after it, and that before the next one.
@@ -141,7 +144,9 @@ impl Part {
             let Stage { before: lead, after, .. } = stages[i];
             let kick = after + stages[(i + 1) % n].before;
             let reach = REACH * stages.iter().map(|stage| (stage.h / h).powi(2)).fold(1.0, f64::max);
-            Part { h, unit, lead, kick, before: (before / h).powi(2), reach, weights }
+            let over = unit / h;
+            let over = [over, (-over).mul_add(h, unit) / h];
+            Part { h, unit, over, lead, kick, before: (before / h).powi(2), reach, weights }
         };
         (0..n).map(part).collect()
     }

@@ -8,6 +8,7 @@ use crate::motion::bodies::One;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::Lane;
+use crate::number::vector::largest;
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected::Projects;
@@ -15,6 +16,9 @@ use crate::run::ensemble::projected_row::Place;
 use crate::run::ensemble::row::pull;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
+
+/// In single precision no tolerance is smaller than so many roundings of places: each inner step leaves one.
+const ROUNDINGS: f64 = 4.0;
 
 /// Rates of places and momenta at the stages, and where a stage is.
 pub(crate) struct Stages<S, const L: usize, const D: usize> {
@@ -75,7 +79,14 @@ impl<S: Lane, const L: usize, const D: usize> Projects<S, L, D> for Dop853 {
                 let whole = S::from_f64(self.step_size().abs());
                 length(ERROR_5, whole, v, f, &mut fifth);
                 length(ERROR_3, whole, v, f, &mut third);
-                fit(S::from_f64(tolerance), &fifth, &third, inner, next, taken);
+                let mut within = [S::from_f64(tolerance); L];
+                if const { S::EPSILON > f64::EPSILON } {
+                    for l in 0..L {
+                        within[l] =
+                            within[l].max(S::from_f64(ROUNDINGS * S::EPSILON) * largest(&at(&now.q, l)));
+                    }
+                }
+                fit(&within, &fifth, &third, inner, next, taken);
             }
         }
         for d in 0..D {
@@ -174,7 +185,7 @@ fn length<S: Lane, const L: usize, const D: usize>(
 /// Which inner steps are within the tolerance, and how long the next ones are to be.
 #[inline(always)]
 fn fit<S: Lane, const L: usize>(
-    tolerance: S,
+    tolerance: &[S; L],
     fifth: &[S; L],
     third: &[S; L],
     inner: &[S; L],
@@ -186,9 +197,9 @@ fn fit<S: Lane, const L: usize>(
         let (a, b) = (fifth[l], tenth * third[l]);
         let error = inner[l].abs() * a * (a / a.multiply_add(a, b * b).sqrt());
         let error = S::select(a.le(zero), zero, error);
-        let fits = safety * (tolerance / error).sqrt().sqrt().sqrt();
+        let fits = safety * (tolerance[l] / error).sqrt().sqrt().sqrt();
         let fits = S::select(least.le(fits), fits, least).min(most); // also where it is no number
-        taken[l] = error.le(tolerance);
+        taken[l] = error.le(tolerance[l]);
         next[l] = inner[l] * S::select(taken[l], fits, fits.min(safety));
     }
 }

@@ -159,7 +159,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
     let mut done = 0;
     while done < count {
         let part = &parts[(first + done) % parts.len()];
-        let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
+        let (share, over_share) = (Fused(part.h / part.unit), part.over.map(Fused));
         let normals = by_coordinate(&entry, old, &zero);
         let start = Start::<M, K, W, S> {
             q: of_few(&q[moving.clone()]),
@@ -180,7 +180,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
             break;
         }
         move_on::<M, K, W, S>(
-            (&normals, &over_old, [share, over_share]),
+            (&normals, &over_old, share, over_share),
             found,
             of_size(&mut q[moving.clone()]),
             if S { of_size(&mut q_low[moving.clone()]) } else { none },
@@ -287,7 +287,7 @@ fn correct_again<const M: usize, const W: usize>(
 /// in their low digits.
 #[inline(always)]
 fn move_on<const M: usize, const K: usize, const W: usize, const S: bool>(
-    (normals, over, [share, over_share]): (&Normals<M, K, W>, &[Number; K], [Number; 2]),
+    (normals, over, share, [over_share, over_rest]): (&Normals<M, K, W>, &[Number; K], Number, [Number; 2]),
     found: &[Numbers<W>; M],
     q: &mut [Numbers<W>; K],
     q_low: &mut [Numbers<W>; K],
@@ -303,7 +303,7 @@ fn move_on<const M: usize, const K: usize, const W: usize, const S: bool>(
                 let by = share.multiply_add(low, q_low[k].0[l]) + share.multiply_add(way[k].0[l], moved);
                 let ([sum], [rest]) = two_sum(&[q[k].0[l]], &[by]);
                 (q[k].0[l], q_low[k].0[l]) = (sum, rest);
-                way_low[k].0[l] = over_share.multiply_add(moved, low);
+                way_low[k].0[l] = over_share.multiply_add(moved, over_rest.multiply_add(moved, low));
             } else {
                 q[k].0[l] = share.multiply_add(way[k].0[l], q[k].0[l]) + moved;
                 way[k].0[l] = over_share.multiply_add(moved, way[k].0[l]);

@@ -279,11 +279,11 @@ impl<const W: usize> Course<'_, W> {
     ) {
         let Self { plan, equal, sums, .. } = *self;
         let Places { way, way_low, found, guess, last, earlier, .. } = plan.places;
-        let [share, over_share] = [part.h / part.unit, part.unit / part.h].map(Fused);
+        let (share, over) = (Fused(part.h / part.unit), part.over.map(Fused));
         if sums {
-            plan.displace.hand_over(numbers, &MoveSums { places: &plan.places, share, over_share });
+            plan.displace.hand_over(numbers, &MoveSums { places: &plan.places, share, over });
         } else {
-            plan.displace.hand_over(numbers, &Move { places: &plan.places, over_share });
+            plan.displace.hand_over(numbers, &Move { places: &plan.places, over: over[0] });
         }
         if part.kick != 0.0 {
             self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
@@ -411,7 +411,7 @@ impl<const W: usize> Work for Projection<'_, '_, W> {
 /// Moves a coordinate on by what constraints make of it.
 struct Move<'a> {
     places: &'a Places,
-    over_share: Number,
+    over: Number,
 }
 
 impl<const W: usize> Takes<W> for Move<'_> {
@@ -424,7 +424,7 @@ impl<const W: usize> Takes<W> for Move<'_> {
             to.0[l] = to.0[l] + moved.0[l];
         }
         numbers[q + c] = to;
-        add_times(self.over_share, moved, &mut numbers[way + c]);
+        add_times(self.over, moved, &mut numbers[way + c]);
     }
 }
 
@@ -432,7 +432,7 @@ impl<const W: usize> Takes<W> for Move<'_> {
 struct MoveSums<'a> {
     places: &'a Places,
     share: Number,
-    over_share: Number,
+    over: [Number; 2],
 }
 
 impl<const W: usize> Takes<W> for MoveSums<'_> {
@@ -445,7 +445,10 @@ impl<const W: usize> Takes<W> for MoveSums<'_> {
             by.0[l] = share.multiply_add(low.0[l], back.0[l]) + share.multiply_add(way.0[l], moved.0[l]);
         }
         add(q + c, q_low + c, &by, numbers);
-        add_times(self.over_share, moved, &mut numbers[way_low + c]);
+        let (low, [over, rest]) = (&mut numbers[way_low + c], self.over);
+        for l in 0..W {
+            low.0[l] = over.multiply_add(moved.0[l], rest.multiply_add(moved.0[l], low.0[l]));
+        }
     }
 }
 

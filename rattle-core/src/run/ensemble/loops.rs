@@ -383,8 +383,8 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
 ) where
     S: Lane,
 {
-    let [share, over_share, kick] =
-        [part.h / part.unit, part.unit / part.h, part.unit * part.kick].map(S::from_f64);
+    let [share, kick] = [part.h / part.unit, part.unit * part.kick].map(S::from_f64);
+    let [over_share, rest_of_share] = part.over.map(S::from_f64);
     let [a, b, c] = part.weights.map(S::from_f64);
     for i in 0..L {
         let (n, m, old, found) = (at(normal, i), at(next, i), at(way, i), multiplier[i]);
@@ -408,7 +408,11 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
             let pushed = kicked(add_scaled(&old, push, &n));
             project(pushed, dot(&m, &pushed))
         } else {
-            let change = kicked(add_scaled(&at(&way_low[0], i), push, &n));
+            let mut low = at(&way_low[0], i);
+            if !EQUAL {
+                low = add_scaled(&low, rest_of_share * found, &n);
+            }
+            let change = kicked(add_scaled(&low, push, &n));
             let (new, low) = two_sum(&old, &project(change, dot(&m, &sum(&old, &change))));
             put(&mut way_low[0], i, low);
             new

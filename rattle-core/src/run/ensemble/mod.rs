@@ -33,17 +33,18 @@
 //!
 //! **The same numbers everywhere.** A trajectory depends on its start alone. It is the same, bit for bit, whatever the
 //! other trajectories, the number of threads, the division of a run into calls, and the instruction set, if that has
-//! fused multiply-add (see [`InstructionSet::fuses`]). One exception: near other sheets of a surface, and where a flow
-//! ends a trajectory, some steps are made by the trajectory alone. Which these are depends on the division into calls,
-//! and with it last bits do.
+//! fused multiply-add (see [`InstructionSet::fuses`]). One exception: near other sheets of a surface, where a
+//! long step of `Dop853` looks as if they were near, and where a flow ends a trajectory, some steps are made by the
+//! trajectory alone. Which these are depends on the division into calls, and with it last bits do; where inner steps
+//! follow from a tolerance, digits below that.
 //!
 //! **Lanes and simulations agree to rounding,** not bit for bit. In lanes the position equation is solved by Newton's
 //! method from multipliers extrapolated from the last steps, whatever [`guess`](crate::methods::rattle::Rattle::guess)
 //! and [`solved_by`](crate::methods::rattle::Rattle::solved_by) say; Lobatto methods begin with the stages of the step
 //! before, rigid bodies with a rotation extrapolated likewise; in phase space guesses are those of a simulation. For
 //! the same reason an ensemble that starts from the states of another one agrees with it only to rounding: it does not
-//! know the earlier steps. States of a [`Single`] ensemble satisfy the constraint to seven digits; `scene.project`
-//! turns them into starts.
+//! know the earlier steps. In a [`Single`] ensemble a tolerance counts as four roundings of places at least. States of
+//! a [`Single`] ensemble satisfy the constraint to seven digits; `scene.project` turns them into starts.
 //!
 //! **Functions.** Every function of the macros is available in lanes, as [straight-line code](crate::number::lanes) of
 //! 20 to 90 operations. Values differ from those of the system's mathematical library by rounding. sin, cos and tan of

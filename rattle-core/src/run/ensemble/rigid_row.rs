@@ -360,8 +360,7 @@ fn advance<const W: usize>(
     guess: &Weights,
     Scratch { rest, x, .. }: &Scratch<W>,
 ) {
-    let over = part.unit / part.h;
-    let over = [over, (-over).mul_add(part.h, part.unit) / part.h].map(Fused);
+    let over = part.over.map(Fused);
     let Rotor { q, q_low, way, way_low, guess: ahead, past: [last, earlier] } = rotor;
     if sums {
         turn_sums(inertia, over, x, q, q_low, way, way_low);
