@@ -63,8 +63,8 @@ fn stages_in_lanes_stay_on_their_sheets() {
 #[test]
 #[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn dop853_in_lanes_stays_on_its_sheet() {
-    ensembles(10, 10, Dop853::new).check(75);
-    ensembles(11, 10, |h| Dop853::adaptive(4.0 * h, 1e-8)).check(75);
+    ensembles(10, 10, Dop853::new).check(260);
+    ensembles(11, 10, |h| Dop853::adaptive(4.0 * h, 1e-8)).check(340);
 }
 
 constraint! {
