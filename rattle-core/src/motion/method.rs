@@ -72,8 +72,8 @@ pub trait Method: Clone + Send + Sync + 'static {
     }
 
     /// Whether each step solves the constraints along its way, as RATTLE does. After a step of a method that does not
-    /// (`Taylor`, `Dop853`, `Bdf2`), the simulation checks whether the step passed a singular point, and whether its
-    /// energy jumped.
+    /// (`Bdf2`, and `Taylor` and `Dop853` after each inner step), it is checked whether the step passed a singular
+    /// point, and whether its energy jumped.
     const HAS_STRUCTURE: bool = true;
 
     /// Whether a step follows the root of its constraints from its start. A method that does not may end on another
