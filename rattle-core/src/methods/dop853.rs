@@ -17,7 +17,7 @@ use crate::error::{Error, MethodFailure};
 use crate::methods::dop853_table::{ERROR_3, ERROR_5, NODES, STAGES, STEPS, WEIGHTS};
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
-use crate::motion::course::look;
+use crate::motion::course::look_inside;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Projecting, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates};
@@ -148,7 +148,7 @@ impl Dop853 {
         let Some(tolerance) = self.tolerance else {
             stages.evaluate(system, bodies, self.h);
             stages.arrive(system, bodies, self.h)?;
-            return look::<Self, T, Y, D>(self.h, system.0, stages.start, bodies);
+            return look_inside(self, self.h, self.h, system.0, stages.start, bodies);
         };
         let (mut left, mut inner) = (self.h, self.h);
         loop {
@@ -162,8 +162,7 @@ impl Dop853 {
             let fitting = fitting.max(CHANGE.0).min(CHANGE.1);
             if error <= tolerance {
                 stages.arrive(system, bodies, inner)?;
-                let looked = look::<Self, T, Y, D>(inner, system.0, stages.start, bodies);
-                looked.map_err(|failure| failure.of_part(1.0 - left / self.h, inner / self.h))?;
+                look_inside(self, left, inner, system.0, stages.start, bodies)?;
                 if last {
                     return Ok(());
                 }

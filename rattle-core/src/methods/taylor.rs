@@ -20,7 +20,7 @@
 use crate::error::{Error, MethodFailure};
 use crate::motion::bodies::{Bodies, Count, Saved};
 use crate::motion::capability::{Rates, Series};
-use crate::motion::course::look;
+use crate::motion::course::look_inside;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View, check_step_size, check_tolerance};
 use crate::motion::need::{Kicks, WithRates, WithSeries};
@@ -146,7 +146,7 @@ impl Taylor {
         motion.expand(bodies, series, witness);
         let Some(tolerance) = self.tolerance else {
             self.arrive(system, bodies, series, self.h)?;
-            return look::<Self, T, Y, D>(self.h, system.0, start, bodies);
+            return look_inside(self, self.h, self.h, system.0, start, bodies);
         };
         let mut left = self.h;
         loop {
@@ -164,8 +164,7 @@ impl Taylor {
             let last = longest >= left.abs();
             let inner = if last { left } else { longest.copysign(left) };
             self.arrive(system, bodies, series, inner)?;
-            let looked = look::<Self, T, Y, D>(inner, system.0, start, bodies);
-            looked.map_err(|failure| failure.of_part(1.0 - left / self.h, inner / self.h))?;
+            look_inside(self, left, inner, system.0, start, bodies)?;
             if last {
                 return Ok(());
             }

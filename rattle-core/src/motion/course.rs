@@ -54,6 +54,23 @@ pub(crate) fn look<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(
     Ok(())
 }
 
+/// Looks at an inner step of this length, of a step of which so much was left when it began.
+#[inline(always)]
+pub(crate) fn look_inside<S: Method, T: Scalar, Y: System<T, D>, const D: usize>(
+    method: &S,
+    left: f64,
+    inner: f64,
+    system: &Y,
+    before: &Saved<Y::Count, T, D>,
+    now: &mut BodiesOf<Y, T, D>,
+) -> Result<(), Failure> {
+    let looked = look::<S, T, Y, D>(inner, system, before, now);
+    looked.map_err(|failure| {
+        let whole = method.step_size();
+        failure.of_part(1.0 - left / whole, inner / whole)
+    })
+}
+
 /// Compares the kinetic energies with what forces and constraints gave. Evaluates potentials, which may allocate.
 #[cold]
 #[inline(never)]

@@ -5,6 +5,7 @@ use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at};
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::row::LOOKING;
 use crate::solve::crowd::{FARTHER, is_alone, reach, rises, shares, shift};
 use std::borrow::Borrow;
 
@@ -52,6 +53,20 @@ pub(super) fn look_as_far<S: Lane, const L: usize, const D: usize>(
         furthest[l] = shift(asked[l], square[l], dot(&p, &p), dot(&n, &at(pull, l)));
     }
     look_around(laws, steps, q, normal, &square, &furthest)
+}
+
+/// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the
+/// step.
+#[inline(always)]
+pub(super) fn may_go<S: Lane, const L: usize>(asked: &[S; L], strays: &[S; L], going: &mut [S; L]) -> bool {
+    let (zero, looking) = (S::default(), S::from_f64(LOOKING));
+    let mut all = true;
+    for l in 0..L {
+        let look = zero.le(going[l]) & !strays[l].le(asked[l]);
+        going[l] = S::select(look, looking, going[l]);
+        all &= zero.le(going[l]);
+    }
+    all
 }
 
 /// Looks for other sheets where such a step leads a lane, to this place with momentum, normal and acceleration there,

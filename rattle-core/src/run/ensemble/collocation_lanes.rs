@@ -17,6 +17,7 @@ use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
@@ -132,7 +133,7 @@ where
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        Ok(Box::new(Self { row: Row::recalled(from)?, ..self.clone() }))
+        Ok(Box::new(Self { row: Row::new().recalled(from)?, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {

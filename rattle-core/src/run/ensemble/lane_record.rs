@@ -7,6 +7,28 @@ use crate::number::lanes::Lane;
 /// Rows by their names.
 pub(super) type Rows<'a, S> = Vec<(&'static str, &'a mut [S])>;
 
+/// What is kept of lanes from step to step, as rows of numbers.
+pub(super) trait InRows<S: Lane>: Clone {
+    /// Each row of numbers, one of each lane.
+    fn rows(&mut self) -> Rows<'_, S>;
+
+    /// Copies a lane.
+    fn copy(&mut self, from: usize, to: usize) {
+        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
+    }
+
+    /// Writes all lanes.
+    fn record(&self, to: &mut Record) {
+        write(self.clone().rows(), to);
+    }
+
+    /// The same with the numbers that were written.
+    fn recalled(mut self, from: &mut Reading<'_>) -> Result<Self, Error> {
+        read(self.rows(), from)?;
+        Ok(self)
+    }
+}
+
 /// Writes them.
 #[inline(never)]
 pub(super) fn write<S: Lane>(rows: Rows<'_, S>, to: &mut Record) {

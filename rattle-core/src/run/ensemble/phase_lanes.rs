@@ -10,6 +10,7 @@ use crate::number::instructions::{Fusing, Work};
 use crate::number::vectors::MOST_COORDINATES;
 use crate::run::answers::Obeying;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::phase_row::{Laws, ROW, Row, Swept};
 use crate::run::ensemble::phase_step::{Scratch, step};
 use crate::run::ensemble::splitting_lanes::{by_itself, hallmark};
@@ -168,7 +169,7 @@ where
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
         let pace = Pace { steps: from.array("lengths of the last steps")? };
-        let bodies = self.bodies.iter().map(|_| Row::recalled(from)).collect::<Result<_, _>>()?;
+        let bodies = self.bodies.iter().map(|_| Row::new().recalled(from)).collect::<Result<_, _>>()?;
         Ok(Box::new(Self { bodies, pace, ..self.clone() }))
     }
 

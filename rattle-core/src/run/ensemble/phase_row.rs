@@ -1,12 +1,10 @@
 //! Rows of trajectories in phase space: what their lanes obey, and the numbers that are kept from step to step.
 
-use crate::error::Error;
 use crate::kernel::functions::{Hamiltonian, HamiltonianKernel, PhaseConstraint, PhaseConstraintKernel};
 use crate::motion::bodies::Body;
-use crate::motion::record::{Reading, Record};
 use crate::number::lanes::{Fused, Lanes, side_by_side};
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::lane_record::{self, Rows};
+use crate::run::ensemble::lane_record::{InRows, Rows};
 use crate::solve::aim::Aim;
 use crate::systems::phase::in_lanes::Lone;
 use std::array::from_fn;
@@ -172,25 +170,9 @@ impl<const D: usize, const M: usize> Row<D, M> {
         put(&mut self.aims[0], lane, aims.map(|aim| Fused(aim.last)));
         put(&mut self.aims[1], lane, aims.map(|aim| Fused(aim.before)));
     }
+}
 
-    /// Copies a lane.
-    pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
-    }
-
-    /// Writes all lanes.
-    pub(super) fn record(&self, to: &mut Record) {
-        lane_record::write(self.clone().rows(), to);
-    }
-
-    /// The row that was written.
-    pub(super) fn recalled(from: &mut Reading<'_>) -> Result<Self, Error> {
-        let mut row = Self::new();
-        lane_record::read(row.rows(), from)?;
-        Ok(row)
-    }
-
-    /// Each row of numbers, one of each lane.
+impl<const D: usize, const M: usize> InRows<Number> for Row<D, M> {
     fn rows(&mut self) -> Rows<'_, Number> {
         let Self { high, low, slopes, aims } = self;
         let mut rows: Rows<'_, Number> = Vec::new();

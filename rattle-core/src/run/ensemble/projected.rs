@@ -27,10 +27,11 @@ use crate::motion::method::Method;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::around::may_go;
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected_row::{Place, Row, Scratch};
-use crate::run::ensemble::row::{BY_ITSELF, LOOKING, pull};
+use crate::run::ensemble::row::{BY_ITSELF, pull};
 use crate::solve::aim::{BOLD, ROUNDINGS};
 use crate::solve::stop::NOISE;
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
@@ -120,7 +121,7 @@ where
             break;
         }
     }
-    ask(&row.asked, strays, going)
+    may_go(&row.asked, strays, going)
 }
 
 /// Where inner steps lead, as sums; and what rounding takes from places there.
@@ -321,18 +322,4 @@ fn choose<S: Lane, const L: usize, const D: usize>(
             to[d][l] = S::select(lanes[l], from[d][l], to[d][l]);
         }
     }
-}
-
-/// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the
-/// step.
-#[inline(always)]
-fn ask<S: Lane, const L: usize>(asked: &[S; L], strays: &[S; L], going: &mut [S; L]) -> bool {
-    let (zero, looking) = (S::default(), S::from_f64(LOOKING));
-    let mut all = true;
-    for l in 0..L {
-        let look = zero.le(going[l]) & !strays[l].le(asked[l]);
-        going[l] = S::select(look, looking, going[l]);
-        all &= zero.le(going[l]);
-    }
-    all
 }

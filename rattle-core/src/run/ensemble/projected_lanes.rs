@@ -13,6 +13,7 @@ use crate::number::vectors::at;
 use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
+use crate::run::ensemble::lane_record::InRows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected::{Projects, advance};
 use crate::run::ensemble::projected_row::{Row, Scratch};
@@ -154,7 +155,7 @@ where
     }
 
     fn recalled(&self, from: &mut Reading<'_>) -> Result<Box<dyn Engine<D>>, Error> {
-        Ok(Box::new(Self { row: Row::recalled(from)?, ..self.clone() }))
+        Ok(Box::new(Self { row: Row::new().recalled(from)?, ..self.clone() }))
     }
 
     fn hallmarks(&self, lane: usize, bodies: &[Body<f64, D>]) -> Vec<Hallmark> {

@@ -1,14 +1,12 @@
 //! Rows of trajectories in lanes whose steps are [projected](crate::run::ensemble::projected) onto the constraint: the
 //! numbers kept from step to step, and working memory for one step.
 
-use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
-use crate::motion::record::{Reading, Record};
 use crate::number::lanes::Lane;
 use crate::number::vector::dot;
 use crate::number::vectors::{Vectors, at, put};
-use crate::run::ensemble::lane_record::{self, Rows};
+use crate::run::ensemble::lane_record::{InRows, Rows};
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::pull;
 use std::borrow::Borrow;
@@ -136,25 +134,9 @@ impl<S: Lane, const L: usize, const D: usize> Row<S, L, D> {
         let zero = [S::default(); L];
         Self { place: Place::new(), asked: zero, astray: zero }
     }
+}
 
-    /// Copies a lane.
-    pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
-    }
-
-    /// Writes all lanes.
-    pub(super) fn record(&self, to: &mut Record) {
-        lane_record::write(self.clone().rows(), to);
-    }
-
-    /// The row that was written.
-    pub(super) fn recalled(from: &mut Reading<'_>) -> Result<Self, Error> {
-        let mut row = Self::new();
-        lane_record::read(row.rows(), from)?;
-        Ok(row)
-    }
-
-    /// Each row of numbers, one of each lane.
+impl<S: Lane, const L: usize, const D: usize> InRows<S> for Row<S, L, D> {
     fn rows(&mut self) -> Rows<'_, S> {
         let Self { place: Place { q, p, q_low, p_low, normal, pull }, asked, astray } = self;
         let mut rows: Rows<'_, S> = Vec::new();

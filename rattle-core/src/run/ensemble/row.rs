@@ -1,16 +1,14 @@
 //! Rows of trajectories in lanes that are moved by [collocation](crate::run::ensemble::stages): the numbers kept from
 //! step to step, and working memory for one step.
 
-use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::Body;
-use crate::motion::record::{Reading, Record};
 use crate::motion::table::Table;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest};
 use crate::number::vectors::{Vectors, at, put};
 use crate::run::ensemble::inside::follows;
-use crate::run::ensemble::lane_record::{self, Rows};
+use crate::run::ensemble::lane_record::{InRows, Rows};
 use crate::run::ensemble::laws::Laws;
 use std::array::from_fn;
 use std::borrow::Borrow;
@@ -259,25 +257,11 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>
         let (q, p) = (at(&self.q, lane), at(&self.p, lane));
         Body { q, q_low: low(&self.q_low), p, p_low: low(&self.p_low) }
     }
+}
 
-    /// Copies a lane.
-    pub(super) fn copy(&mut self, from: usize, to: usize) {
-        self.rows().into_iter().for_each(|(_, numbers)| numbers[to] = numbers[from]);
-    }
-
-    /// Writes all lanes.
-    pub(super) fn record(&self, to: &mut Record) {
-        lane_record::write(self.clone().rows(), to);
-    }
-
-    /// The row that was written.
-    pub(super) fn recalled(from: &mut Reading<'_>) -> Result<Self, Error> {
-        let mut row = Self::new();
-        lane_record::read(row.rows(), from)?;
-        Ok(row)
-    }
-
-    /// Each row of numbers, one of each lane.
+impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize> InRows<S>
+    for Row<S, L, D, SUMS, N>
+{
     fn rows(&mut self) -> Rows<'_, S> {
         let Self { q, p, q_low, p_low, normal, total, lambda, asked, astray } = self;
         let mut rows: Rows<'_, S> = Vec::new();

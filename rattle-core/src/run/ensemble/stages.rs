@@ -19,9 +19,10 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{Vectors, at, put};
+use crate::run::ensemble::around::may_go;
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
-use crate::run::ensemble::row::{BY_ITSELF, End, LOOKING, Row, Scratch, Tableau, pull};
+use crate::run::ensemble::row::{BY_ITSELF, End, Row, Scratch, Tableau, pull};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use std::borrow::Borrow;
 
@@ -86,7 +87,7 @@ where
     }
     settle(laws, tableau.kick[N - 1], row, &away[0], &normal[N - 2], end, going);
     stray(laws, tableau.h, row, &away[N - 1], end, size, going);
-    ask(&row.asked, &end.strays, going)
+    may_go(&row.asked, &end.strays, going)
 }
 
 /// λ at this step's stages, from those of the last one, of which the end is kept. The first stage is that end.
@@ -521,18 +522,4 @@ fn stray<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: us
         end.strays[l] = off;
         going[l] = S::select(plain, going[l], S::from_f64(BY_ITSELF));
     }
-}
-
-/// Has lanes look around that have gone farther astray than was looked. Returns whether nothing speaks against the
-/// step.
-#[inline(always)]
-fn ask<S: Lane, const L: usize>(asked: &[S; L], strays: &[S; L], going: &mut [S; L]) -> bool {
-    let (zero, looking) = (S::default(), S::from_f64(LOOKING));
-    let mut all = true;
-    for l in 0..L {
-        let look = zero.le(going[l]) & !strays[l].le(asked[l]);
-        going[l] = S::select(look, looking, going[l]);
-        all &= zero.le(going[l]);
-    }
-    all
 }
