@@ -35,7 +35,7 @@ const PARTS: [u32; 3] = [2, 16, 128];
 const SHRINKS: u32 = 6;
 
 impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
-    /// Looks inside a step of length h, after so many; and now and then whether other roots are near.
+    /// Looks inside a step of length h, and now and then whether other roots are near.
     pub(super) fn look_inside(
         &self,
         h: f64,
