@@ -20,7 +20,7 @@ FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kink
     systems/linked/start systems/phase/landing systems/phase/step systems/rigid/rotation
     run/ensemble/around run/ensemble/crossing run/ensemble/asked run/ensemble/loops run/ensemble/stages
     run/ensemble/linked_look""".split()
-PROGRAMS = os.environ.get("PROGRAMS", "core roots shapes links networks phase ensembles").split()
+PROGRAMS = os.environ.get("PROGRAMS", "core roots shapes links networks phase ensembles lanes").split()
 LONGEST = float(os.environ.get("LONGEST", "4"))  # CPU seconds: tests that take longer are left out
 
 

@@ -6,29 +6,9 @@ mod common;
 mod ensemble;
 #[path = "../ensemble_retry.rs"]
 mod ensemble_retry;
-#[path = "../lanes_flows.rs"]
-mod lanes_flows;
-#[path = "../lanes_flows_linked.rs"]
-mod lanes_flows_linked;
-#[path = "../lanes_heat.rs"]
-mod lanes_heat;
-#[path = "../lanes_linked.rs"]
-mod lanes_linked;
-#[path = "../lanes_phase.rs"]
-mod lanes_phase;
-#[path = "../lanes_projected.rs"]
-mod lanes_projected;
-#[path = "../lanes_rigid.rs"]
-mod lanes_rigid;
-#[path = "../lanes_splittings.rs"]
-mod lanes_splittings;
 #[path = "../observers.rs"]
 mod observers;
 #[path = "../sweeps.rs"]
 mod sweeps;
-#[path = "../sweeps_linked.rs"]
-mod sweeps_linked;
-#[path = "../sweeps_rigid.rs"]
-mod sweeps_rigid;
 #[path = "../watching.rs"]
 mod watching;

@@ -159,6 +159,15 @@ impl<'a> Reading<'a> {
         }
     }
 
+    /// Passes over the next field if it has this name: one that was written before, and is not needed any more.
+    pub(crate) fn pass_over(&mut self, name: &str) {
+        if let Some((field, rest)) = self.rest.split_first()
+            && field.name.strip_prefix(&self.within) == Some(name)
+        {
+            self.rest = rest;
+        }
+    }
+
     /// Copies the numbers of the next field, of which there must be as many, to there.
     pub(crate) fn copy(&mut self, name: &str, to: &mut [f64]) -> Result<(), Error> {
         to.copy_from_slice(self.numbers(name, &[to.len()])?);

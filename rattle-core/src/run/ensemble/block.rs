@@ -54,8 +54,6 @@ pub(crate) struct Block<S, const L: usize, const D: usize, const SUMS: usize, co
     pub(super) normal: Vectors<S, L, D>,
     /// |∇g(q)|².
     pub(super) square: [S; L],
-    /// |∇g(q)|²/|∇g(q′)|² of the last step, by (|∇g(q)|²/s)².
-    pub(super) bias: [S; L],
     /// What |g| may be at rest; [`LOST`] where the next step is to be made by the lane itself.
     pub(super) rest: [S; L],
     /// Λ₀ of the step to come.
@@ -76,7 +74,7 @@ pub(crate) struct Scratch<S, const L: usize, const D: usize> {
     pub(super) free: Vectors<S, L, D>,
     /// ∇g(q), when that of the block is already ∇g(q′).
     pub(super) old: Vectors<S, L, D>,
-    /// ∇g at Λ₀, where sums are compensated and steps may be unequal.
+    /// ∇g at Λ₀.
     pub(super) first: Vectors<S, L, D>,
     /// Λ₁, Λ₂, and at last Λ.
     pub(super) multiplier: [S; L],
@@ -233,7 +231,6 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
             way: vectors,
             normal: vectors,
             square: zero,
-            bias: zero,
             rest: zero,
             guess: zero,
             past: [zero; 2],
@@ -278,7 +275,6 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         }
         put(&mut self.normal, lane, gradient);
         self.square[lane] = dot(&gradient, &gradient);
-        self.bias[lane] = S::from_f64(1.0);
         self.rest[lane] = at_rest(&gradient, &q[0]);
         self.guess[lane] = guess;
         for past in &mut self.past {
@@ -335,7 +331,12 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     /// The block that was written, of a method of so many parts.
     pub(crate) fn recalled(from: &mut Reading<'_>, parts: usize) -> Result<Self, Error> {
         let mut block = Self::new();
-        lane_record::read(block.rows(), from)?;
+        let mut rows = block.rows();
+        let first = rows.iter().position(|(name, _)| *name == "rest").unwrap_or(0);
+        let then = rows.split_off(first);
+        lane_record::read(rows, from)?;
+        from.pass_over("bias");
+        lane_record::read(then, from)?;
         let [part] = from.counted("part")?;
         block.part = part as usize % parts;
         Ok(block)
@@ -344,8 +345,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     /// Each row of numbers, one of each lane.
     #[inline(never)]
     pub(super) fn rows(&mut self) -> Rows<'_, S> {
-        let Self { q, way, normal, square, bias, rest, guess, past: [last, earlier], q_low, way_low, .. } =
-            self;
+        let Self { q, way, normal, square, rest, guess, past: [last, earlier], q_low, way_low, .. } = self;
         let mut rows: Rows<'_, S> = Vec::new();
         for (name, vectors) in [("q", &mut q[..]), ("way", way), ("normal", normal)] {
             vectors.iter_mut().for_each(|numbers| rows.push((name, numbers)));
@@ -353,7 +353,7 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
         for (name, vectors) in [("q rounding", q_low), ("way rounding", way_low)] {
             vectors.as_flattened_mut().iter_mut().for_each(|numbers| rows.push((name, numbers)));
         }
-        let numbers = [("square", &mut square[..]), ("bias", bias), ("rest", rest), ("guess", guess)];
+        let numbers = [("square", &mut square[..]), ("rest", rest), ("guess", guess)];
         rows.extend(numbers.into_iter().chain([("last", &mut last[..]), ("earlier", earlier)]));
         rows
     }
@@ -406,4 +406,28 @@ fn not_finite<S: Lane, const D: usize>(laws: &impl Laws<S, D>, lane: usize, q: [
     let [gradient] = laws.constraint(lane).borrow().jacobian(&q);
     let at = Moment { time: 0.0, positions: &[q] };
     FailureAt::of(0).not_finite(laws.effects(lane).borrow(), at, &[Normal::new(gradient)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::lanes::Fused;
+
+    #[test]
+    fn a_record_with_a_row_that_is_gone_is_read() {
+        let mut block = Block::<Fused<f64>, 2, 3, 1, true>::new();
+        for (row, (_, numbers)) in block.rows().into_iter().enumerate() {
+            numbers.iter_mut().enumerate().for_each(|(i, x)| *x = Fused((2 * row + i) as f64));
+        }
+        let mut record = Record::default();
+        for (name, numbers) in block.rows() {
+            if name == "rest" {
+                record.numbers("bias", &[2], [0.5; 2]);
+            }
+            record.numbers(name, &[2], numbers.iter().map(|x| x.0));
+        }
+        record.counts("part", [0]);
+        let mut read = Block::<Fused<f64>, 2, 3, 1, true>::recalled(&mut record.read(), 1).unwrap();
+        assert!(read.rows() == block.rows());
+    }
 }

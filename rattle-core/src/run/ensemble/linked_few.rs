@@ -2,9 +2,9 @@
 //! in some loops over lanes, with sizes known when they are compiled, so that numbers stay in registers between two
 //! evaluations of the links.
 //!
-//! Only the plain case is here: a step in which some lane is not at rest after two evaluations is left undone, and
-//! goes by the [`Course`]. Sums have the same terms in the same order as there, so that all bits are the same, and no
-//! lane depends on who else is in its row.
+//! Only the usual cases are here: a step in which some lane may be astray, or is not at rest after [`CORRECTIONS`], is
+//! left undone, and goes by the [`Course`]. Sums have the same terms in the same order as there, so that all bits are
+//! the same, and no lane depends on who else is in its row.
 
 use crate::number::instructions::Work;
 use crate::number::lanes::Fused;
@@ -19,6 +19,9 @@ use crate::systems::network::few_in_lanes::{
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, at, put, zeros};
 use std::array::from_fn;
 
+/// Corrections by a matrix of its own each. Two are needed where stages are long.
+const CORRECTIONS: usize = 2;
+
 /// Numbers of M equations and K coordinates.
 #[repr(C, align(64))]
 struct Scratch<const M: usize, const K: usize, const W: usize> {
@@ -26,7 +29,7 @@ struct Scratch<const M: usize, const K: usize, const W: usize> {
     found: [Numbers<W>; M],
     /// L below the diagonal, U above it, and on it the inverse pivots.
     matrix: [[Numbers<W>; M]; M],
-    astray: Which<W>,
+    going: Which<W>,
     /// In place of low digits where there are none; not looked at.
     none: [[Numbers<W>; K]; 2],
 }
@@ -34,7 +37,7 @@ struct Scratch<const M: usize, const K: usize, const W: usize> {
 impl<const M: usize, const K: usize, const W: usize> Scratch<M, K, W> {
     fn new() -> Self {
         let [lambda, found] = [[zeros(); M]; 2];
-        Self { lambda, found, matrix: [[zeros(); M]; M], astray: [0; W], none: [[zeros(); K]; 2] }
+        Self { lambda, found, matrix: [[zeros(); M]; M], going: [0; W], none: [[zeros(); K]; 2] }
     }
 }
 
@@ -152,7 +155,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
         }
     }
     let (zero, mut scratch) = (zeros(), Scratch::<M, K, W>::new());
-    let Scratch { lambda, found, matrix, astray, none: [none, none_of_ways] } = &mut scratch;
+    let Scratch { lambda, found, matrix, going, none: [none, none_of_ways] } = &mut scratch;
 
     // At first M⁻¹Gᵀ stands for G.
     let mut over_old = [Fused(1.0); K];
@@ -172,11 +175,20 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
         };
         leave(start, guess, of_size(&mut trial[moving.clone()]));
         links.gradients_at(set, trial, g, new);
-        let now = by_coordinate(&entry, new, &zero);
-        let here = of_size(&mut trial[moving.clone()]);
-        correct(start, &now, [g, guess, square], lambda, matrix, astray, here);
-        links.gradients_at(set, trial, g, new);
-        if any(&correct_again(matrix, [g, rest, lambda], astray, found)) {
+        *lambda = *guess;
+        *going = [1; W];
+        let mut astray = false;
+        for correction in 0..CORRECTIONS {
+            let now = by_coordinate(&entry, new, &zero);
+            let here = of_size(&mut trial[moving.clone()]);
+            let clear = correct(start, &now, [g, square], going, lambda, matrix, here);
+            astray |= correction == 0 && !clear;
+            links.gradients_at(set, trial, g, new);
+            if astray || !correct_again(matrix, [g, rest, lambda], going, found) {
+                break;
+            }
+        }
+        if astray || any(going) {
             break;
         }
         move_on::<M, K, W, S>(
@@ -187,6 +199,7 @@ fn go<const M: usize, const K: usize, const W: usize, const S: bool>(
             of_size(&mut way[moving.clone()]),
             if S { of_size(&mut way_low[moving.clone()]) } else { none_of_ways },
         );
+        links.gradients_at(set, q, g, new);
         if let (true, Some(pulling)) = (part.kick != 0.0, &mut *pulling) {
             pulling.pull(set, part.unit * part.kick, (q, &plan.masses, if S { way_low } else { way }));
         }
@@ -230,29 +243,29 @@ fn leave<const M: usize, const K: usize, const W: usize, const S: bool>(
     }
 }
 
-/// Corrects the guess, and says in which lanes constraints may have been left, or depend on each other.
+/// Corrects these lanes by Newton's method. Returns whether the constraints have been left in none of them, nor depend
+/// on each other.
 #[inline(always)]
 fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
     start: Start<'_, M, K, W, S>,
     normals: &Normals<M, K, W>,
-    [g, guess, square]: [&[Numbers<W>; M]; 3],
+    [g, square]: [&[Numbers<W>; M]; 2],
+    going: &Which<W>,
     lambda: &mut [Numbers<W>; M],
     matrix: &mut [[Numbers<W>; M]; M],
-    astray: &mut Which<W>,
     trial: &mut [Numbers<W>; K],
-) {
+) -> bool {
+    let mut clear = true;
     for l in 0..W {
         let lifted = start.lifted(l);
         let (factored, slopes) = factor(&grid(normals, l), &lifted);
         let x = solve(&factored, at(g, l));
-        let mut clear = true;
         for i in 0..M {
             let (slope, inverse, square) = (slopes[i].0, factored[i][i].0, square[i].0[l].0);
             clear &= TURN * (slope - square).abs() <= square;
             clear &= (0.0 < inverse) & (inverse * slope <= CLEAR);
         }
-        astray[l] = if clear { 0 } else { 1 };
-        let corrected = from_fn(|i| guess[i].0[l] - x[i]);
+        let corrected = from_fn(|i| Real::select(going[l] != 0, lambda[i].0[l] - x[i], lambda[i].0[l]));
         let place = start.place(l, &lifted, &corrected);
         put(trial, l, place);
         for i in 0..M {
@@ -262,25 +275,28 @@ fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
             }
         }
     }
+    clear
 }
 
-/// Corrects once more, and says in which lanes that is not enough.
+/// Corrects these lanes once more by the same matrix. Those remain in which that is not enough; returns whether there
+/// are any.
 #[inline(always)]
 fn correct_again<const M: usize, const W: usize>(
     matrix: &[[Numbers<W>; M]; M],
     [g, rest, lambda]: [&[Numbers<W>; M]; 3],
-    astray: &Which<W>,
+    going: &mut Which<W>,
     found: &mut [Numbers<W>; M],
-) -> Which<W> {
-    let mut unrest = *astray;
+) -> bool {
     for l in 0..W {
         let x = solve(&from_fn(|i| at(&matrix[i], l)), at(g, l));
+        let mut unrest = 0;
         for i in 0..M {
-            unrest[l] = if g[i].0[l].0.abs() <= rest[i].0[l].0 { unrest[l] } else { 1 };
-            found[i].0[l] = lambda[i].0[l] - x[i];
+            unrest = if g[i].0[l].0.abs() <= rest[i].0[l].0 { unrest } else { 1 };
+            found[i].0[l] = Real::select(going[l] != 0, lambda[i].0[l] - x[i], found[i].0[l]);
         }
+        going[l] = unrest;
     }
-    unrest
+    any(going)
 }
 
 /// Takes bodies to the end of the step, without the kick there; where sums are compensated, what ways change by is left

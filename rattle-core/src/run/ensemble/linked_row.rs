@@ -9,8 +9,8 @@
 //! step length, and equal steps need no η. Λ₀ is extrapolated from the last steps; Newton's method continues from there
 //! with the matrix G(q′) M⁻¹Gᵀ(q) of the first guess, factored on the pattern of the links without a search for pivots.
 //!
-//! **Stopping.** Residuals of some ε of the coordinates of a link get one last correction. A lane that has converged is
-//! not changed while others are corrected again, so every lane depends on its own past alone.
+//! **Stopping.** Small residuals get one last correction, and G is evaluated once more where that leads. A lane that
+//! has converged is not changed while others are corrected again, so every lane depends on its own past alone.
 //!
 //! **Which root.** Each ∇gᵢ(q′)·M⁻¹∇gᵢ(q) must be within an eighth of its value at the start, and pivots must not be
 //! too small a part of it. Lanes that violate this, or do not converge, are solved as a
@@ -27,11 +27,9 @@ use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
-/// So many roundings of the coordinates that a link depends on are left to the last correction. The normals of the step
-/// to come are those of the place before it, so what is left does work: by a composition of order 8 the energy of two
-/// pendulums drifts by 3e-19 of itself a stage where this is 256, by 1e-20 where it is 16, by nothing at 8, where steps
-/// take a fifth longer.
-const AT_REST: f64 = 16.0;
+/// So many roundings of the coordinates that a link depends on are left to the last correction. Its matrix is that of
+/// the place before: of a residual r, as a part of coordinates, it leaves some r³ᐟ², which is 1/256 of a rounding then.
+const AT_REST: f64 = 4096.0;
 
 /// The slope ∇gᵢ(q′)·M⁻¹∇gᵢ(q) differs from what it was by no more than one over this: the cosine of the half by which
 /// a normal may turn on a path that is [short](crate::solve::root).
@@ -285,6 +283,9 @@ impl<const W: usize> Course<'_, W> {
         } else {
             plan.displace.hand_over(numbers, &Move { places: &plan.places, over: over[0] });
         }
+        // What residuals leave to the last correction has one sign for many steps: by normals of the place before it
+        // the energy drifts by up to 1e-16 of itself a stage.
+        self.links.gradients(plan, self.set, plan.places.q, numbers);
         if part.kick != 0.0 {
             self.kick(part.unit * part.kick, if sums { way_low } else { way }, numbers, pulling);
         }

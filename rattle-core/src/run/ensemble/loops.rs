@@ -14,12 +14,14 @@
 //! Without the third term of the series, three times as many steps need a further correction.
 //!
 //! **Extrapolation** is of Λ|∇g(q)|², a second derivative of g along the path, since Λ itself varies with |∇g| too:
-//! with it a third as many steps need a further correction. The last Λ are kept in units of the step to come. What
-//! |∇g|² changes by is not waited for: it is (|∇g(q)|²/s)², but for a factor near 1 that is taken from the step before.
+//! with it a third as many steps need a further correction. The last Λ are kept in units of the step to come.
+//! (|∇g|²/s)² for what |∇g|² changes by would be known earlier. But s belongs to the guess, whose errors then feed the
+//! next guess: they grow from step to step where a step turns by more than a third.
 //!
 //! **Stopping.** A displacement |g|/|∇g| of at most 256 ε|q|∞ gets one last correction, a chord step, whose remaining
-//! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. The normal is then
-//! that of a point less than 256 ε|q|∞ away.
+//! error is below rounding. Where the displacement is larger, the lane is corrected again by itself. ∇g is carried on
+//! through the last correction, as it changed on the way from Λ₀: corrections have one sign for many steps, and by ∇g
+//! of the place before them the energy drifts by up to 1e-16 of itself a step.
 //!
 //! **Which root.** |∇g(q)|²/s must be between 2/3 and 2. Lanes where it is not, or that have not converged after three
 //! corrections, are lost, and solved as a [`Simulation`](crate::run::simulation::Simulation) does; so is their next
@@ -36,7 +38,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::laws::Laws;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::position::Departure;
-use crate::systems::surface::tiles::CORRECTIONS;
+use crate::systems::surface::tiles::{AT_REST, CORRECTIONS};
 use std::borrow::Borrow;
 
 /// A last correction of less than this part of the way to it is one: ∇g then changes as on that way.
@@ -63,10 +65,10 @@ where
     if lost != 0 {
         let part = &parts[block.part];
         for lane in (0..L).filter(|lane| lost >> lane & 1 != 0) {
-            let Block { q, way, normal, square, rest, guess, bias, past, .. } = &mut *block;
+            let Block { q, way, normal, square, rest, guess, past, .. } = &mut *block;
             let place = (at(q, lane), at(way, lane), at(normal, lane), square[lane]);
             let (anew, near) = part.guess_anew(laws, lane, place);
-            (guess[lane], bias[lane]) = (anew, S::from_f64(1.0));
+            guess[lane] = anew;
             if near {
                 rest[lane] = S::from_f64(LOST);
             }
@@ -112,7 +114,7 @@ where
 {
     let mut lost = 0_u64;
     let Scratch { free, old, first, multiplier, over_slope, g } = scratch;
-    let Block { q, way, normal, square, bias, rest, guess: ahead, past, q_low, way_low, .. } = block;
+    let Block { q, way, normal, square, rest, guess: ahead, past, q_low, way_low, .. } = block;
     let share = S::from_f64(part.h / part.unit);
     guess::<S, L, D, SUMS, EQUAL>(
         laws, share, q, way, q_low, way_low, normal, ahead, free, first, multiplier, over_slope, g,
@@ -127,21 +129,17 @@ where
         let point = add_scaled(&at(free, 0), newton.multiplier, &n);
         let ([residual], [gradient]) = laws.constraint(0).borrow().value_and_jacobian(&point);
         if residual.abs().le(rest[0]) {
-            put(normal, 0, carried::<S, D, SUMS, EQUAL>(gradient, &at(first, 0), residual * g[0]));
+            put(normal, 0, carried(gradient, &at(first, 0), residual * g[0]));
             (multiplier[0], g[0]) =
                 last_correction(square[0], residual, newton.multiplier, newton.over_slope);
             unrest = !g[0].abs().le(rest[0]);
         } else {
             (multiplier[0], over_slope[0]) = newton.improved(residual, rest[0]);
-            unrest = examine::<S, L, D, SUMS, EQUAL>(
-                laws, old, free, square, rest, first, over_slope, multiplier, g, normal,
-            );
+            unrest = examine(laws, old, free, square, rest, first, over_slope, multiplier, g, normal);
         }
     } else {
         improve(laws, normal, free, rest, g, multiplier, over_slope, old);
-        unrest = examine::<S, L, D, SUMS, EQUAL>(
-            laws, old, free, square, rest, first, over_slope, multiplier, g, normal,
-        );
+        unrest = examine(laws, old, free, square, rest, first, over_slope, multiplier, g, normal);
     }
     if unrest {
         for lane in 0..L {
@@ -164,23 +162,16 @@ where
                 }
             };
             multiplier[lane] = found;
-            // For the next guess only, which a slope across the surface must not spoil.
-            let (slope, least) = (dot(&gradient, &n), S::from_f64(0.25) * square[lane]);
-            over_slope[lane] = S::from_f64(1.0) / S::select(least.lt(slope), slope, least);
-            let turn = over_slope[lane] * square[lane];
-            bias[lane] = square[lane] / (dot(&gradient, &gradient) * (turn * turn));
             put(normal, lane, gradient);
         }
     }
     if EQUAL || part.kick != 0.0 {
         finish::<S, L, D, SUMS, EQUAL, true>(
-            laws, part, old, normal, free, multiplier, over_slope, q, way, q_low, way_low, square, bias,
-            rest, ahead, past,
+            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, rest, ahead, past,
         );
     } else {
         finish::<S, L, D, SUMS, EQUAL, false>(
-            laws, part, old, normal, free, multiplier, over_slope, q, way, q_low, way_low, square, bias,
-            rest, ahead, past,
+            laws, part, old, normal, free, multiplier, q, way, q_low, way_low, square, rest, ahead, past,
         );
     }
     Ok(lost)
@@ -216,9 +207,7 @@ fn guess<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool
             laws.constraint(i).borrow().value_and_jacobian(&add_scaled(&start, guess[i], &n));
         let over = S::from_f64(1.0) / dot(&gradient, &n);
         put(free, i, start);
-        if const { carries(SUMS, EQUAL) } {
-            put(first, i, gradient);
-        }
+        put(first, i, gradient);
         multiplier[i] = (-residual).multiply_add(over, guess[i]);
         (over_slope[i], g[i]) = (over, residual);
     }
@@ -280,7 +269,7 @@ impl<S: Lane> Newton<S> {
 /// Evaluates g and ∇g at Λ₂ and makes the last correction. Returns whether a lane is not at rest.
 #[allow(clippy::too_many_arguments, reason = "see `advance`")]
 #[inline(always)]
-fn examine<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bool>(
+fn examine<S, const L: usize, const D: usize>(
     laws: &impl Laws<S, D>,
     normal: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
@@ -300,7 +289,7 @@ where
         let n = at(normal, i);
         let point = add_scaled(&at(free, i), multiplier[i], &n);
         let ([residual], [gradient]) = laws.constraint(i).borrow().value_and_jacobian(&point);
-        put(next, i, carried::<S, D, SUMS, EQUAL>(gradient, &at(first, i), residual * g[i]));
+        put(next, i, carried(gradient, &at(first, i), residual * g[i]));
         (multiplier[i], g[i]) = last_correction(square[i], residual, multiplier[i], over_slope[i]);
         unrest |= !g[i].abs().le(rest[i]); // also where it is not a number
     }
@@ -315,24 +304,9 @@ fn last_correction<S: Lane>(square: S, residual: S, multiplier: S, over_slope: S
     ((-residual).multiply_add(over_slope, multiplier), S::select(near, residual, nan))
 }
 
-/// Whether ∇g is carried on through the last correction. In steps of equal length that is so short that ∇g before it
-/// will do. In the stages of compositions it is up to some hundred roundings long, about the same in each step: with ∇g
-/// before it the energy drifts by 5e-18 of itself a stage. Sums that are not compensated make it drift by more than
-/// that.
-const fn carries(sums: usize, equal: bool) -> bool {
-    sums == 1 && !equal
-}
-
 /// ∇g after the last correction, as it changed from Λ₀ on, of which way that is the share g₂/g₀.
 #[inline(always)]
-fn carried<S: Lane, const D: usize, const SUMS: usize, const EQUAL: bool>(
-    gradient: [S; D],
-    first: &[S; D],
-    share: S,
-) -> [S; D] {
-    if const { !carries(SUMS, EQUAL) } {
-        return gradient;
-    }
+fn carried<S: Lane, const D: usize>(gradient: [S; D], first: &[S; D], share: S) -> [S; D] {
     let is_little = share.abs().lt(S::from_f64(LITTLE)); // not where g₀ is 0, and the share not a number
     let share = S::select(is_little, share, S::from_f64(0.0));
     add_scaled(&gradient, share, &add_scaled(&gradient, S::from_f64(-1.0), first))
@@ -354,7 +328,9 @@ fn again<S: Lane, K: ConstraintKernel<S, D, 1>, const D: usize>(
         }
         multiplier = multiplier - residual / slope;
         if residual.abs().le(rest) {
-            return Some((multiplier, gradient));
+            let is_there = (S::from_f64(AT_REST) * residual.abs()).le(rest); // but for a rounding
+            let there = || constraint.jacobian(&add_scaled(free, multiplier, n))[0];
+            return Some((multiplier, if is_there { gradient } else { there() }));
         }
     }
     None
@@ -370,13 +346,11 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
     next: &Vectors<S, L, D>,
     free: &Vectors<S, L, D>,
     multiplier: &[S; L],
-    over_slope: &[S; L],
     q: &mut Vectors<S, L, D>,
     way: &mut Vectors<S, L, D>,
     q_low: &mut [Vectors<S, L, D>; SUMS],
     way_low: &mut [Vectors<S, L, D>; SUMS],
     square: &mut [S; L],
-    bias: &mut [S; L],
     rest: &mut [S; L],
     guess: &mut [S; L],
     [last, earlier]: &mut [[S; L]; 2],
@@ -425,10 +399,7 @@ fn finish<S, const L: usize, const D: usize, const SUMS: usize, const EQUAL: boo
         } else {
             a.multiply_add(found, b.multiply_add(last[i], c * earlier[i]))
         };
-        let turn = over_slope[i] * square[i];
-        let turn = turn * turn;
-        let ratio = turn * bias[i];
-        bias[i] = square[i] / (length * turn);
+        let ratio = square[i] / length;
         square[i] = length;
         guess[i] = ratio * extrapolated;
         earlier[i] = ratio * last[i];

@@ -1,0 +1,24 @@
+//! What goes side by side in lanes.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../lanes_flows.rs"]
+mod lanes_flows;
+#[path = "../lanes_flows_linked.rs"]
+mod lanes_flows_linked;
+#[path = "../lanes_heat.rs"]
+mod lanes_heat;
+#[path = "../lanes_linked.rs"]
+mod lanes_linked;
+#[path = "../lanes_phase.rs"]
+mod lanes_phase;
+#[path = "../lanes_projected.rs"]
+mod lanes_projected;
+#[path = "../lanes_rigid.rs"]
+mod lanes_rigid;
+#[path = "../lanes_splittings.rs"]
+mod lanes_splittings;
+#[path = "../sweeps_linked.rs"]
+mod sweeps_linked;
+#[path = "../sweeps_rigid.rs"]
+mod sweeps_rigid;
