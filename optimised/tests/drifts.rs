@@ -87,7 +87,6 @@ fn compositions(all: &[Coefficients], h: f64) {
 #[test]
 #[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
 fn of_every_method() {
-    // Links in lanes: where stages are longer than 0.1 of a turn what solves leave is up to 6e-17, with one sign.
     println!("| method | surface, lanes | surface, alone | links, lanes | links, alone |");
     check("RATTLE", STEPS, 1, 1e-19, Rattle::new(0.05));
     check("RATTLE, backwards", STEPS, 1, 1e-19, Rattle::new(-0.05));
@@ -95,6 +94,8 @@ fn of_every_method() {
     check("symplectic Euler", STEPS, 1, 1e-19, SymplecticEuler::new(0.05));
     check("geodesic RATTLE", STEPS, 2, 1e-19, Geodesic::new(2, 0.1));
     compositions(&[YOSHIDA_1990_ORDER_4], 0.05);
+    compositions(&[YOSHIDA_1990_ORDER_4], 0.1);
+    compositions(&[SUZUKI_1990_ORDER_4], 0.3);
     compositions(&[SUZUKI_1990_ORDER_4, KAHAN_LI_1997_ORDER_6, KAHAN_LI_1997_ORDER_8], 0.1);
     compositions(&[SOFRONIOU_SPALETTA_2005_ORDER_10], 0.2);
     check("Lobatto, 2 stages", STEPS / 10, 1, 1.5e-19, Lobatto::<2>::new(0.05));

@@ -2,6 +2,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../lanes_drift.rs"]
+mod lanes_drift;
 #[path = "../lanes_flows.rs"]
 mod lanes_flows;
 #[path = "../lanes_flows_linked.rs"]
