@@ -13,7 +13,7 @@ import concurrent.futures, json, os, pathlib, re, resource, shutil, subprocess, 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "target/mutants"
 TREE, BUILD, LIST, SKIP = WORK / "tree", WORK / "build", WORK / "list", WORK / "skip"
-FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kinks run/course
+FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kinks motion/course
     systems/surface/landing systems/surface/position systems/surface/sheets systems/surface/passage
     systems/surface/around systems/surface/crowd systems/surface/equation systems/surface/step systems/surface/start
     systems/surface/collocation systems/linked/aim systems/linked/flight systems/linked/sheets systems/linked/chords
