@@ -131,13 +131,16 @@ impl Kernel<'_> {
         };
         let statements = self.emitter.body(&kinks.roots, &which.spelling(self.sizes), None);
         let values = kinks.roots.iter().map(|&root| self.emitter.result(root));
-        let [d, count] = [self.sizes.variables, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        let in_phase = which == Macro::PhaseConstraint;
+        let d = if in_phase { self.sizes.variables / 2 } else { self.sizes.variables };
+        let [d, count] = [d, kinks.roots.len()].map(Literal::usize_unsuffixed);
+        let momenta = if in_phase { quote!(__p: &[T; #d],) } else { TokenStream::new() };
         let texts = self.kinks;
         quote! {
             const KINKS: &'static [&'static ::core::primitive::str] = &[#(#texts),*];
 
             #[inline(always)]
-            fn kinks(&self, __q: &[T; #d], __first: ::core::primitive::usize, __found: &mut [T]) {
+            fn kinks(&self, __q: &[T; #d], #momenta __first: ::core::primitive::usize, __found: &mut [T]) {
                 #statements
                 let __values = [#(#values),*];
                 let mut __i: ::core::primitive::usize = 0;

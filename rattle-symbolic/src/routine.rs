@@ -281,6 +281,7 @@ pub fn hamiltonian(mut source: Graph, root: Id, variables: u32) -> Result<Routin
 pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Result<Routines, TooLarge> {
     let mut routines = Routines::empty();
     let values = scaled(roots);
+    let kinks = kinks(&mut source, roots);
     routines.add("value", &source, &values)?;
     routines.room(variables as usize * roots.len())?;
     let mut calculus = Calculus::new(&mut source);
@@ -296,6 +297,9 @@ pub fn phase_constraint(mut source: Graph, roots: &[Id], variables: u32) -> Resu
     routines.rest("jacobians", roots.len());
     let products = calculus.tangents(&jacobians, along);
     routines.add("hessian_vector", &source, &products)?;
+    routines.add("kinks", &source, &scaled(&kinks))?;
+    routines.gradients = (source, jacobians);
+    routines.kinks = kinks;
     Ok(routines)
 }
 

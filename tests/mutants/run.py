@@ -121,6 +121,8 @@ def main():
     shutil.rmtree(TREE, ignore_errors=True)
     listing = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for file in listing.splitlines():
+        if file.startswith(".cargo/"):
+            continue  # that of the project holds here, too, and lists of both would be joined
         (TREE / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / file, TREE / file)
     shutil.copy(ROOT / "tests/mutants/on.rs", TREE / "rattle-core/src/mutant.rs")

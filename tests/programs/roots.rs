@@ -10,6 +10,8 @@ mod guesses;
 mod iterations;
 #[path = "../kinks.rs"]
 mod kinks;
+#[path = "../kinks_phase.rs"]
+mod kinks_phase;
 #[path = "../laws.rs"]
 mod laws;
 #[path = "../references.rs"]

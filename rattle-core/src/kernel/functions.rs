@@ -396,6 +396,13 @@ pub trait PhaseConstraintKernel<T: Real, const D: usize, const M: usize>:
     fn value_and_jacobians(&self, q: &[T; D], p: &[T; D]) -> ([T; M], [[T; D]; M], [[T; D]; M]);
     /// Row i holds the two halves of ∇²gᵢ (dq, dp).
     fn hessian_vector(&self, q: &[T; D], p: &[T; D], dq: &[T; D], dp: &[T; D]) -> ([[T; D]; M], [[T; D]; M]);
+
+    /// What changes its sign where ∇g may jump, as [`ConstraintKernel::KINKS`].
+    const KINKS: &'static [&'static str] = &[];
+
+    /// The values of these, as [`ConstraintKernel::kinks`].
+    #[inline(always)]
+    fn kinks(&self, _q: &[T; D], _p: &[T; D], _first: usize, _found: &mut [T]) {}
 }
 
 fn coordinates<const D: usize>(v: &SVector<f64, D>) -> [f64; D] {

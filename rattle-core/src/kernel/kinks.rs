@@ -12,9 +12,10 @@
 //! not have the same normal: so less than τ² is not a jump. The same holds for g itself, as a length in units of the
 //! path.
 
-use crate::kernel::functions::ConstraintKernel;
-use crate::number::real::Scalar;
+use crate::kernel::functions::{ConstraintKernel, PhaseConstraintKernel};
+use crate::number::real::{Real, Scalar};
 use crate::number::vector::{add_scaled, dot, largest};
+use std::array::from_fn;
 
 /// Arguments that are compared at a time.
 const PAGE: usize = 32;
@@ -25,6 +26,48 @@ const SMALLEST: f64 = 1e-6;
 /// Larger ones are jumps however far the normal turns in the step.
 const LARGEST: f64 = 1.0 / 16.0;
 
+/// A position, or with H = 2 a position and a momentum.
+type Place<T, const D: usize, const H: usize> = [[T; D]; H];
+
+/// Equations between positions, or with H = 2 between positions and momenta.
+pub(crate) trait Kinked<T, const D: usize, const H: usize, const M: usize> {
+    /// What changes sign where they are not smooth, and its values from one on.
+    const KINKS: &'static [&'static str];
+    fn kinks(&self, at: &Place<T, D, H>, first: usize, found: &mut [T]);
+    /// g and ∇g.
+    fn slopes(&self, at: &Place<T, D, H>) -> ([T; M], [Place<T, D, H>; M]);
+}
+
+impl<T: Real, K: ConstraintKernel<T, D, M>, const D: usize, const M: usize> Kinked<T, D, 1, M> for K {
+    const KINKS: &'static [&'static str] = K::KINKS;
+
+    #[inline(always)]
+    fn kinks(&self, [q]: &[[T; D]; 1], first: usize, found: &mut [T]) {
+        ConstraintKernel::kinks(self, q, first, found);
+    }
+
+    #[inline(always)]
+    fn slopes(&self, [q]: &[[T; D]; 1]) -> ([T; M], [[[T; D]; 1]; M]) {
+        let (g, gradients) = self.value_and_jacobian(q);
+        (g, gradients.map(|gradient| [gradient]))
+    }
+}
+
+impl<T: Real, K: PhaseConstraintKernel<T, D, M>, const D: usize, const M: usize> Kinked<T, D, 2, M> for K {
+    const KINKS: &'static [&'static str] = K::KINKS;
+
+    #[inline(always)]
+    fn kinks(&self, [q, p]: &[[T; D]; 2], first: usize, found: &mut [T]) {
+        PhaseConstraintKernel::kinks(self, q, p, first, found);
+    }
+
+    #[inline(always)]
+    fn slopes(&self, [q, p]: &[[T; D]; 2]) -> ([T; M], [[[T; D]; 2]; M]) {
+        let (g, by_q, by_p) = self.value_and_jacobians(q, p);
+        (g, from_fn(|i| [by_q[i], by_p[i]]))
+    }
+}
+
 /// Where the normal of an equation jumps.
 pub(crate) struct Kink {
     /// What changes its sign there.
@@ -32,6 +75,7 @@ pub(crate) struct Kink {
     pub(crate) equation: usize,
     /// The part of the way that lies before it.
     pub(crate) share: f64,
+    /// The position there.
     pub(crate) place: Vec<f64>,
     /// The angle by which the normal jumps.
     pub(crate) angle: f64,
@@ -42,14 +86,14 @@ pub(crate) struct Kink {
 /// Whether an argument has another sign at one place than at the other. Nothing at all where equations have no
 /// kinks.
 #[inline(always)]
-pub(crate) fn sign_changes<T, K, const D: usize, const M: usize>(
+pub(crate) fn sign_changes<T, K, const D: usize, const H: usize, const M: usize>(
     kernel: &K,
-    from: &[T; D],
-    to: &[T; D],
+    from: &Place<T, D, H>,
+    to: &Place<T, D, H>,
 ) -> bool
 where
     T: Scalar,
-    K: ConstraintKernel<T, D, M>,
+    K: Kinked<T, D, H, M>,
 {
     let mut changes = of_page(kernel, 0, from, to);
     if const { K::KINKS.len() > PAGE } {
@@ -63,10 +107,15 @@ where
 /// Whether one of the arguments from this one on may have another sign; a product that is too small for a float
 /// is taken for one.
 #[inline(always)]
-fn of_page<T, K, const D: usize, const M: usize>(kernel: &K, first: usize, from: &[T; D], to: &[T; D]) -> bool
+fn of_page<T, K, const D: usize, const H: usize, const M: usize>(
+    kernel: &K,
+    first: usize,
+    from: &Place<T, D, H>,
+    to: &Place<T, D, H>,
+) -> bool
 where
     T: Scalar,
-    K: ConstraintKernel<T, D, M>,
+    K: Kinked<T, D, H, M>,
 {
     let zero = T::from_f64(0.0);
     let (mut before, mut after) = ([zero; PAGE], [zero; PAGE]);
@@ -84,16 +133,16 @@ where
 /// The first place on the way where the normal of an equation jumps.
 #[cold]
 #[inline(never)]
-pub(crate) fn first_kink<T, K, const D: usize, const M: usize>(
+pub(crate) fn first_kink<T, K, const D: usize, const H: usize, const M: usize>(
     kernel: &K,
-    from: &[f64; D],
-    to: &[f64; D],
+    from: &Place<f64, D, H>,
+    to: &Place<f64, D, H>,
 ) -> Option<Kink>
 where
     T: Scalar,
-    K: ConstraintKernel<T, D, M>,
+    K: Kinked<T, D, H, M>,
 {
-    let way = Way { kernel, from, change: add_scaled(to, -1.0, from) };
+    let way = Way { kernel, from, change: less(to, from) };
     let kinks = (0..K::KINKS.len()).filter_map(|number| way.kink::<T, M>(number));
     kinks.min_by(|a, b| a.share.total_cmp(&b.share))
 }
@@ -102,47 +151,47 @@ where
 const ROUNDINGS: f64 = 64.0;
 
 /// A straight way between two places.
-struct Way<'a, K, const D: usize> {
+struct Way<'a, K, const D: usize, const H: usize> {
     kernel: &'a K,
-    from: &'a [f64; D],
-    change: [f64; D],
+    from: &'a Place<f64, D, H>,
+    change: Place<f64, D, H>,
 }
 
 /// g as a length, and ∇g/|∇g|.
-type Side<const D: usize> = (f64, [f64; D]);
+type Side<const D: usize, const H: usize> = (f64, Place<f64, D, H>);
 
-impl<K, const D: usize> Way<'_, K, D> {
-    fn at(&self, share: f64) -> [f64; D] {
-        add_scaled(self.from, share, &self.change)
+impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
+    fn at<T: Scalar>(&self, share: f64) -> Place<T, D, H> {
+        from_fn(|h| add_scaled(&self.from[h], share, &self.change[h]).map(T::from_f64))
     }
 
     /// The sign of an argument, −1, 0 or 1.
     fn sign<T: Scalar, const M: usize>(&self, number: usize, share: f64) -> i8
     where
-        K: ConstraintKernel<T, D, M>,
+        K: Kinked<T, D, H, M>,
     {
         let mut found = [T::from_f64(0.0)];
-        self.kernel.kinks(&self.at(share).map(T::from_f64), number, &mut found);
+        self.kernel.kinks(&self.at(share), number, &mut found);
         let argument = found[0].to_f64();
         i8::from(argument > 0.0) - i8::from(argument < 0.0)
     }
 
-    fn side<T: Scalar, const M: usize>(&self, share: f64) -> [Side<D>; M]
+    fn side<T: Scalar, const M: usize>(&self, share: f64) -> [Side<D, H>; M]
     where
-        K: ConstraintKernel<T, D, M>,
+        K: Kinked<T, D, H, M>,
     {
-        let (g, gradients) = self.kernel.value_and_jacobian(&self.at(share).map(T::from_f64));
-        std::array::from_fn(|equation| {
-            let gradient = gradients[equation].map(T::to_f64);
-            let length = dot(&gradient, &gradient).sqrt();
-            (g[equation].to_f64() / length, gradient.map(|x| x / length))
+        let (g, gradients) = self.kernel.slopes(&self.at(share));
+        from_fn(|equation| {
+            let gradient = gradients[equation].map(|half| half.map(T::to_f64));
+            let length = length(&gradient);
+            (g[equation].to_f64() / length, gradient.map(|half| half.map(|x| x / length)))
         })
     }
 
     /// Where this argument changes its sign, if a normal jumps there.
     fn kink<T: Scalar, const M: usize>(&self, number: usize) -> Option<Kink>
     where
-        K: ConstraintKernel<T, D, M>,
+        K: Kinked<T, D, H, M>,
     {
         let before = self.sign::<T, M>(number, 0.0);
         if self.sign::<T, M>(number, 1.0) == before {
@@ -154,8 +203,8 @@ impl<K, const D: usize> Way<'_, K, D> {
             *(if self.sign::<T, M>(number, middle) == before { &mut a } else { &mut b }) = middle;
         }
         let [start, last, first, end] = [0.0, a, b, 1.0].map(|share| self.side::<T, M>(share));
-        let length = dot(&self.change, &self.change).sqrt();
-        let size = largest(self.from).max(length);
+        let way = length(&self.change);
+        let size = self.from.iter().map(|half| largest(half)).fold(way, f64::max);
         (0..M).find_map(|equation| {
             let turn = distance(&start[equation].1, &last[equation].1)
                 + distance(&first[equation].1, &end[equation].1);
@@ -164,12 +213,12 @@ impl<K, const D: usize> Way<'_, K, D> {
             let rounding = ROUNDINGS * (T::EPSILON * size + start[equation].0.abs());
             let jump = distance(&last[equation].1, &first[equation].1);
             let gap = (last[equation].0 - first[equation].0).abs();
-            let jumps = jump > smooth || gap > smooth * length + rounding;
+            let jumps = jump > smooth || gap > smooth * way + rounding;
             jumps.then(|| Kink {
                 argument: K::KINKS[number],
                 equation,
                 share: b,
-                place: self.at(b).to_vec(),
+                place: self.at::<f64>(b)[0].to_vec(),
                 angle: 2.0 * (0.5 * jump).min(1.0).asin(),
                 gap,
             })
@@ -177,7 +226,14 @@ impl<K, const D: usize> Way<'_, K, D> {
     }
 }
 
-fn distance<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    let difference = add_scaled(a, -1.0, b);
-    dot(&difference, &difference).sqrt()
+fn less<const D: usize, const H: usize>(a: &Place<f64, D, H>, b: &Place<f64, D, H>) -> Place<f64, D, H> {
+    from_fn(|h| add_scaled(&a[h], -1.0, &b[h]))
+}
+
+fn length<const D: usize, const H: usize>(of: &Place<f64, D, H>) -> f64 {
+    of.iter().map(|half| dot(half, half)).sum::<f64>().sqrt()
+}
+
+fn distance<const D: usize, const H: usize>(a: &Place<f64, D, H>, b: &Place<f64, D, H>) -> f64 {
+    length(&less(a, b))
 }

@@ -342,6 +342,15 @@ pub trait System<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
     fn equations(&self) -> usize;
     /// M⁻¹p of a body.
     fn velocity<X>(&self, bodies: &Bodies<Self::Count, T, X, D>, body: usize) -> [T; D];
+    /// Moves bodies on for a time h as they go now, roughly: where a step that failed may have led.
+    fn coast(&self, h: f64, bodies: &mut BodiesOf<Self, T, D>) {
+        for body in 0..bodies.q.as_ref().len() {
+            let v = self.velocity(bodies, body);
+            let q = &mut bodies.q.as_mut()[body];
+            *q = add_scaled(q, T::from_f64(h), &v);
+        }
+        bodies.time += h;
+    }
     /// U, from positions alone.
     fn potential_energy<X>(&self, bodies: &Bodies<Self::Count, T, X, D>) -> T;
     /// Appends U of each effect that is not a flow, in the order of the scene.

@@ -13,7 +13,6 @@ use crate::motion::stir::step;
 use crate::motion::system::System;
 use crate::motion::witness::{Hears, Witness};
 use crate::number::clock::{later, steps_to};
-use crate::number::vector::add_scaled;
 use crate::run::events::{Events, Stretch};
 use crate::run::seldom::seldom;
 use crate::run::trouble::Trouble;
@@ -458,12 +457,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
     /// Where the bodies could not be moved, and a constraint has a kink on their way, the failure is that.
     fn look_for_kinks(&mut self, failure: &mut Failure) {
         let h = self.method.step_size();
-        for body in 0..self.bodies.q.as_ref().len() {
-            let v = self.system.velocity(&self.bodies, body);
-            let q = &mut self.bodies.q.as_mut()[body];
-            *q = add_scaled(q, h, &v);
-        }
-        self.bodies.time += h;
+        self.system.coast(h, &mut self.bodies);
         if let Err(kink) = self.system.check_kinks(&self.before, &self.bodies) {
             *failure = kink;
         }

@@ -17,7 +17,7 @@ pub(super) fn crossings<S: Lane, const L: usize, const D: usize>(
 ) -> Result<(), Stuck> {
     let (mut changes, mut any) = ([false; L], false);
     for lane in 0..L {
-        changes[lane] = sign_changes(laws.constraint(lane).borrow(), &at(from, lane), &at(to, lane));
+        changes[lane] = sign_changes(laws.constraint(lane).borrow(), &[at(from, lane)], &[at(to, lane)]);
     }
     changes.iter().for_each(|&changed| any |= changed);
     if any {
@@ -39,7 +39,7 @@ pub(super) fn kink<S: Lane, const D: usize>(
     otherwise: Result<(), Stuck>,
 ) -> Result<(), Stuck> {
     let [from, to] = [from, to].map(|q| q.map(S::to_f64));
-    match first_kink::<S, _, D, 1>(laws.constraint(lane).borrow(), &from, &to) {
+    match first_kink::<S, _, D, 1, 1>(laws.constraint(lane).borrow(), &[from], &[to]) {
         Some(kink) => Err(Stuck { lane, failure: Some(Failure::of_kink(kink, 0, None)) }),
         None => otherwise,
     }

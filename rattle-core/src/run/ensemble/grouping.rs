@@ -2,6 +2,7 @@
 //! and precision, so that only the necessary kind is compiled.
 
 use crate::effect::list::{Effects, Forces};
+use crate::kernel::functions::PhaseConstraintKernel;
 use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
 use crate::methods::dop853::Dop853;
 use crate::motion::bodies::Count;
@@ -331,7 +332,12 @@ impl<N: Count, const D: usize> PhaseSpaces<D> for InRows<'_, N, D> {
         H: Hamiltonian<D> + 'static,
     {
         let Self(count, starts, HowInLanes { stages, h, set, first, .. }) = self;
-        if const { !fits_lanes::<D, M>() } || starts.iter().any(|start| start.len() != count.number()) {
+        // Rows are not looked at for kinks.
+        let smooth = const { G::Kernel::<f64>::KINKS.is_empty() };
+        if const { !fits_lanes::<D, M>() }
+            || !smooth
+            || starts.iter().any(|start| start.len() != count.number())
+        {
             return None;
         }
         in_rows(IN_PHASE_SPACE, starts, &|from, starts| {

@@ -262,7 +262,7 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
         let calm = numbers & is.le(from_nowhere * was);
         let mut believed = plain & short & upright & calm & arrived;
         if const { !X::Constraint::KINKS.is_empty() } {
-            believed &= !sign_changes(laws.constraint(l).borrow(), &from[0], &q);
+            believed &= !sign_changes(laws.constraint(l).borrow(), &[from[0]], &[q]);
         }
         strays[l] = S::select(moves & strays[l].lt(strayed), strayed, strays[l]);
         going[l] = S::select(moves & !believed, S::from_f64(BY_ITSELF), going[l]);

@@ -338,8 +338,8 @@ where
         (0..self.members.len()).find_map(|member| {
             let [from, to] = [0, 1].map(|i| self.gather(member, q[i], time[i]));
             let kernel = self.kernel(member);
-            let changes = sign_changes(kernel, &from, &to);
-            let kink = if changes { first_kink(kernel, &from, &to) } else { None };
+            let changes = sign_changes(kernel, &[from], &[to]);
+            let kink = if changes { first_kink(kernel, &[from], &[to]) } else { None };
             kink.map(|kink| (member, kink))
         })
     }

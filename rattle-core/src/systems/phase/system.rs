@@ -2,7 +2,8 @@
 
 use crate::error::{Error, PhaseFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
-use crate::motion::bodies::{Bodies, Body, Count};
+use crate::kernel::kinks::{first_kink, sign_changes};
+use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::Never;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::Iteration;
@@ -128,6 +129,22 @@ where
         Ok(())
     }
 
+    #[inline(always)]
+    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<N, D, M>) -> Result<(), Failure> {
+        if const { K::KINKS.is_empty() } {
+            return Ok(());
+        }
+        for number in 0..self.count.number() {
+            let [from, to] = [before.body(number), now.body(number)].map(|body| [body.q, body.p]);
+            if sign_changes(&self.constraint, &from, &to)
+                && let Some(kink) = first_kink(&self.constraint, &from, &to)
+            {
+                return Err(Failure::of_kink(kink, number, None));
+            }
+        }
+        Ok(())
+    }
+
     fn equations(&self) -> usize {
         self.count.number() * M
     }
@@ -135,6 +152,14 @@ where
     /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
     fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
         self.flow(&Point::high(&bodies.body(body))).q
+    }
+
+    fn coast(&self, h: f64, bodies: &mut BodiesOf<N, D, M>) {
+        for number in 0..self.count.number() {
+            let flow = self.flow(&Point::high(&bodies.body(number)));
+            move_by(bodies, number, &flow.times(h));
+        }
+        bodies.time += h;
     }
 
     /// The part (∂g/∂q)ᵀλ that acts on momenta.

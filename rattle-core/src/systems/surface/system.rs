@@ -243,8 +243,8 @@ where
             return Ok(());
         }
         for (body, (from, to)) in before.q.as_ref().iter().zip(now.q.as_ref()).enumerate() {
-            if sign_changes(&self.constraint, from, to)
-                && let Some(kink) = first_kink(&self.constraint, &from.map(T::to_f64), &to.map(T::to_f64))
+            if sign_changes(&self.constraint, &[*from], &[*to])
+                && let Some(kink) = first_kink(&self.constraint, &[from.map(T::to_f64)], &[to.map(T::to_f64)])
             {
                 return Err(Failure::of_kink(kink, body, None));
             }
