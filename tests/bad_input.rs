@@ -57,6 +57,15 @@ fn staggered_momenta_are_those_of_all_bodies() {
     assert!(matches!(error, Error::BodyCount { scene: 3, state: 2 }), "{error}");
     let error = refused(scene.staggered(&State::of([[0.0]; 3]).with_momenta([[0.0]; 4]), &method));
     assert!(matches!(error, Error::MomentumCount { bodies: 3, momenta: 4 }), "{error}");
+    let few = State::of([[0.0], [1.0], [2.0]]).with_momenta([[0.5]; 2]);
+    for error in [
+        refused(scene.staggered(&few, &method)),
+        refused(scene.simulate(few.clone(), Rattle::new(0.1))),
+        refused(scene.project(&few)),
+        refused(scene.ensemble([start.clone(), few], Rattle::new(0.1))),
+    ] {
+        assert!(error.to_string().contains("the state has 3 bodies and was given 2 momenta"), "{error}");
+    }
     let stray = Scene::points::<1>(3).with(spring.over([[0, 3]]));
     let error = mistake(refused(stray.staggered(&start, &method)));
     assert!(matches!(error, NetworkMistake::NoSuchBody { body: 3, bodies: 3, .. }), "{error}");
@@ -201,8 +210,10 @@ fn momenta_whose_squares_are_no_numbers_have_a_direction() {
 #[test]
 fn a_histogram_has_no_more_bins_than_there_is_memory_for() {
     let energy = |now: &Sight<'_, 1>| now.energy();
-    let error = refused(Histogram::of(energy, 0.0, 1.0, usize::MAX / 2));
-    assert!(matches!(error, Error::Bins { .. }), "{error}");
+    for bins in [usize::MAX / 2, 1 << 40, (1 << 27) + 1] {
+        let error = refused(Histogram::of(energy, 0.0, 1.0, bins));
+        assert!(matches!(error, Error::Bins { .. }), "{error}");
+    }
 }
 
 constraint! {

@@ -90,7 +90,12 @@ mod hostile {
     ::rattle::potential! { pub(super) struct Gravity { g } |_x, y| g * y }
     ::rattle::pair_potential! { pub(super) struct Spring { k } |r| k * (r - 1)^2 }
     ::rattle::hamiltonian! { pub(super) struct Motion {} |q: [f64; 1], p: [f64; 1]| p[0]^2 / 2 + q[0]^2 }
-    ::rattle::phase_constraint! { pub(super) struct Both {} |q: [f64; 1], p: [f64; 1]| q[0] * p[0] - 1 }
+    ::rattle::phase_constraint! { pub(super) struct Both {} |q: [f64; 1], p: [f64; 1]| q[0] * abs(p[0]) - 1 }
+    ::rattle::force! {
+        pub(super) struct Wind { drag }
+        |q: [f64; 2], v: [f64; 2], t| [-drag * v[0] + 0 * t, -drag * v[1] + 0 * abs(q[0])]
+    }
+    ::rattle::potential! { pub(super) struct Tide { w } |_x, y, t| sin(w * t) * y }
     ::rattle::constraint! { pub(super) struct Long {} |x, y| sum(k in 1..300, sin(k * x) * cos(k * y) / k) }
 }
 
@@ -134,7 +139,7 @@ mod conditional {
 
 #[allow(clippy::pedantic, clippy::nursery, reason = "what is tested is what the macros write")]
 mod law {
-    use super::hostile::{Both, Circle, Gravity, Long, Motion, Spring, Surface};
+    use super::hostile::{Both, Circle, Gravity, Long, Motion, Spring, Surface, Tide, Wind};
     use ::rattle::prelude::*;
     use nalgebra::{matrix, vector};
 
@@ -175,7 +180,10 @@ mod law {
 
     #[test]
     fn a_bead_moves_on_the_circle() {
-        let scene = Scene::on(Circle { r: 1.0 }).with(Gravity { g: 1.0 });
+        let scene = Scene::on(Circle { r: 1.0 })
+            .with(Gravity { g: 1.0 })
+            .with(Tide { w: 0.0 })
+            .with(Wind { drag: 0.1 });
         let start = State::at([1.0, 0.0]);
         let mut simulation = scene.simulate(start, Rattle::new(0.01)).expect("a bead at rest on the circle");
         simulation.run(100).expect("a pendulum swings");

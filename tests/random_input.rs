@@ -3,7 +3,7 @@
 //! a panic, and never more work than steps take.
 //!
 //! ```text
-//! cargo test --release --test files random_input::                             500 inputs of each kind of scene
+//! cargo test --release --test files random_input::                             100 inputs of each kind of scene
 //! cargo test --release --test files random_input:: -- --ignored --nocapture    10⁶
 //! ```
 

@@ -116,7 +116,7 @@ fn a_pinch_gives_no_energy() {
                 run(pinched, 1.0, start, Taylor::new(10, h), 3.0),
                 run(pinched, 1.0, start, Dop853::new(h), 3.0),
             ] {
-                assert!(energy < 20.0, "h = {h}, {aside} aside: {energy:e}, {cause:?}");
+                assert!(energy < 3.0, "h = {h}, {aside} aside: {energy:e}, {cause:?}");
             }
         }
     }

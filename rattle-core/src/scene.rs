@@ -289,9 +289,9 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
         self.constraint.project(state)
     }
 
-    /// Whether a state has the bodies that the scene and its effects name, and a momentum for each at most.
+    /// Whether a state has the bodies that the scene and its effects name, and as many momenta as bodies.
     pub(crate) fn fits(&self, state: &State<D>) -> Result<(), Error> {
-        if let Some(momenta) = state.surplus_momenta {
+        if let Some(momenta) = state.other_momenta {
             return Err(Error::MomentumCount { bodies: state.len(), momenta });
         }
         if state.len() != self.count.number() {

@@ -96,9 +96,10 @@ pub enum Error {
     #[error("a tolerance is a positive number, found {0}")]
     Tolerance(f64),
 
-    /// A histogram without bins, with an empty or infinite range, or with more bins than there is memory for.
+    /// A histogram without bins, with an empty or infinite range, or with more bins than 2²⁷ or than there is memory
+    /// for.
     #[error(
-        "a histogram has one bin or more, as memory allows, between two finite numbers; found {bins} from {from} to {to}"
+        "a histogram has one bin or more, up to 2²⁷ as memory allows, between two finite numbers; found {bins} from {from} to {to}"
     )]
     Bins {
         /// Where the first bin begins.
@@ -148,7 +149,7 @@ pub enum Error {
         sum: f64,
     },
 
-    /// The state was given more momenta than it has bodies.
+    /// The state was given more momenta than it has bodies, or fewer.
     #[error(
         "the state has {} and was given {}",
         many(*bodies, "body", "bodies"),
@@ -231,7 +232,7 @@ pub enum Error {
     Before(String),
 
     /// A step that cannot be taken.
-    #[error("step {step} (t = {time}), body {body}: {cause}")]
+    #[error("step {step} (t = {time:?}), body {body}: {cause}")]
     Step {
         /// The step that failed; the first step is 1.
         step: u64,
@@ -245,7 +246,7 @@ pub enum Error {
 
     /// A step that cannot be taken even in parts: see [`Simulation::retry`](crate::run::simulation::Simulation::retry).
     #[error(
-        "step {step} (t = {time}), body {body}: halved {halvings} times, and its parts still fail: {cause}"
+        "step {step} (t = {time:?}), body {body}: halved {halvings} times, and its parts still fail: {cause}"
     )]
     Retried {
         /// Which step, counted from 1.
@@ -263,7 +264,7 @@ pub enum Error {
     /// A step that is not reversible: see
     /// [`Simulation::check_reversal`](crate::run::simulation::Simulation::check_reversal).
     #[error(
-        "step {step} (t = {time}), body {body}: {}; try a smaller step",
+        "step {step} (t = {time:?}), body {body}: {}; try a smaller step",
         missed(*off, *tolerance)
     )]
     NotReversed {

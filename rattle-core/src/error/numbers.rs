@@ -67,3 +67,14 @@ impl fmt::Display for Digits {
         if x.abs() < 1e6 { write!(f, "{x:.digits$}") } else { write!(f, "{x:.digits$e}") }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_however_large() {
+        let texts = [0.0104, 999_999.0, -1e200, f64::INFINITY].map(|x| Digits(x, 3).to_string());
+        assert_eq!(texts, ["0.010", "999999.000", "-1.000e200", "inf"]);
+    }
+}

@@ -60,8 +60,8 @@ pub struct State<const D: usize> {
     pub(crate) steps: u64,
     /// The number of the trajectory, if it was given one.
     pub(crate) number: Option<u64>,
-    /// How many momenta were given, if more than there are bodies.
-    pub(crate) surplus_momenta: Option<usize>,
+    /// How many momenta were given, if not one for each body.
+    pub(crate) other_momenta: Option<usize>,
 }
 
 impl<const D: usize> State<D> {
@@ -78,7 +78,7 @@ impl<const D: usize> State<D> {
         let at_rest = |q: Q| Body { q: q.coordinates(), q_low: zero, p: zero, p_low: zero };
         let bodies = positions.into_iter().map(at_rest).collect();
         let (time, time_low, steps) = (0.0, 0.0, 0);
-        Self { bodies, time, time_low, remembered: None, steps, number: None, surplus_momenta: None }
+        Self { bodies, time, time_low, remembered: None, steps, number: None, other_momenta: None }
     }
 
     /// The same state, with `momentum` for every body.
@@ -94,17 +94,19 @@ impl<const D: usize> State<D> {
         self
     }
 
-    /// The same state with these momenta, in the order of the bodies. If the list is shorter, the remaining bodies keep
-    /// their momenta; a longer list is refused when the simulation is made.
+    /// The same state with these momenta, one for each body, in their order. A list of another length is refused when
+    /// the simulation is made.
     #[must_use]
     pub fn with_momenta<P: Coordinates<D>>(mut self, momenta: impl IntoIterator<Item = P>) -> Self {
         let mut momenta = momenta.into_iter();
+        let mut given = 0;
         for (body, p) in self.bodies.iter_mut().zip(&mut momenta) {
             (body.p, body.p_low) = (p.coordinates(), [0.0; D]);
+            given += 1;
         }
+        given += momenta.count();
         self.remembered = None;
-        let surplus = momenta.count();
-        self.surplus_momenta = (surplus > 0).then_some(self.bodies.len() + surplus);
+        self.other_momenta = (given != self.bodies.len()).then_some(given);
         self
     }
 

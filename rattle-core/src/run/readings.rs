@@ -103,7 +103,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
             numbers: numbers.into(),
         });
         let (steps, number) = (self.first.step + self.steps, self.number);
-        State { bodies: self.bodies.all(), time, time_low, remembered, steps, number, surplus_momenta: None }
+        State { bodies: self.bodies.all(), time, time_low, remembered, steps, number, other_momenta: None }
     }
 
     /// Kinetic energy K = pᵀM⁻¹p/2, summed over the bodies.

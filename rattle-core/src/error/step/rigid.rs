@@ -1,6 +1,6 @@
 //! Errors of steps: why a rigid body could not be turned.
 
-use crate::error::numbers::Passing;
+use crate::error::numbers::{Digits, Passing};
 
 /// Why a rigid body could not be turned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -8,8 +8,8 @@ use crate::error::numbers::Passing;
 pub enum RigidFailure {
     /// A rigid body turns so far within the step that no rotation fits.
     #[error(
-        "the body turns too far within the step: h·|Ω| = {turn:.3}; below 1 there always is a rotation, above in some \
-         directions; {passing} (h = {h:.3e})"
+        "the body turns too far within the step: h·|Ω| = {}; below 1 there always is a rotation, above in some \
+         directions; {passing} (h = {h:.3e})", Digits(*turn, 3)
     )]
     TurnsTooFar {
         /// h·|Ω|.

@@ -27,8 +27,8 @@ pub enum SurfaceFailure {
     },
     /// h·κ·|v| is below 1, but numbers in its computation overflow or underflow.
     #[error(
-        "products of curvature and speed are beyond the numbers: κ = {curvature:.1e}, |v| = {speed:.1e}, h·κ·|v| = {reach:.3}; \
-         choose units in which lengths and speeds are nearer to 1"
+        "products of curvature and speed are beyond the numbers: κ = {curvature:.1e}, |v| = {speed:.1e}, h·κ·|v| = {}; \
+         choose units in which lengths and speeds are nearer to 1", Digits(*reach, 3)
     )]
     OutOfScale {
         /// h·κ·|v|.
@@ -41,7 +41,7 @@ pub enum SurfaceFailure {
     /// The position equation was not solved to rounding.
     #[error(
         "projection onto the surface did not converge on a path of {path:.1e}: corrections {corrections}, floor \
-         {floor:.1e}, |∇g| = {gradient:.3e}, h·κ·|v| = {reach:.3}; try a smaller step"
+         {floor:.1e}, |∇g| = {gradient:.3e}, h·κ·|v| = {}; try a smaller step", Digits(*reach, 3)
     )]
     NoConvergence {
         /// How far the body would have moved without the constraint. It is large where a force is too strong for the
@@ -60,7 +60,7 @@ pub enum SurfaceFailure {
     /// root ends or turns too sharply.
     #[error(
         "the motion cannot be followed through this step: the solution found would move {correction:.3e} along the \
-         normal on a path of {path:.3e}, normals at cosine {cosine:.3}, h·κ·|v| = {reach:.3}; try a smaller step"
+         normal on a path of {path:.3e}, normals at cosine {cosine:.3}, h·κ·|v| = {}; try a smaller step", Digits(*reach, 3)
     )]
     RootLost {
         /// Cosine of the angle between ∇g before and after.

@@ -18,6 +18,9 @@ pub struct Histogram<Q> {
     outside: u64,
 }
 
+/// Of a gibibyte.
+const MOST_BINS: usize = 1 << 27;
+
 impl<Q> Histogram<Q> {
     /// A histogram of this quantity, in `bins` equal bins between `from` and `to`. For an ensemble make one, and give
     /// each group of trajectories a clone:
@@ -33,8 +36,8 @@ impl<Q> Histogram<Q> {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Bins`] for no bins or more than there is memory for, and unless `from` and `to` are finite with `from`
-    /// < `to`.
+    /// [`Error::Bins`] for no bins, more than 2²⁷ or than there is memory for, and unless `from` and `to` are finite
+    /// with `from` < `to`.
     #[allow(clippy::cast_precision_loss, reason = "a number of bins")]
     pub fn of<const D: usize>(quantity: Q, from: f64, to: f64, bins: usize) -> Result<Self, Error>
     where
@@ -43,6 +46,9 @@ impl<Q> Histogram<Q> {
         let density = bins as f64 / (to - from);
         if !(bins > 0 && from < to && from.is_finite() && to.is_finite() && density.is_normal()) {
             return Err(Error::Bins { from, to, bins });
+        }
+        if bins > MOST_BINS {
+            return Err(Error::Bins { from, to, bins }); // a system may promise memory that it has not got
         }
         let mut counts = Vec::new();
         counts.try_reserve_exact(bins).map_err(|_| Error::Bins { from, to, bins })?;
