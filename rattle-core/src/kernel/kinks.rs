@@ -204,7 +204,7 @@ impl<K, const D: usize, const H: usize> Way<'_, K, D, H> {
         }
         let [start, last, first, end] = [0.0, a, b, 1.0].map(|share| self.side::<T, M>(share));
         let way = length(&self.change);
-        let size = self.from.iter().map(|half| largest(half)).fold(way, f64::max);
+        let size = self.from.iter().map(largest).fold(way, f64::max);
         (0..M).find_map(|equation| {
             let turn = distance(&start[equation].1, &last[equation].1)
                 + distance(&first[equation].1, &end[equation].1);
