@@ -121,3 +121,112 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     }
     Err(StartFailure::NoProjection { distances: distances.into_iter().collect::<History>() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::real::Real;
+
+    /// A circle of this radius, whose centre is so far along x; without a radius a straight line through it. Either
+    /// times a number.
+    #[derive(Clone)]
+    struct Circle {
+        centre: f64,
+        radius: f64,
+        times: f64,
+    }
+
+    impl<T: Real> ConstraintKernel<T, 2, 1> for Circle {
+        fn value(&self, q: &[T; 2]) -> [T; 1] {
+            self.value_and_jacobian(q).0
+        }
+
+        fn value_and_jacobian(&self, &[x, y]: &[T; 2]) -> ([T; 1], [[T; 2]; 1]) {
+            let [centre, radius, times, two] = [self.centre, self.radius, self.times, 2.0].map(T::from_f64);
+            let (x, zero) = (x - centre, T::from_f64(0.0));
+            if self.radius == 0.0 {
+                return ([times * x], [[times, zero]]);
+            }
+            ([times * (x * x + y * y - radius * radius)], [[times * two * x, times * two * y]])
+        }
+
+        fn hessian_vector(&self, _: &[T; 2], v: &[T; 2]) -> [[T; 2]; 1] {
+            let two = T::from_f64(if self.radius == 0.0 { 0.0 } else { 2.0 * self.times });
+            [[two * v[0], two * v[1]]]
+        }
+
+        fn jet(&self, q: &[T; 2], v: &[T; 2]) -> ([T; 1], [T; 1], [T; 1]) {
+            let product = |[x, y]: [T; 2]| x * v[0] + y * v[1];
+            let (g, [gradient]) = self.value_and_jacobian(q);
+            let [curved] = self.hessian_vector(q, v);
+            (g, [product(gradient)], [product(curved)])
+        }
+    }
+
+    fn start(circle: &Circle, q: [f64; 2], p: [f64; 2], path: f64) -> Result<(), StartFailure> {
+        let zero = [0.0; 2];
+        check(circle, &Body { q, q_low: zero, p, p_low: zero }, path, true)
+    }
+
+    /// Where a body is so far off, in this tolerance, it starts to 0.99 of it, and not from 1.01.
+    fn allows(circle: &Circle, on: [f64; 2], path: f64, tolerance: f64) {
+        let off = |share: f64| start(circle, [on[0] + share * tolerance, on[1]], [0.0, 1e-3], path);
+        assert_eq!(off(0.99), Ok(()), "tolerance {tolerance:e}");
+        match off(1.01) {
+            Err(StartFailure::OffSurface { tolerance: told, .. }) => {
+                assert!((told / tolerance - 1.0).abs() < 1e-3, "{told:e}, not {tolerance:e}");
+            }
+            other => panic!("tolerance {tolerance:e}: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn tolerances_are_parts_of_the_size_of_the_rounding_and_of_the_way() {
+        for (radius, times) in [(1.0, 1.0), (1e-3, 1e8), (1e5, 1e-8)] {
+            let circle = Circle { centre: 0.0, radius, times };
+            allows(&circle, [radius, 0.0], 0.01 * radius, START_TOLERANCE * radius);
+            allows(&circle, [radius, 0.0], 1e9 * radius, START_TOLERANCE * radius); // a way is no longer than the radius
+        }
+        // Far from the origin the rounding of places, 16 times.
+        let far = Circle { centre: 1e6, radius: 1.0, times: 1.0 };
+        allows(&far, [1e6 + 1.0, 0.0], 0.01, 16.0 * f64::EPSILON * 1e6);
+        // Near it a part of the way, and of the size of the circle: a line has none.
+        let near = Circle { centre: -1.0, radius: 1.0, times: 1.0 };
+        allows(&near, [0.0, 1e-14], 10.0, 1e-12);
+        let line = Circle { centre: 0.0, radius: 0.0, times: 3.0 };
+        allows(&line, [0.0, 1.0], 1e4, 1e-8);
+        allows(&line, [0.0, 1.0], 1.0, START_TOLERANCE);
+    }
+
+    #[test]
+    fn normals_are_known_to_some_digits() {
+        let to_apex = |distance: f64| {
+            let circle = Circle { centre: 1.0, radius: distance, times: 1.0 };
+            start(&circle, [1.0 + distance, 0.0], [0.0, 1e-3], 1e-14)
+        };
+        let least = f64::EPSILON / DIRECTION;
+        assert_eq!(to_apex(1.1 * least), Ok(()));
+        assert!(matches!(to_apex(0.9 * least), Err(StartFailure::SingularPoint { .. })));
+        let at_it = start(&Circle { centre: 1.0, radius: 1e-20, times: 1.0 }, [1.0, 0.0], [0.0; 2], 0.1);
+        assert!(matches!(at_it, Err(StartFailure::SingularPoint { distance: 0.0, .. })), "{at_it:?}");
+    }
+
+    #[test]
+    fn constraints_are_numbers_and_so_are_their_gradients() {
+        let value = start(&Circle { centre: 0.0, radius: 1e200, times: 1.0 }, [1e200, 0.0], [0.0; 2], 1.0);
+        assert!(matches!(value, Err(StartFailure::ConstraintNotFinite { .. })), "{value:?}");
+        let gradient = start(&Circle { centre: 0.0, radius: 1.0, times: 1e308 }, [1.0, 0.0], [0.0; 2], 1.0);
+        assert!(matches!(gradient, Err(StartFailure::ConstraintNotFinite { .. })), "{gradient:?}");
+    }
+
+    #[test]
+    fn momenta_are_along_the_surface() {
+        let circle = Circle { centre: 0.0, radius: 1.0, times: 1.0 };
+        for size in [1e-300, 1.0, 1e300] {
+            let tilted = |sine: f64| start(&circle, [1.0, 0.0], [sine * size, size], 0.1);
+            assert_eq!(tilted(0.99 * START_TOLERANCE), Ok(()));
+            assert!(matches!(tilted(1.01 * START_TOLERANCE), Err(StartFailure::NotTangent { .. })));
+        }
+        assert_eq!(start(&circle, [1.0, 0.0], [1.0, 0.0], 1e-16), Ok(())); // shorter than the rounding of places
+    }
+}
