@@ -333,7 +333,8 @@ fn sights_know_their_energy() {
             scene.masses([1.0, m, 3.0]).with(PlanarGravity { g: 2.0 })
         })
         .into();
-    let start = |_| State::of([[0.0, 0.0], [0.6, 0.8], [1.4, 0.2]]).with_momenta([[0.0; 2], [0.8, -0.6]]);
+    let start =
+        |_| State::of([[0.0, 0.0], [0.6, 0.8], [1.4, 0.2]]).with_momenta([[0.0; 2], [0.8, -0.6], [0.0; 2]]);
     let start = |i: usize| chains[i].project(&start(i)).unwrap();
     let off = energies_off(&chains, start, Rattle::new(0.01));
     assert!(off < 1e-14, "linked {off:e}");

@@ -166,7 +166,7 @@ fn restitution_takes_its_share_and_books_it() {
 fn balls_in_a_row_hand_a_blow_on() {
     for (gap, e) in [(0.0, 1.0), (0.1, 1.0), (0.0, 0.0)] {
         let places = [0.0, 1.3, 1.8 + gap, 2.3 + 2.0 * gap].map(|x| [x, 0.0]);
-        let start = State::of(places).with_momenta([[1.0, 0.0]]);
+        let start = State::of(places).with_momenta([[1.0, 0.0], [0.0; 2], [0.0; 2], [0.0; 2]]);
         let spheres = HardSpheres::new(0.5).restitution(e);
         let mut row = plane(0.0, &[1.0; 4], start, 0.4).collide(spheres).unwrap();
         row.run(5).unwrap();
