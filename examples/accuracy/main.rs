@@ -154,8 +154,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         .link(Slider { point: [0.0; 2], direction: [1.0, 0.0] }, [[2]])
         .pin(0, [0.0; 2])
         .with(planar::Gravity { g: 1.0 });
-    let start = crank
-        .project(&State::of([[0.0, 0.0], [0.6, 0.8], [2.43, 0.0]]).with_momenta([[0.0, 0.0], [0.8, -0.6]]))?;
+    let start = crank.project(&State::of([[0.0, 0.0], [0.6, 0.8], [2.43, 0.0]]).with_momenta([
+        [0.0, 0.0],
+        [0.8, -0.6],
+        [0.0, 0.0],
+    ]))?;
     price(measured("slider_crank", "A slider and its crank", crank.price(&start, 5.0), budget)?)?;
 
     let body = Rigid::new([0.6, 0.8, 1.0]);

@@ -14,7 +14,7 @@ use crate::number::vector::{add_scaled, dot, scaled};
 /// ```
 /// use rattle::{effect::HardSpheres, prelude::*};
 ///
-/// let start = State::of([[0.0], [1.0], [2.0]]).with_momenta([[1.0]]);
+/// let start = State::of([[0.0], [1.0], [2.0]]).with_momenta([[1.0], [0.0], [0.0]]);
 /// let simulation = Scene::points(3).simulate(start, Rattle::new(0.1))?;
 /// let mut cradle = simulation.collide(HardSpheres::new(0.5))?;
 /// cradle.run(20)?;
