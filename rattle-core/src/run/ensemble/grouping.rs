@@ -2,8 +2,7 @@
 //! and precision, so that only the necessary kind is compiled.
 
 use crate::effect::list::{Effects, Forces};
-use crate::kernel::functions::PhaseConstraintKernel;
-use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint};
+use crate::kernel::functions::{Constraint, Hamiltonian, PhaseConstraint, PhaseConstraintKernel};
 use crate::methods::dop853::Dop853;
 use crate::motion::bodies::Count;
 use crate::motion::hold::{PhaseSpaces, Surfaces};
@@ -333,11 +332,8 @@ impl<N: Count, const D: usize> PhaseSpaces<D> for InRows<'_, N, D> {
     {
         let Self(count, starts, HowInLanes { stages, h, set, first, .. }) = self;
         // Rows are not looked at for kinks.
-        let smooth = const { G::Kernel::<f64>::KINKS.is_empty() };
-        if const { !fits_lanes::<D, M>() }
-            || !smooth
-            || starts.iter().any(|start| start.len() != count.number())
-        {
+        let goes = const { fits_lanes::<D, M>() && G::Kernel::<f64>::KINKS.is_empty() };
+        if !goes || starts.iter().any(|start| start.len() != count.number()) {
             return None;
         }
         in_rows(IN_PHASE_SPACE, starts, &|from, starts| {

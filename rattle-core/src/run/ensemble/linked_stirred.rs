@@ -47,6 +47,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
         if from == 0 && end > 0 {
             self.look_around(0)?;
         }
+        self.evaluate();
         for now in from..end {
             self.step(now)?;
             let taken = now + 1;
@@ -55,6 +56,7 @@ impl<const W: usize> Work for StirredSteps<'_, '_, W> {
             }
             if taken % EVERY == 0 || (looks && taken == end) {
                 self.look_around(taken)?;
+                self.evaluate();
             }
         }
         let way = &self.numbers[way..way + n];
@@ -70,8 +72,6 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
         let (course, &RowStirring { after, at_once, .. }) = (self.course, self.stirring);
         let around = after == 0;
         if around {
-            course.links.gradients(course.plan, course.set, course.plan.places.q, self.numbers);
-            course.plan.lift(course.over, self.numbers);
             self.act(Half::Before, steps)?;
             self.lead();
             self.heed()?;
@@ -88,6 +88,14 @@ impl<const W: usize> StirredSteps<'_, '_, W> {
             }
         }
         if around { self.act(Half::After, steps) } else { Ok(()) }
+    }
+
+    /// Evaluates G where bodies are, as each step leaves it.
+    #[inline(always)]
+    fn evaluate(&mut self) {
+        let Self { course, numbers, .. } = self;
+        course.links.gradients(course.plan, course.set, course.plan.places.q, numbers);
+        course.plan.lift(course.over, numbers);
     }
 
     #[inline(always)]
