@@ -517,7 +517,7 @@ fn debug_says_what_it_is() {
 
 /// Steps so long that lanes are solved by themselves are taken where a simulation takes them, and end where it ends.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn long_steps_end_where_those_of_a_simulation_end() {
     let ball = Scene::on(Sphere { r: 1.0 });
     let start = State::at([0.48, -0.64, 0.6]).moving([0.8, 0.6, 0.0]);

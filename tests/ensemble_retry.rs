@@ -96,7 +96,7 @@ fn bits_of(ensemble: &Ensemble<3>) -> Vec<String> {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn parts_are_the_same_everywhere_and_touch_no_one_else() {
     let mut ensemble = all(InstructionSet::widest());
     ensemble.run(1000);
@@ -136,7 +136,7 @@ fn parts_are_the_same_everywhere_and_touch_no_one_else() {
 
 /// In a sweep lanes that stand in for others obey what those they are copies of do, and are given back.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn parts_obey_the_scene_of_their_trajectory() {
     let scenes: Vec<_> = (0..70)
         .map(|i| {
@@ -214,7 +214,7 @@ impl<const D: usize> Observer<D> for All {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn onlookers_see_whole_steps() {
     let of = || scene().ensemble((0..50).map(start), Rattle::new(0.01)).unwrap().retry(3);
     let seen = of().observe(1200, 3, || All(vec![])).0;

@@ -133,7 +133,7 @@ fn values_of_two_are_right_to_the_last_place() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn everywhere_near_those_of_the_system() {
     let mut random = SmallRng::seed_from_u64(6);
     for Row { name, lanes, system, apart, range: [low, high], .. } in ROWS {
@@ -309,7 +309,7 @@ const SINGLE: [(&str, f64); 7] =
 
 /// A million of all floats there are, evenly by their bits, against the system's functions of double precision.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn single_precision() {
     for Row { name, single, system, .. } in ROWS {
         let allowed = SINGLE.iter().find(|row| row.0 == name).map_or(0.5 + 1e-6, |row| row.1);

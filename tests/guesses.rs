@@ -147,7 +147,7 @@ where
 /// Where a guess is given up, the step is begun again as without one: of 200 such runs 3 end at a step without a
 /// solution, and 1 of those without a memory.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn long_steps_survive_bad_guesses() {
     let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
     let lost = (0..14).filter(|&k| {

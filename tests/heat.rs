@@ -83,7 +83,7 @@ fn chains_and_rigid_bodies() {
 /// Places of free bodies in heat are uniform in area. Samples are a hundred steps apart, h γ = 0.1: bodies have crossed
 /// the surface.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn places_are_uniform_in_area() {
     const BINS: usize = 20;
     let heat = Langevin { friction: 0.5, temperature: 1.0, seed: 5 };

@@ -144,7 +144,7 @@ fn of_a_chain<G: Guess, X: Iteration>(links: usize, guess: G, by: X) -> [f64; 2]
 /// more than the last one alone would; see `solve/stop.rs` of the core, and `optimised/tests/stopping.rs` for what the
 /// last one alone leaves.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn evaluations() {
     println!("{:24} lemniscate, h = 0.02       0.01                  0.002", "");
     println!("{:24} {} chain of 100   of 1000", "", "     g    ∇g   ∇²g ".repeat(3));

@@ -548,7 +548,7 @@ fn over_the_edges_of_an_octahedron_the_way_is_straight() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn over_thousands_of_edges_energy_is_kept() {
     let mut particle = on_faces(OCTAHEDRON, 0.0, [[0.2, 0.3, 0.5], [0.83, 0.31, 0.2]], 0.4);
     particle.run_while(200_000, |now| now.events() < 2_000).unwrap();

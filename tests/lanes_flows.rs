@@ -110,11 +110,19 @@ fn apart<P: Precision, E: Effects<3>, S: Method>(
 }
 
 fn as_alone<E: Effects<3>>(scene: &Scene<Torus, E, rattle::bodies::One, 3>, name: &str) {
-    let found = [
-        apart(Double, scene, &Rattle::new(0.02), 30),
-        apart(Compensated, scene, &Rattle::new(0.02), 30),
-        apart(Double, scene, &Baoab::new(0.02), 30),
-    ];
+    check(
+        name,
+        &[
+            apart(Double, scene, &Rattle::new(0.02), 30),
+            #[cfg(long)]
+            apart(Compensated, scene, &Rattle::new(0.02), 30),
+            #[cfg(long)]
+            apart(Double, scene, &Baoab::new(0.02), 30),
+        ],
+    );
+}
+
+fn check(name: &str, found: &[f64]) {
     println!("{name}: {found:?}");
     assert!(found.iter().all(|&off| off < 1e-12), "{name}: {found:?}");
 }
@@ -146,6 +154,10 @@ fn flows_of_ones_own_as_alone() {
 fn several_flows_as_alone() {
     let scene = ring().with(HEAT).with(MagneticField::new(FIELD)).with(Combed(0.8));
     as_alone(&scene, "three");
+    check(
+        "three in other ways",
+        &[apart(Compensated, &scene, &Rattle::new(0.02), 30), apart(Double, &scene, &Baoab::new(0.02), 30)],
+    );
     as_alone(
         &scene.with(Langevin { friction: 0.5, temperature: 2.0, seed: 7 }).with(Wind { c: 0.2 }),
         "five",
@@ -155,19 +167,25 @@ fn several_flows_as_alone() {
 #[test]
 fn by_each_method() {
     let scene = ring().with(LinearDrag::along([0.1, 2.0, 0.7])).with(HEAT);
-    let found = [
-        apart(Double, &scene, &PositionVerlet::new(0.02), 30),
-        apart(Double, &scene, &Geodesic::new(2, 0.02), 30),
-        apart(Double, &scene, &Baoab::with_inner(3, 0.02), 30),
-        apart(Compensated, &scene, &Baoab::with_inner(2, 0.02), 30),
-    ];
-    let found_symmetric = [
-        apart(Double, &ring().with(Combed(0.8)), &Composition::new(SUZUKI_1990_ORDER_4, 0.04), 15),
-        apart(Compensated, &ring().with(Wind { c: 0.5 }), &Geodesic::new(2, 0.02), 30),
-        apart(Double, &ring().with(MagneticField::new(FIELD)), &Rattle::new(-0.02), 30),
-    ];
-    println!("{found:?} {found_symmetric:?}");
-    assert!(found.iter().chain(&found_symmetric).all(|&off| off < 1e-12), "{found:?} {found_symmetric:?}");
+    check(
+        "heat and drag",
+        &[
+            apart(Double, &scene, &PositionVerlet::new(0.02), 30),
+            #[cfg(long)]
+            apart(Double, &scene, &Geodesic::new(2, 0.02), 30),
+            #[cfg(long)]
+            apart(Double, &scene, &Baoab::with_inner(3, 0.02), 30),
+            apart(Compensated, &scene, &Baoab::with_inner(2, 0.02), 30),
+        ],
+    );
+    check(
+        "one flow",
+        &[
+            apart(Double, &ring().with(Combed(0.8)), &Composition::new(SUZUKI_1990_ORDER_4, 0.04), 15),
+            apart(Compensated, &ring().with(Wind { c: 0.5 }), &Geodesic::new(2, 0.02), 30),
+            apart(Double, &ring().with(MagneticField::new(FIELD)), &Rattle::new(-0.02), 30),
+        ],
+    );
     let single = apart(Single, &ring().with(MagneticField::new(FIELD)).with(HEAT), &Rattle::new(0.02), 30);
     assert!(single < 1e-3, "{single:e}");
     // One trajectory by itself has lanes of its own.
@@ -409,8 +427,8 @@ fn flows_that_fail() {
     }
 }
 
-/// Baths in a crowd of shells: started at rest, kicked by single collisions, no trajectory lands on another shell in
-/// silence.
+/// Collisions and wind in a crowd of shells: started at rest, no trajectory lands on another shell in silence. A bath
+/// by friction is in `lanes_heat`.
 #[test]
 fn shells_are_kept() {
     constraint! {
@@ -431,12 +449,11 @@ fn shells_are_kept() {
     let mut kept = 0;
     for k in [30.0, 100.0, 1e3] {
         let shells = Scene::on(Shells { k });
-        kept += check(&shells.with(Langevin { friction: 5.0, temperature: 1.0, seed: 3 }), k);
         kept += check(&shells.with(Andersen { rate: 0.5, temperature: 2.0, seed: 3 }), k);
         kept += check(&shells.with(Wind { c: 1.0 }), k);
     }
-    println!("{kept} of 288 kept their shell for 60 steps");
-    assert!(kept > 100, "{kept}");
+    println!("{kept} of 192 kept their shell for 60 steps");
+    assert!(kept > 60, "{kept}");
 }
 
 /// ṗ = r p.

@@ -43,7 +43,7 @@ fn off(a: &State<3>, b: &State<3>) -> f64 {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn as_alone_but_for_rounding() {
     fn worst<P: Precision>(precision: P, method: Baoab, steps: u64) -> f64 {
         let scene = scene!(1.0, HEAT);

@@ -345,7 +345,7 @@ fn steps_compiled_for_their_sizes_give_the_same_bits() {
 /// Bits of a trajectory depend on no neighbour, no division of the run, no number of threads, no instruction set that
 /// fuses, and not on a checkpoint. Some steps are too long for some of the trajectories: these end, or go apart.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn the_same_bits_everywhere() {
     let scene = Scene::points(3)
         .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2]])
@@ -413,7 +413,7 @@ fn the_same_bits_everywhere() {
 /// In steps far too long a lane ends where a simulation ends, or neither does; and so does what is halved. What a lane
 /// starts with is momenta after the first kick, so that a step may be trusted that a simulation refuses: one here.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn long_steps_end_where_those_of_simulations_end() {
     let scene = Scene::points(4)
         .link(PlanarRod { length: 1.0 }, [[0, 1], [1, 2], [2, 3]])

@@ -147,7 +147,7 @@ fn cross(a: Point, b: Point) -> Point {
 
 /// Whatever its size, place and shape, and wherever on it the search begins.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn a_box_is_found() {
     type Shifted = fn(Point) -> (f64, Point);
     let far: Shifted = |[x, y, z]| sphere([x - 100.0, y + 50.0, z]);

@@ -246,7 +246,7 @@ fn pixel(page: &mut Browser, place: &str) -> [u8; 4] {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn the_page_draws_what_a_scene_has() {
     let Some(chromium) = browser::find() else { return };
     let folder = tempfile::tempdir().unwrap();
@@ -460,7 +460,7 @@ fn ball(r: f64) -> Mesh {
 
 /// Each mesh is shown from its time on: a ball of twice the radius covers four times as many pixels.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn a_moving_surface_moves() {
     let Some(chromium) = browser::find() else { return };
     let folder = tempfile::tempdir().unwrap();

@@ -100,7 +100,7 @@ where
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn many_go_as_each_alone() {
     let ring = TorusByDistance { major: 1.0, minor: 0.3 };
     let landscape = Landscape { height: 0.5 };

@@ -58,7 +58,7 @@ fn uniform_in_area() {
 /// By integrals over surfaces that have no formula: octants of the notebook's surface, shifted, where lines meet up to
 /// eight sheets.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn uniform_where_there_is_no_formula() {
     let surface = Lemniscate { a: 1.0, r: 1.0 / 6.0 };
     let (low, high) = ([-1.3, -0.7, -0.3], [1.3, 0.7, 0.3]);
@@ -133,7 +133,7 @@ fn only_zeros_are_points() {
 /// The mean of z² over points on a sphere, 1/3: of even points nearer than of random ones, whose deviation is √(4/45n),
 /// by more than half.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn even_points() {
     let mean = |points: Vec<rattle::nalgebra::Vector3<f64>>| {
         points.iter().map(|q| q.z * q.z).sum::<f64>() / points.len() as f64 - 1.0 / 3.0

@@ -178,7 +178,7 @@ fn what_cannot_be_written_ends_the_run_and_leaves_it_as_it_was() {
 /// By the method's kind in lanes, in three groups, or each by itself: all stop after the same step, as if they had been
 /// told to, and can go on.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn what_cannot_be_written_ends_an_ensemble_at_one_time() {
     fn check(method: impl Method, trajectories: usize, steps: u64, every: u64) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
@@ -382,7 +382,7 @@ fn numpy_reads_what_was_written_in_parts() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn ase_reads_extended_xyz() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.xyz");
@@ -406,7 +406,7 @@ fn ase_reads_extended_xyz() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn arrow_reads_parquet() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deep/run.parquet");
@@ -430,7 +430,7 @@ fn arrow_reads_parquet() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn meshio_reads_points_with_vectors_and_their_surface() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.pvd");

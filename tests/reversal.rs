@@ -192,7 +192,7 @@ fn growth<S: Method>(at_turn: &State<3>, method: &S, n: u64) -> f64 {
 /// and those of the way, √n of them, that have grown as small changes of the state do. Low parts leave of each rounding
 /// that of a step's increment, well below a tenth.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn long_ways_lead_back() {
     fn check<S: Method>(name: &str, method: S) {
         let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });

@@ -113,13 +113,13 @@ fn neighbours_are_not_disturbed() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn neighbours_of_other_masses_are_not_disturbed() {
     undisturbed(|i| double(some_short(i), some_gravity(i)).masses(some_alike(i)));
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn neighbours_of_other_weights_are_not_disturbed() {
     undisturbed(|i| {
         let (g, masses) = (some_gravity(i), some_alike(i));

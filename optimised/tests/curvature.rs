@@ -310,7 +310,7 @@ fn check_measure(
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn areas_and_gauss_bonnet() {
     let eye = ([-1.3, -0.8, -0.5], [1.3, 0.8, 0.5]);
     let cube = |half: f64| ([-half; 3], [half; 3]);
@@ -346,7 +346,7 @@ fn areas_and_gauss_bonnet() {
 
 /// ∫ K dA/2π and V − E + F of a mesh: two ways to one integer, and they share nothing but g.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn the_integral_of_curvature_counts_like_a_mesh() {
     fn counted(name: &str, surface: &impl Constraint<3, 1>, half: f64, lines: usize, allowed: f64) -> isize {
         let value = |q: [f64; 3]| {
@@ -371,7 +371,7 @@ fn the_integral_of_curvature_counts_like_a_mesh() {
 
 /// Fourth order: root mean square over boxes that place the lines at random.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn integrals_converge_at_fourth_order() {
     let mut generator = StdRng::seed_from_u64(2);
     let sphere = Sphere { r: 1.0 };

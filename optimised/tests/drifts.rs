@@ -85,7 +85,7 @@ fn compositions(all: &[Coefficients], h: f64) {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn of_every_method() {
     println!("| method | surface, lanes | surface, alone | links, lanes | links, alone |");
     check("RATTLE", STEPS, 1, 1e-19, Rattle::new(0.05));

@@ -338,7 +338,7 @@ fn gas_keeps_its_energy(collisions: u64, bound: f64) {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn a_gas_of_beads_keeps_its_energy() {
     // Without optimisation a tenth of them.
     gas_keeps_its_energy(2000, 1e-13);
@@ -346,6 +346,7 @@ fn a_gas_of_beads_keeps_its_energy() {
 
 /// `cargo long --test motion events:: -- --ignored --nocapture`
 #[test]
+#[cfg(long)]
 #[ignore = "takes minutes"]
 fn a_gas_of_beads_keeps_its_energy_for_long() {
     gas_keeps_its_energy(100_000, 1e-12);
@@ -353,7 +354,7 @@ fn a_gas_of_beads_keeps_its_energy_for_long() {
 
 /// Each collision multiplies rounding by some two free ways over a diameter, for the two that take part.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn a_gas_of_beads_runs_back() {
     let mut gas = beads(30, 0.16, 0.02);
     let start = gas.state();

@@ -31,7 +31,7 @@ fn start() -> State<3> {
 /// extrapolated they are the reference, which was found at tolerances of 1e-12, to 1e-9. Energy goes into work, and
 /// particles stay on the sphere.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn twenty_particles_come_to_rest_where_the_reference_has_them() {
     let reference: Vec<[f64; 3]> = crate::common::table("fekete")
         .iter()
@@ -70,7 +70,7 @@ fn twenty_particles_come_to_rest_where_the_reference_has_them() {
 
 /// From any start the energy falls to that of a minimum; it is the same as that of the reference or a little higher.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn other_starts_come_to_rest_too() {
     let sphere = Sphere { r: 1.0 };
     let scene = Scene::on(sphere).bodies(20).with(Repulsion {}).with(LinearDrag::new(0.5));

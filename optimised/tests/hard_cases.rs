@@ -266,7 +266,7 @@ fn follow_root<C: Constraint<3, 1>>(
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn huge_steps_never_land_on_another_sheet() {
     huge_steps(Rattle::new);
     huge_steps(|h| Rattle::new(h).solved_by(Symmetric));

@@ -107,7 +107,7 @@ fn sceneries() -> Vec<Scenery> {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn hubs_move_as_by_a_basis() {
     for scenery in sceneries() {
         let check = |what: &str, hubs: (Vec<f64>, u64), basis: (Vec<f64>, u64)| {
@@ -171,7 +171,7 @@ fn dependent_equations_at_a_hub_are_found() {
 /// Bytes asked for by setting up and projecting, for each link, do not grow with their number; nor does a step ask for
 /// any.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn setting_up_is_linear_in_the_links() {
     type Family = (&'static str, fn(usize) -> Vec<[usize; 2]>, Vec<usize>);
     let families: [Family; 6] = [

@@ -432,7 +432,7 @@ fn light_tips() {
 
 /// A light joint is stiff, ω² = m₂/m₁: an error or the right motion, never a silent jump.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn light_joints() {
     for exponent in [3, 6, 9, 12] {
         match mass_ratio(10.0_f64.powi(exponent), 1e-3, 20.0) {

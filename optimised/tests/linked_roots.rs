@@ -111,7 +111,7 @@ impl Double {
 
 /// Either an error, or the root that is reached from h = 0. Where that root ends there may only be an error.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn a_long_step_is_an_error_or_the_right_root() {
     long_steps(Rattle::new);
     long_steps(|h| Rattle::new(h).solved_by(Symmetric));
@@ -155,7 +155,7 @@ fn long_steps<S: Method>(method: impl Fn(f64) -> S) {
 /// Long steps one after another, begun from what is remembered: each ends where one without a memory ends, or is an
 /// error as that is.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn guesses_do_not_mislead_long_steps() {
     remembering(|h| Rattle::new(h).guess(LastMultiplier));
     remembering(|h| Rattle::new(h).guess(Extrapolated));
@@ -237,7 +237,7 @@ fn mass(rng: &mut StdRng) -> Mass<2> {
 
 /// Any networks, any numbers: answers and errors, no panic; after an error everything is as it was.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn no_network_makes_a_panic() {
     let mut rng = StdRng::seed_from_u64(11);
     let (mut mistakes, mut starts, mut steps, mut runs, mut checked) = (0, 0, 0, 0, 0);

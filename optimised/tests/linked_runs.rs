@@ -35,7 +35,7 @@ fn falling_chain(links: usize, h: f64, t: f64) -> (f64, f64, f64) {
 
 /// The numbers of the reference study; a tolerance that rounding cannot reach would take 16 corrections.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn a_chain_of_a_thousand_links() {
     let (energy, off, corrections) = falling_chain(1000, 2e-4, 2.0);
     println!("1000 links, h = 2e-4: |ΔE| {energy:.1e}, links {off:.1e}, {corrections:.3} corrections");
@@ -387,7 +387,7 @@ pair_potential! {
 /// all bodies, steps from 1e-3 to 0.2. Both end at the same places, or both fail; only in steps far too long may one go
 /// on where the other does not.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn random_networks_in_lanes_are_simulations() {
     let mut random = StdRng::seed_from_u64(1);
     let (mut agree, mut fail, mut differ) = (0, 0, 0);

@@ -44,14 +44,14 @@ fn check_growth<G: Guess, X: Iteration>(guess: G, by: X, counts: &[u64]) {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn rounding_grows_like_the_root_of_the_steps() {
     check_growth(FromState, Newton, &[1_000, 10_000, 60_000]);
 }
 
 /// What a linear iteration leaves has one sign, and would add up like n.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn so_it_does_however_the_position_equation_is_solved() {
     check_growth(FromState, Symmetric, &[1_000, 60_000]);
     check_growth(FromState, Simplified, &[1_000, 60_000]);
@@ -62,6 +62,7 @@ fn so_it_does_however_the_position_equation_is_solved() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "a minute: 1e8 steps of six pendulums"]
 fn rounding_grows_like_the_root_of_1e8_steps() {
     check_growth(FromState, Newton, &[60_000, 600_000, 6_000_000]);
@@ -84,6 +85,7 @@ fn the_swing_of_the_energy_is_the_same_after_1e6_steps() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "half a minute"]
 fn the_swing_of_the_energy_is_the_same_after_1e8_steps() {
     let (early, late) = (swing(1_000_000), swing(100_000_000));
@@ -128,6 +130,7 @@ fn shadow_energy_stays_over_1e5_steps() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "seconds: 1e6 steps"]
 fn shadow_energy_stays_over_1e6_steps() {
     check_shadow(1_000_000);
@@ -191,7 +194,7 @@ where
 
 /// Random roundings of 1e-17 leave 2e-17/n^{3/2}·n = 4e-20 of a slope in 2.5e5 steps.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_by_collocation() {
     check_drift::<5>(250_000, 1.5e-19);
     check_drift::<7>(250_000, 1.5e-19);
@@ -218,7 +221,7 @@ where
 /// little before they hold to rounding, which leaves 2e-19; what rounding takes from the sum of drift and bend would
 /// leave 5.9e-19.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_by_the_rounding_of_weights() {
     for (h, bound) in [(0.05, 1e-19), (0.07, 1e-19), (0.1, 3e-19)] {
         let slopes = [drift_of_many::<8>(h, 16_000), drift_of_many::<9>(h, 16_000)];
@@ -243,7 +246,7 @@ fn mean_energies<const D: usize>(
 /// The mean of 64 pendulums. Rounding of the energies at both ends leaves 1e-22 of a slope, random roundings of 1e-17
 /// in each step 5e-21; rounded coefficients would leave 7e-20.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_by_collocation_in_lanes() {
     let scene = Scene::on(Pendulum { length: 1.0 }).with(PlanarGravity { g: 1.0 });
     let start = |i: u32| {
@@ -263,7 +266,7 @@ fn energy_does_not_drift_by_collocation_in_lanes() {
 /// The same of great circles by compositions, which keep their energy exactly: all of it is rounding. It was 2e-18 and
 /// more where the normal at the end of a stage was that before its last correction.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_by_compositions_in_lanes() {
     let (scene, r) = (Scene::on(Sphere { r: 1.3 }), 1.3);
     for (coefficients, h) in
@@ -287,7 +290,7 @@ fn energy_does_not_drift_by_compositions_in_lanes() {
 
 /// The same of double pendulums that swing a little, by a composition whose own error is below rounding.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_of_links_in_lanes() {
     let scene = Scene::points(3)
         .link(rattle::links::planar::Rod { length: 1.0 }, [[0, 1], [1, 2]])
@@ -353,18 +356,20 @@ fn check_spinning(steps: u64) {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_of_rigid_bodies_in_lanes() {
     check_spinning(100_000);
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "ten seconds"]
 fn energy_does_not_drift_in_1e6_steps_of_rigid_bodies_in_lanes() {
     check_spinning(1_000_000);
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "a minute"]
 fn energy_does_not_drift_in_1e6_steps_by_collocation() {
     let slope = drift::<3>(false, 1.0 / 64.0, false, 1_000_000);
@@ -404,7 +409,7 @@ fn turning<M: Method>(mass: f64, algebra: LinearAlgebra, method: M, steps: u64) 
 /// 1/h and 1/m that are rounded are as wrong in every step: the energy would grow by 2e-19 to 8e-19 of itself each
 /// step.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn steps_and_masses_that_are_no_powers_of_two_do_not_make_energy_drift() {
     for algebra in [LinearAlgebra::Elimination, LinearAlgebra::Orthogonal] {
         for (mass, h) in [(3.0, 0.05), (0.7, 0.05), (0.7, 0.07)] {
@@ -424,7 +429,7 @@ fn steps_and_masses_that_are_no_powers_of_two_do_not_make_energy_drift() {
 /// The same of 128 dumbbells side by side in one simulation, which turn about their centres at rest. Random roundings
 /// of 3e-16 in each step of each leave 3e-20 of a slope; 1/h that is rounded leaves 1.4e-19.
 #[test]
-#[cfg_attr(not(long), ignore = "takes seconds: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift_of_molecules() {
     let (n, steps) = (128, 1_000_000);
     let places = (0..n).flat_map(|i| {
@@ -514,12 +519,13 @@ fn check_soak(trajectories: u32, steps: u64) {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn ensembles_stay_healthy() {
     check_soak(200, 100_000);
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "a minute on two cores: 1e10 steps"]
 fn soak() {
     let steps = std::env::var("STEPS").map_or(1_000_000, |steps| steps.parse().expect("a number of steps"));

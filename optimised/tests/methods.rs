@@ -263,7 +263,7 @@ fn methods_are_symplectic_or_shown_not_to_be() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn every_method_stays_on_the_constraint() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, start) = uneven_pendulum();
@@ -322,7 +322,7 @@ fn energy_errors<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>(
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_does_not_drift() {
     let scene = Scene::on(Sphere { r: 1.0 }).with(Gravity { g: 1.0 });
     for Row { name, order, method, windows, unstructured } in rows() {
@@ -342,7 +342,7 @@ fn energy_does_not_drift() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_stays_bounded_in_chaos() {
     let surface = Scene::on(SURFACE).with(Uneven { g: 1.0 });
     let (linked, start) = uneven_pendulum();

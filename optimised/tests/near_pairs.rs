@@ -124,7 +124,7 @@ where
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn forces_are_those_of_a_plain_loop_to_the_bit() {
     let within = SCREENED.within(REACH).shifted();
     as_in_a_plain_loop::<_, _, 2>(500, SCREENED, Open, &within);
@@ -431,7 +431,7 @@ fn bits_of<const D: usize>(vectors: impl Iterator<Item = SVector<f64, D>>) -> Ve
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn a_gas_on_a_surface_that_repeats_itself() {
     // Second order, with the switch that is usual.
     let errors = [2e-4, 1e-4, 5e-5].map(|h| {
@@ -490,6 +490,7 @@ fn a_gas_on_a_surface_that_repeats_itself() {
 
 /// What each ending does to the energy in 10⁵ steps: `cargo long --test motion near_pairs:: -- --ignored --nocapture`.
 #[test]
+#[cfg(long)]
 #[ignore = "a measurement of half a minute"]
 fn drift_of_each_ending() {
     let ends: [(&str, Gas); 5] = [

@@ -84,7 +84,7 @@ fn families(seed: u64, sweeps: u32) -> [Outcome; 7] {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn lanes_stay_on_their_sheets() {
     families(1, 1).iter().for_each(|outcome| outcome.check(13));
     let rings = |k| Scene::in_phase_space(Rings { k }, Falling { g: 0.3 });
@@ -93,6 +93,7 @@ fn lanes_stay_on_their_sheets() {
 
 /// `cargo long --test phase phase_lanes::many -- --ignored`
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn many_lanes_stay_on_their_sheets() {
     let wrong = |seed: u64| families(1000 + 7 * seed, 5).iter().map(|outcome| outcome.wrong).sum::<u32>();
@@ -102,7 +103,7 @@ fn many_lanes_stay_on_their_sheets() {
 /// Rounding does not add up, and constraints hold, as in simulations: a step of order 8 has an error of its own of some
 /// 1e-16, and sums are compensated.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_stays_and_constraints_hold() {
     let scene = Scene::in_phase_space(Hopf {}, Falling { g: 0.3 });
     let start = |i: u32| {

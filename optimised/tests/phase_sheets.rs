@@ -118,7 +118,7 @@ fn families(seed: u64, number: u32) -> [Outcome; 7] {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn steps_stay_on_their_sheets() {
     families(1, 50).iter().for_each(|outcome| outcome.check(22));
 }
@@ -162,6 +162,7 @@ fn a_checkpoint_goes_on_to_the_bit() {
 
 /// `cargo long --test phase phase_sheets::many -- --ignored`
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn many_steps_stay_on_their_sheets() {
     let wrong = |seed: u64| families(1000 + 7 * seed, 150).iter().map(|outcome| outcome.wrong).sum::<u32>();

@@ -103,7 +103,7 @@ fn the_discrete_map_agrees_with_50_digit_arithmetic() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn high_orders_meet_the_solutions() {
     let mut compared = 0;
     for name in ["B", "C"] {
@@ -158,7 +158,7 @@ fn slope<C: rattle::scene::Hold<D>, const D: usize>(
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn orders_are_two_and_those_of_compositions() {
     let ((turning, spinning), (charge, charged), (wavy, waving)) = (turning(), charge(), wavy());
     // Steps until t = 2 in the coarsest of three runs. What is not quadratic comes to order 8 only at rounding.
@@ -307,7 +307,7 @@ fn a_step_back_undoes_a_step() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn energy_stays_and_constraints_hold() {
     let mut simulation = hopf().simulate(start("B"), Rattle::new(0.1)).unwrap();
     let (mut worst, mut g, mut hidden) = (0.0_f64, 0.0_f64, 0.0_f64);
@@ -331,7 +331,7 @@ fn energy_stays_and_constraints_hold() {
 
 /// Compensated sums: without them the energy of both runs is off by 3e-15 after 136 000 stages.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn rounding_does_not_add_up() {
     for name in ["B", "C"] {
         let method = Composition::new(KAHAN_LI_1997_ORDER_8, 0.05); // its own error is some 1e-16
@@ -552,7 +552,7 @@ fn what_cannot_be_projected_says_so() {
 /// Whatever the step, it arrives on the constraint, if short with about the energy it had, or it is an error and
 /// nothing has happened.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn steps_of_any_length_arrive_or_fail_cleanly() {
     fn check<C: rattle::scene::Hold<D>, const D: usize>(
         name: &str,

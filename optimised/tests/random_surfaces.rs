@@ -192,7 +192,7 @@ fn each_step_stays_on_its_sheet() {
 
 /// Seeds and numbers of scenes whose steps once ended on another sheet in silence.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn scenes_that_were_wrong_are_not() {
     for (seed, runs) in
         [(1571, 27), (4441, 95), (4821, 142), (5021, 13), (5901, 135), (7241, 119), (10161, 177)]
@@ -221,13 +221,14 @@ fn scenes_that_were_wrong_are_not() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn each_step_of_lanes_stays_on_its_sheet() {
     let outcome = moves_in_lanes(200, 200);
     assert!(outcome.wrong == 0 && outcome.steps >= 20_000, "{outcome:?}");
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn each_step_of_many_lanes() {
     let blocks = (0..100_u64).into_par_iter();
@@ -235,6 +236,7 @@ fn each_step_of_many_lanes() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn each_step_of_a_million_scenes() {
     let wrong: u32 = (0..1000_u64)

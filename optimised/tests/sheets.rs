@@ -45,13 +45,13 @@ fn stays<S: Method>(seed: u64, runs: u32, right: u32, method: impl Fn(f64) -> S)
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn rattle_stays_on_its_sheet() {
     stays(1, 2000, 1250, Rattle::new);
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn other_iterations_and_guesses_stay_on_theirs() {
     stays(2, 500, 310, |h| Rattle::new(h).solved_by(Broyden));
     stays(3, 500, 290, |h| Rattle::new(h).guess(Extrapolated));
@@ -61,7 +61,7 @@ fn other_iterations_and_guesses_stay_on_theirs() {
 /// Steps of a composition differ in length: what a guess is off by grows and shrinks with h³, the distance of sheets
 /// does not.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn compositions_stay_on_theirs() {
     stays(6, 1000, 500, |h| Composition::new(SUZUKI_1990_ORDER_4, h));
     stays(7, 1000, 500, |h| Composition::new(YOSHIDA_1990_ORDER_4, h));
@@ -112,6 +112,7 @@ fn seams_are_no_sheets() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn a_million_scenes_stay_on_their_sheets() {
     let wrong: u32 =
@@ -157,7 +158,7 @@ constraint! {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn methods_that_follow_no_root_say_where_they_left_it() {
     among_three(11, 200, 0.05..0.8, Lobatto::<3>::new).check(75);
     among_three(12, 100, 0.05..1.0, Lobatto::<5>::new).check(50);

@@ -44,7 +44,7 @@ fn ensembles<S: Method>(seed: u64, number: usize, method: impl Fn(f64) -> S) -> 
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn ensembles_stay_on_their_sheets() {
     ensembles(1, 12, Rattle::new).check(170);
     ensembles(2, 4, |h| Composition::new(SUZUKI_1990_ORDER_4, h)).check(40);
@@ -52,7 +52,7 @@ fn ensembles_stay_on_their_sheets() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn stages_in_lanes_stay_on_their_sheets() {
     ensembles(7, 10, Lobatto::<2>::new).check(140);
     ensembles(8, 10, Lobatto::<3>::new).check(100);
@@ -61,7 +61,7 @@ fn stages_in_lanes_stay_on_their_sheets() {
 
 /// With a tolerance, steps of up to 1.6 have inner ones of their own in each lane.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn dop853_in_lanes_stays_on_its_sheet() {
     ensembles(10, 10, Dop853::new).check(260);
     ensembles(11, 10, |h| Dop853::adaptive(4.0 * h, 1e-8)).check(340);
@@ -124,7 +124,7 @@ fn going_in_and_out<S: Method>(
 
 /// Of 3 200 trajectories that were seen each step 690 had gone to other spheres, before lanes that are lost began anew.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn lanes_go_in_among_spheres_and_out_again() {
     for every in [1, 7, 300] {
         let [astray, refused] = going_in_and_out(21, 60, every, Rattle::new);
@@ -138,6 +138,7 @@ fn lanes_go_in_among_spheres_and_out_again() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn a_hundred_thousand_trajectories_stay_on_their_sheets() {
     let wrong: u32 =
@@ -204,7 +205,7 @@ fn gases(seed: u64, number: usize, bodies: usize) -> Outcome {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn particles_in_tiles_stay_on_their_sheets() {
     gases(5, 400, 9).check(100);
     gases(6, 40, 70).check(3);

@@ -103,7 +103,7 @@ fn stay<S: Method>(seed: u64, runs: u32, links: usize, right: u32, method: impl 
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn chains_keep_their_distances() {
     stay(1, 1000, 1, 700, Rattle::new);
     stay(2, 500, 2, 290, Rattle::new);
@@ -111,7 +111,7 @@ fn chains_keep_their_distances() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn other_iterations_and_guesses_keep_them() {
     stay(4, 300, 3, 140, |h| Rattle::new(h).solved_by(Broyden));
     stay(5, 300, 3, 130, |h| Rattle::new(h).solved_by(Simplified));
@@ -121,7 +121,7 @@ fn other_iterations_and_guesses_keep_them() {
 
 /// What a guess is off by grows and shrinks with the steps of a composition, the distance of roots does not.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn compositions_keep_them() {
     stay(8, 300, 2, 200, |h| Composition::new(rattle::composition::SUZUKI_1990_ORDER_4, h));
     stay(9, 300, 2, 140, |h| Composition::new(rattle::composition::YOSHIDA_1990_ORDER_4, h));
@@ -129,7 +129,7 @@ fn compositions_keep_them() {
 
 /// Methods that follow no root look inside their steps, and refuse those that end on another one.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn methods_without_a_guess_keep_them() {
     stay(20, 300, 2, 110, Lobatto::<3>::new);
     stay(21, 300, 3, 80, Lobatto::<5>::new);
@@ -139,7 +139,7 @@ fn methods_without_a_guess_keep_them() {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn lanes_keep_them() {
     for (seed, links, right) in [(30, 1, 240), (31, 2, 200), (32, 3, 160), (33, 7, 80)] {
         chains_in_lanes(Double, seed, 12, links, Rattle::new).check(right);
@@ -149,6 +149,7 @@ fn lanes_keep_them() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn many_chains_in_lanes_keep_them() {
     let wrong = |seed: u64| chains_in_lanes(Double, seed, 25, 1 + (seed % 4) as usize, Rattle::new).wrong;
@@ -157,6 +158,7 @@ fn many_chains_in_lanes_keep_them() {
 
 /// `cargo long --test networks sheets_linked::many_chains -- --ignored`
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn many_chains_keep_them_by_methods_without_a_guess() {
     let wrong = |seed: u64| {
@@ -171,6 +173,7 @@ fn many_chains_keep_them_by_methods_without_a_guess() {
 }
 
 #[test]
+#[cfg(long)]
 #[ignore = "some minutes"]
 fn a_hundred_thousand_chains_keep_them() {
     let wrong: u32 = (0..1000_u64)

@@ -47,7 +47,7 @@ fn check<S: Method>(what: &str, method: impl Fn(f64) -> S) {
 /// goes on to the floor. An estimate of what is left that leaves out third derivatives of g is off by 60 ε here, by 190
 /// ε there.
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn steps_on_surfaces_end_at_rounding() {
     check("Newton", Rattle::new);
     check("symmetric", |h| Rattle::new(h).solved_by(Symmetric));
@@ -91,7 +91,7 @@ fn furthest_rod<S: Method>(rods: usize, method: S) -> f64 {
 }
 
 #[test]
-#[cfg_attr(not(long), ignore = "takes long if not optimised: cargo long")]
+#[cfg(long)]
 fn rods_end_at_rounding() {
     fn check<S: Method>(what: &str, method: impl Fn(f64) -> S) {
         for h in [0.003, 0.01, 0.03, 0.1] {

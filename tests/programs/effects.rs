@@ -1,5 +1,7 @@
 //! Effects, alone and between bodies.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../active.rs"]
 mod active;
 #[path = "../common/mod.rs"]

@@ -1,5 +1,7 @@
 //! Ensembles and what watches runs.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../ensemble.rs"]

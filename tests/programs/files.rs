@@ -1,5 +1,7 @@
 //! Files, pages, charts and whatever is read.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../checkpoints.rs"]
 mod checkpoints;
 #[path = "../common/mod.rs"]

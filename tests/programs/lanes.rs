@@ -1,5 +1,7 @@
 //! What goes side by side in lanes.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../lanes_drift.rs"]

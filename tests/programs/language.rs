@@ -1,5 +1,7 @@
 //! The language of the macros, what they derive, and what is refused.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../common/catalogue.rs"]
 #[macro_use]
 mod list;

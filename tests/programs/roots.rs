@@ -1,5 +1,7 @@
 //! Which root a step ends at, how it is found, and what happens where there is none.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../common/mod.rs"]
 mod common;
 #[path = "../golden.rs"]

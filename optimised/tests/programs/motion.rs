@@ -1,13 +1,17 @@
 //! Long runs, orders and laws of every method.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../../../tests/common/mod.rs"]
 mod common;
+#[cfg(long)]
 #[path = "../drifts.rs"]
 mod drifts;
 #[path = "../events.rs"]
 mod events;
 #[path = "../every_method.rs"]
 mod every_method;
+#[cfg(long)]
 #[path = "../fekete.rs"]
 mod fekete;
 #[path = "../long_runs.rs"]

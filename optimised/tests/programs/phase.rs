@@ -1,5 +1,7 @@
 //! Constraints in phase space.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../../../tests/common/mod.rs"]
 mod common;
 #[path = "../phase_lanes.rs"]

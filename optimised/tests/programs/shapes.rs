@@ -1,5 +1,7 @@
 //! Shapes: their curvature, random ones, and motion among sheets that are close.
 
+#![cfg_attr(not(long), allow(dead_code, unused_imports))] // what tests of `cargo long` use
+
 #[path = "../../../tests/common/mod.rs"]
 mod common;
 #[path = "../curvature.rs"]
@@ -10,5 +12,6 @@ mod random_surfaces;
 mod sheets;
 #[path = "../sheets_lanes.rs"]
 mod sheets_lanes;
+#[cfg(long)]
 #[path = "../stopping.rs"]
 mod stopping;
