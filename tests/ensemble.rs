@@ -119,7 +119,9 @@ fn the_same_bits_everywhere() {
     let rattle = Rattle::new(0.01);
     let double = all(Double, &rattle, &starts);
     assert_ne!(all(Compensated, &rattle, &starts), double);
+    #[cfg(long)]
     all(Single, &rattle, &starts);
+    #[cfg(long)]
     all(Double, &Lobatto::<5>::new(0.025), &starts); // some of whose steps lanes take by themselves
     // Without fused multiply-add bits are others, and the same among themselves.
     let portable = |starts: Vec<State<3>>| {

@@ -317,6 +317,7 @@ fn disturb_no_other<C: Effects<3>>(scene: &Linked<C, 3>, bodies: usize) {
 
 #[test]
 fn those_that_fail_disturb_no_other() {
+    #[cfg(long)]
     disturb_no_other(&triangle().with(LinearDrag::along([0.1, 2.0, 0.7])).with(HEAT), 3);
     disturb_no_other(&chain().with(Combed(0.5)).with(Andersen { rate: 2.0, temperature: 0.1, seed: 3 }), 8);
 }

@@ -439,11 +439,12 @@ fn what_is_shown_is_on_its_own_sheet() {
         let (sin, cos) = (f64::from(i) * 0.06).sin_cos();
         State::at([0.0, 0.0, 1.0]).moving([0.5 * cos, 0.5 * sin, 0.0])
     });
-    for (k, shown) in [(100.0, [1, 300]), (500.0, [3, 300])] {
+    let steps = if cfg!(long) { 300 } else { 90 };
+    for (k, shown) in [(100.0, [1, steps]), (500.0, [3, steps])] {
         let scene = Scene::on(CloseBelow { k }).with(Gravity { g: 1.0 });
         for every in shown {
             let mut ensemble = scene.ensemble(starts.clone(), Rattle::new(0.1)).unwrap();
-            let off = ensemble.observe(300, every, || Off(0.0));
+            let off = ensemble.observe(steps, every, || Off(0.0));
             assert!(off.0 < 1e-12, "{:e} off, k = {k}, shown each {every}", off.0);
             assert_eq!(ensemble.failures().count(), 0);
         }
