@@ -45,6 +45,8 @@ class Case:
     """The mathematics has no motion to the end of the run: an error is the right answer."""
     mujoco: str | None = None
     """Which MuJoCo model is the same mechanism, if there is one."""
+    lammps: str | None = None
+    """The same surface as a manifold of LAMMPS, if there is one; without forces."""
     program: tuple = ()
     """The model of `ours.rs` that is the same, and its parameters."""
     ours: str = ""
@@ -160,6 +162,7 @@ def tube(minor, way, h):
         1000,
         None,
         length=minor,
+        lammps=f"torus 1.0 {minor!r}",
         program=("torus", minor),
         ours="optimised/tests/hard_cases.rs, thin_tube_keeps_its_particle",
         units={"distance": NEAR * minor, "energy": 0.05},
@@ -317,6 +320,7 @@ def sphere(name, title, hard, *, h, steps, scale=1, centre=0, gravity=False, pat
         None,
         potential=Z if gravity else sympy.Integer(0),
         mujoco="ball",
+        lammps=None if gravity or centre or scale != 1 else "sphere 1.0",
         program=("sphere", scale, centre),
         **more,
     )

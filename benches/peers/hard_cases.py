@@ -120,6 +120,7 @@ def run_one(case_name, tool_name):
         "worst": worst,
         "example": {k: shown[k] for k in ("message", "warnings", "left", "samples")},
         "seconds": round(time.monotonic() - begin, 2),
+        "date": datetime.date.today().isoformat(),
     }
 
 
@@ -132,7 +133,7 @@ def nothing(pair, message, verdict):
     example = {"message": message, "warnings": [], "left": None, "samples": 0}
     return {
         "case": pair[0], "tool": pair[1], "verdict": verdict, "counts": {verdict: 1}, "worst": {},
-        "example": example, "seconds": LIMIT,
+        "example": example, "seconds": LIMIT, "date": datetime.date.today().isoformat(),
     }  # fmt: skip
 
 
@@ -174,16 +175,16 @@ def run_all(workers, only):
     import cases
     import tools
 
-    tools.program()
     for case in cases.CASES:
         case.functions
     order = [(c.name, t) for c in cases.CASES for t in tools.TOOLS if tools.applies(c, t)]
     pairs = [pair for pair in order if not only or set(only) & set(pair)]
+    if any(tool == "ours" for _, tool in pairs):
+        tools.program()
     rows = {}
     if only and RESULTS.exists():
         rows = {(r["case"], r["tool"]): r for r in json.loads(RESULTS.read_text())["rows"]}
     about = {
-        "date": datetime.date.today().isoformat(),
         "python": platform.python_version(),
         "limit_s": LIMIT,
         "command": "python benches/peers/hard_cases.py",

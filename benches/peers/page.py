@@ -18,7 +18,7 @@ INTRODUCTION = """\
 # Hard cases elsewhere
 
 The same hard cases, put to other tools and judged by what is true of the motion: the distance from the sheet that it
-started on, its energy, and its exact path where there is one. The runs are of {date}, by
+started on, its energy, and its exact path where there is one. The runs are of {dates}, by
 
 ```sh
 {command}
@@ -45,7 +45,8 @@ def write(results):
     found = {(r["case"], r["tool"]): r for r in rows}
     used = [t for t in tools.TOOLS if any(r["tool"] == t for r in rows)]
     versions = ", ".join(f"{name} {version}" for name, version in about["versions"].items())
-    out = [INTRODUCTION.format(**{**about, "versions": versions})]
+    dates = " and ".join(sorted({row["date"] for row in rows}))
+    out = [INTRODUCTION.format(**{**about, "versions": versions, "dates": dates})]
     out.append("| case | " + " | ".join(tools.TOOLS[t][0] for t in used) + " |")
     out.append("|---|" + "---|" * len(used))
     for case in cases.CASES:

@@ -7,6 +7,8 @@ import functools
 import json
 import os
 import subprocess
+import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -191,6 +193,46 @@ def mujoco(case, q, v, record):
     mujoco_models.run(case, q, v, record)
 
 
+def lammps(case, q, v, record):
+    """`fix nve/manifold/rattle` of the program that `lammps.sh` builds, with the tolerance of its documentation. What
+    it dumps after each step is read when it has ended, or its time is up."""
+    script = f"""
+        units lj\natom_style atomic\natom_modify sort 0 0\nboundary f f f
+        neigh_modify delay 0 every 100000000 check no
+        region box block -3 3 -3 3 -3 3\ncreate_box 1 box
+        create_atoms 1 single {" ".join(map(repr, map(float, q)))} units box\nmass 1 1.0
+        velocity all set {" ".join(map(repr, map(float, v)))} units box
+        pair_style zero 0.1 nocoeff\npair_coeff * *\nthermo 100000000
+        fix hold all nve/manifold/rattle 1e-8 100 {case.lammps}
+        dump each all custom 1 steps.txt x y z vx vy vz\ndump_modify each format float %.17g
+        timestep {case.h!r}\nrun {case.steps}
+        """
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "in.txt").write_text("\n".join(line.strip() for line in script.splitlines()))
+        command = [os.environ.get("LAMMPS", "lmp_serial"), "-in", "in.txt", "-log", "none"]
+        done = None
+        try:
+            left = record.deadline - time.monotonic()
+            done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=left)
+        except subprocess.TimeoutExpired:
+            pass
+        dump = Path(folder) / "steps.txt"
+        # A block of each step: nine lines of headings, and the one particle; none where it is lost.
+        lines = iter(dump.read_text().splitlines() if dump.exists() else [])
+        for line in lines:
+            if line == "ITEM: TIMESTEP":
+                step = int(next(lines))
+            elif line.startswith("ITEM: ATOMS"):
+                state = np.array(next(lines, "").split(), dtype=float)
+                if len(state) == 6:
+                    record(step * case.h, state[:3], state[3:])
+    if done is None:
+        record.look_at_clock()
+    elif done.returncode:
+        said = (done.stdout + done.stderr).strip().splitlines()
+        raise ToolError(next((line for line in said if "ERROR" in line), said[-1]))
+
+
 @functools.cache
 def program():
     """Builds `ours.rs`, unless whoever started this process has done so."""
@@ -237,9 +279,10 @@ TOOLS = {
     "mici": ("Mici, defaults", mici(tuned=False)),
     "mici-tuned": ("Mici, scaled tolerances", mici(tuned=True)),
     "mujoco": ("MuJoCo, RK4", mujoco),
+    "lammps": ("LAMMPS, manifold/rattle", lammps),
     "ours": ("this library's RATTLE", ours),
 }
 
 
 def applies(case, tool):
-    return tool != "mujoco" or case.mujoco is not None
+    return {"mujoco": case.mujoco, "lammps": case.lammps}.get(tool, "any") is not None
