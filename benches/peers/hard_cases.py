@@ -120,7 +120,6 @@ def run_one(case_name, tool_name):
         "worst": worst,
         "example": {k: shown[k] for k in ("message", "warnings", "left", "samples")},
         "seconds": round(time.monotonic() - begin, 2),
-        "date": datetime.date.today().isoformat(),
     }
 
 
@@ -133,7 +132,7 @@ def nothing(pair, message, verdict):
     example = {"message": message, "warnings": [], "left": None, "samples": 0}
     return {
         "case": pair[0], "tool": pair[1], "verdict": verdict, "counts": {verdict: 1}, "worst": {},
-        "example": example, "seconds": LIMIT, "date": datetime.date.today().isoformat(),
+        "example": example, "seconds": LIMIT,
     }  # fmt: skip
 
 
@@ -191,7 +190,7 @@ def run_all(workers, only):
         "versions": {p: importlib.metadata.version(p) for p in PACKAGES},
     }
     for row in rows_of(pairs, workers):
-        rows[row["case"], row["tool"]] = row
+        rows[row["case"], row["tool"]] = {**row, "date": datetime.date.today().isoformat()}
         kept = [rows[pair] for pair in order if pair in rows]
         RESULTS.write_text(
             json.dumps(finite({"about": about, "rows": kept}), indent=1, allow_nan=False) + "\n"

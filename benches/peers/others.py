@@ -10,6 +10,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+import lammps_input
 import numpy as np
 
 T = 5.0
@@ -94,19 +95,10 @@ def lammps():
 
     def run(start, h):
         steps = round(T / h)
-        words = [repr(float(x)) for x in start]
-        script = f"""
-            units lj\natom_style atomic\natom_modify sort 0 0\nboundary f f f
-            neigh_modify delay 0 every 100000000 check no
-            region box block -3 3 -3 3 -3 3\ncreate_box 1 box
-            create_atoms 1 single {" ".join(words[:3])} units box\nmass 1 1.0
-            velocity all set {" ".join(words[3:])} units box
-            pair_style zero 0.1 nocoeff\npair_coeff * *\nthermo_modify norm no\nthermo 100000000
-            fix hold all nve/manifold/rattle 1e-14 100 torus 1.0 0.3\ntimestep {T / steps!r}\nrun {steps}
-            write_dump all custom end.txt x y z modify format float %.17g\nrun 100000
-            """
+        more = f"""timestep {T / steps!r}\nrun {steps}
+            write_dump all custom end.txt x y z modify format float %.17g\nrun 100000"""
         with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "in.txt").write_text("\n".join(line.strip() for line in script.splitlines()))
+            lammps_input.write(Path(folder), start[:3], start[3:], "1e-14 100 torus 1.0 0.3", more)
             done = subprocess.run(
                 [program, "-in", "in.txt", "-log", "none"], cwd=folder, capture_output=True, text=True
             )

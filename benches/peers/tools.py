@@ -16,6 +16,7 @@ import scipy.integrate
 import scipy.linalg
 import scipy.optimize
 
+import lammps_input
 import mujoco_models
 
 
@@ -196,19 +197,10 @@ def mujoco(case, q, v, record):
 def lammps(case, q, v, record):
     """`fix nve/manifold/rattle` of the program that `lammps.sh` builds, with the tolerance of its documentation. What
     it dumps after each step is read when it has ended, or its time is up."""
-    script = f"""
-        units lj\natom_style atomic\natom_modify sort 0 0\nboundary f f f
-        neigh_modify delay 0 every 100000000 check no
-        region box block -3 3 -3 3 -3 3\ncreate_box 1 box
-        create_atoms 1 single {" ".join(map(repr, map(float, q)))} units box\nmass 1 1.0
-        velocity all set {" ".join(map(repr, map(float, v)))} units box
-        pair_style zero 0.1 nocoeff\npair_coeff * *\nthermo 100000000
-        fix hold all nve/manifold/rattle 1e-8 100 {case.lammps}
-        dump each all custom 1 steps.txt x y z vx vy vz\ndump_modify each format float %.17g
-        timestep {case.h!r}\nrun {case.steps}
-        """
+    more = f"""dump each all custom 1 steps.txt x y z vx vy vz\ndump_modify each format float %.17g
+        timestep {case.h!r}\nrun {case.steps}"""
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "in.txt").write_text("\n".join(line.strip() for line in script.splitlines()))
+        lammps_input.write(Path(folder), q, v, f"1e-8 100 {case.lammps}", more)
         command = [os.environ.get("LAMMPS", "lmp_serial"), "-in", "in.txt", "-log", "none"]
         done = None
         try:
