@@ -13,6 +13,12 @@ use rattle::prelude::*;
 use rattle::real::Real;
 use rattle::surfaces::{Sphere, Torus};
 
+constraint! {
+    /// Spheres of radius 1 + nπ/k.
+    struct Shells { k }
+    |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
+}
+
 force! {
     /// Wind that turns with time, against which bodies drag.
     struct Wind { c }
@@ -431,11 +437,6 @@ fn flows_that_fail() {
 /// silence. Outside of `cargo long` the bath by friction is that of `lanes_heat` alone.
 #[test]
 fn shells_are_kept() {
-    constraint! {
-        /// Spheres of radius 1 + nπ/k.
-        struct Shells { k }
-        |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1))
-    }
     fn check<E: Effects<3>>(scene: &Scene<Shells, E, rattle::bodies::One, 3>, k: f64) -> usize {
         let begin = |i: u64| State::at([(i as f64).cos(), (i as f64).sin(), 0.0]).numbered(i);
         let mut ensemble = scene.ensemble((0..32).map(begin), Rattle::new(0.1)).unwrap();
@@ -449,12 +450,13 @@ fn shells_are_kept() {
     let mut kept = 0;
     for k in [30.0, 100.0, 1e3] {
         let shells = Scene::on(Shells { k });
-        #[cfg(long)]
-        {
-            kept += check(&shells.with(Langevin { friction: 5.0, temperature: 1.0, seed: 3 }), k);
-        }
-        kept += check(&shells.with(Andersen { rate: 0.5, temperature: 2.0, seed: 3 }), k);
-        kept += check(&shells.with(Wind { c: 1.0 }), k);
+        let each = [
+            #[cfg(long)]
+            check(&shells.with(Langevin { friction: 5.0, temperature: 1.0, seed: 3 }), k),
+            check(&shells.with(Andersen { rate: 0.5, temperature: 2.0, seed: 3 }), k),
+            check(&shells.with(Wind { c: 1.0 }), k),
+        ];
+        kept += each.iter().sum::<usize>();
     }
     println!("{kept} of {} kept their shell for 60 steps", if cfg!(long) { 288 } else { 192 });
     assert!(kept > if cfg!(long) { 100 } else { 66 }, "{kept}");
@@ -502,7 +504,6 @@ impl Flow<3> for Timed {
 /// its own, and so does a lane.
 #[test]
 fn shells_are_kept_by_those_that_flows_speed_up() {
-    constraint! { struct Shells { k } |x, y, z| sin(k * (sqrt(x^2 + y^2 + z^2) - 1)) }
     force! { struct Gale { c } |_q: [f64; 3], v: [f64; 3]| [c * (8 - v[0]), c * (8 - v[1]), c * (8 - v[2])] }
     fn check<E: Effects<3>>(scene: &Scene<Shells, E, rattle::bodies::One, 3>, k: f64, h: f64) -> usize {
         let begin = |i: u64| {
