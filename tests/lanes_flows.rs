@@ -164,10 +164,8 @@ fn several_flows_as_alone() {
         "three in other ways",
         &[apart(Compensated, &scene, &Rattle::new(0.02), 30), apart(Double, &scene, &Baoab::new(0.02), 30)],
     );
-    as_alone(
-        &scene.with(Langevin { friction: 0.5, temperature: 2.0, seed: 7 }).with(Wind { c: 0.2 }),
-        "five",
-    );
+    let five = scene.with(Langevin { friction: 0.5, temperature: 2.0, seed: 7 }).with(Wind { c: 0.2 });
+    as_alone(&five, "five");
 }
 
 #[test]
