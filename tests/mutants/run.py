@@ -3,6 +3,7 @@
 
     python3 tests/mutants/run.py                        the changes of FILES, judged by PROGRAMS
     python3 tests/mutants/run.py solve/aim solve/root   those of some files
+    AGAIN=survivors PROGRAMS=phase LONGEST=20 …         those that survived before, put to other or longer tests
 
 A change is an `if` that asks whether its number is on (`src/main.rs` writes it, `on.rs` answers), so that nothing is
 compiled anew for each. First each test is run alone, to see how long it takes and which changes it reaches. Then each
@@ -22,6 +23,7 @@ FILES = """solve/aim solve/root solve/nearing solve/crowd solve/stop kernel/kink
     run/ensemble/linked_look""".split()
 PROGRAMS = os.environ.get("PROGRAMS", "core roots shapes links networks phase ensembles lanes").split()
 LONGEST = float(os.environ.get("LONGEST", "4"))  # CPU seconds: tests that take longer are left out
+AGAIN = os.environ.get("AGAIN")  # a copy of target/mutants/survivors
 
 
 def cargo(*arguments, **options):
@@ -130,6 +132,9 @@ def main():
     library.write_text(library.read_text().replace("pub mod effect;", "pub mod mutant;\npub mod effect;", 1))
     rewrite(files)
     changes = [line.split("\t") for line in LIST.read_text().splitlines()]
+    if AGAIN:
+        survivors = {tuple(line.split("\t")[3:]) for line in pathlib.Path(AGAIN).read_text().splitlines()}
+        changes = [change for change in changes if tuple(change[1:]) in survivors]
     print(len(changes), "changes;", len(SKIP.read_text().split()), "do not compile", flush=True)
     tests = sorted((row for program in build_tests() for row in reach(*program)), key=lambda row: row[0])
     print(len(tests), "tests", flush=True)

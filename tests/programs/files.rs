@@ -14,7 +14,5 @@ mod page;
 mod plot;
 #[path = "../price_page.rs"]
 mod price_page;
-#[path = "../random_input.rs"]
-mod random_input;
 #[path = "../recorders.rs"]
 mod recorders;

@@ -20,3 +20,9 @@ mod long_runs;
 mod methods;
 #[path = "../near_pairs.rs"]
 mod near_pairs;
+#[cfg(long)]
+#[path = "../random_input.rs"]
+mod random_input;
+#[cfg(long)]
+#[path = "../random_motion.rs"]
+mod random_motion;

@@ -9,6 +9,13 @@ use rattle::error::{StartFailure, StepFailure};
 use rattle::nalgebra::Vector3;
 use rattle::prelude::*;
 
+constraint! {
+    /// A sphere that touches z = 0 at the origin.
+    #[derive(Clone, Copy, Debug)]
+    struct Bowl { radius }
+    |x, y, z| z - (x^2 + y^2 + z^2) / (2 * radius)
+}
+
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
     let thin = Kind {
@@ -114,6 +121,24 @@ pub fn cases() -> Vec<Case> {
         let surface = Quadric { centre: [1e12, 0.0, 0.0], ..sphere(1.0) };
         Ok(unless(on(surface, 0.0, State::at([1e12 + 1.0, 0.0, 0.0]), Rattle::new(0.01)), no_normal))
     }));
+    let bowed = Kind {
+        why: "tolerances that grow with the radius of a surface take a start that lies beside a flat one",
+        expect: "the start 0.001 off is refused, the one that is on the surface is not",
+        reason: "each is",
+    };
+    for radius in [1e8, 1e12, 1e100] {
+        cases.push(bowed.case(format!("start beside a bowl of radius {radius:e}"), 0.0, move || {
+            let bowl = Bowl { radius };
+            let (beside, link) = (State::at([1.0, 0.5, 1e-3]), Scene::points::<3>(1).link(bowl, [[0]]));
+            Scene::on(bowl).simulate(Scene::on(bowl).project(&beside)?, Rattle::new(0.01))?;
+            link.simulate(link.project(&beside)?, Rattle::new(0.01))?;
+            Ok(unless(on(bowl, 0.0, beside.clone(), Rattle::new(0.01)), |error| {
+                matches!(error, Error::Start { cause: StartFailure::OffSurface { .. }, .. })
+            }) + unless(link.simulate(beside, Rattle::new(0.01)), |error| {
+                matches!(error, Error::Start { cause: StartFailure::OffConstraint { .. }, .. })
+            }))
+        }));
+    }
     let flat = Kind {
         why: "curvatures of 10⁶ one way and 1 the other make matrices and steps ill-conditioned",
         expect: "the circle at constant speed, at the angle that the method's own formula gives",

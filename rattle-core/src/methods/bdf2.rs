@@ -153,7 +153,7 @@ impl Bdf2 {
                 free[body] = add_scaled(&scaled(third, &d), beta, &drift);
                 bodies.p.as_mut()[body] = increment[body];
                 let push = system.velocity(bodies, body);
-                increment[body] = add_scaled(&free[body], beta * beta, &push);
+                increment[body] = add_scaled(&free[body], beta, &scaled(beta, &push)); // β² may be ∞
             }
             self.solve(all, bodies, [q, q_low], [increment, free], &mut Once(witness))?;
             let (ahead, behind) = (T::from_f64(1.5 / self.h), T::from_f64(0.5 / self.h));

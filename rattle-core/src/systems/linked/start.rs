@@ -2,10 +2,11 @@
 
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::motion::bodies::Body;
-use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, finite, has_square, length_of};
+use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, START_TOLERANCE};
+use crate::motion::start::{allowed, finite, has_square, length_of, rounding_of_g};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
+use crate::solve::aim::{NOISY, SHIFTS};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
@@ -57,6 +58,35 @@ impl<const D: usize> Start<D> {
     fn length(&self, shape: &Shape<D>, c: usize, row: usize) -> f64 {
         let blocks = shape.components[c].rows.blocks_of(row);
         length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
+    }
+
+    /// Whether an equation of coordinates of this size, with a singular point so far away, is off by no more than the
+    /// rounding of g.
+    #[cold]
+    fn is_rounding(
+        &mut self,
+        shape: &Shape<D>,
+        (c, row): (usize, usize),
+        time: f64,
+        [size, singular]: [f64; 2],
+    ) -> bool {
+        let (q, value, length) = (self.q.clone(), self.g[row], self.length(shape, c, row));
+        let rows = &shape.components[c].rows;
+        let normals: Vec<_> =
+            rows.blocks_of(row).map(|(block, body)| (rows.bodies[body], self.blocks[block])).collect();
+        let mut bent = |shift: f64| {
+            for (body, normal) in &normals {
+                self.q[*body] = add_scaled(&q[*body], shift / length, normal);
+            }
+            self.evaluate(shape, c, time);
+            ((self.g[row] - value) / length - shift).abs()
+        };
+        let shifted =
+            |size: f64| SHIFTS.into_iter().map(|share| bent(share * f64::EPSILON * size)).fold(0.0, f64::max);
+        let rounding = rounding_of_g(size, singular, shifted);
+        self.q.copy_from_slice(&q);
+        self.evaluate(shape, c, time);
+        value.abs() / length <= NOISY * rounding
     }
 }
 
@@ -159,10 +189,8 @@ fn check_row<const D: usize>(
         return Err(StartFailure::OutOfScale { equation: Some(at()), gradient: length });
     }
     let distance = value.abs() / length;
-    let size = size.max(h.abs() * speed).min(singular);
-    let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
-    let tolerance = (START_TOLERANCE * size).max(16.0 * noise);
-    if distance > tolerance {
+    let tolerance = allowed(size, h.abs() * speed, singular);
+    if distance > tolerance && !start.is_rounding(shape, (c, row), state.time, [size, singular]) {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();

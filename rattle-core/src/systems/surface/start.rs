@@ -6,7 +6,7 @@ use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::{finite, has_square, length_of};
+use crate::motion::start::{allowed, finite, has_square, length_of, rounding_of_g};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::NOISY;
@@ -44,15 +44,11 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(StartFailure::OutOfScale { equation: None, gradient: length });
     }
     let distance = value.abs() / length;
-    // Where q is near zero the terms of g, and their rounding, are of the size of the surface.
-    let size = largest(&body.q).min(singular);
-    let noise = rounding.max(if singular.is_finite() { f64::EPSILON * singular } else { 0.0 });
-    // Near the origin of a plane places have the rounding of where they came from, which may be some hundred steps
-    // away.
-    let of_path = 1e-12 * path.min(singular);
-    let tolerance = (START_TOLERANCE * size).max(16.0 * noise).max(of_path);
-    let of_g = || NOISY * length * rounding_of(constraint, &body.q, &gradient, largest(&body.q));
-    if distance > tolerance && distance > of_g() {
+    let coordinates = largest(&body.q);
+    let tolerance = allowed(coordinates, path, singular);
+    let shifted = |size| length * rounding_of(constraint, &body.q, &gradient, size);
+    let is_rounding = || distance <= NOISY * rounding_of_g(coordinates, singular, shifted);
+    if distance > tolerance && !is_rounding() {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
     let scale = largest(&body.p).max(f64::MIN_POSITIVE); // squares of momenta may leave the floats
@@ -196,6 +192,25 @@ mod tests {
         let line = Circle { centre: 0.0, radius: 0.0, times: 3.0 };
         allows(&line, [0.0, 1.0], 1e4, 1e-8);
         allows(&line, [0.0, 1.0], 1.0, START_TOLERANCE);
+    }
+
+    /// Near the origin terms of g are larger than the coordinates, by as much as the circle is.
+    #[test]
+    fn projected_starts_are_taken() {
+        for (radius, k) in [1.0, 0.3e3, 7e7].into_iter().flat_map(|radius| (0..40).map(move |k| (radius, k)))
+        {
+            let circle = Circle { centre: -radius, radius, times: 3.0 };
+            let (size, share) = (0.1 * 0.37_f64.powi(k), f64::from(k).sin());
+            let state = State::at([size * share, size]).moving([1.0, 0.0]);
+            let Body { q, p, .. } = project(&circle, &state).unwrap().bodies[0];
+            assert_eq!(start(&circle, q, p, 1e-3 * size), Ok(()), "size {size:e} of radius {radius:e}");
+            let off = 1e-9 * size + 100.0 * f64::EPSILON * radius;
+            let beside = start(&circle, [q[0] + off, q[1]], p, 1e-3 * size);
+            assert!(
+                matches!(beside, Err(StartFailure::OffSurface { .. })),
+                "size {size:e} of radius {radius:e}"
+            );
+        }
     }
 
     #[test]

@@ -1,14 +1,16 @@
 //! Random input of scenes: NaN, infinities, 1e308 and denormals among places, momenta, masses, parameters and step
-//! sizes, wrong numbers of bodies, links between any bodies. What comes is a run or an error that says something, never
-//! a panic, and never more work than steps take.
+//! sizes, wrong numbers of bodies, links between any bodies, by any method. What comes is a run or an error that says
+//! something, never a panic, and never more work than steps take.
 //!
 //! ```text
-//! cargo test --release --test files random_input::                             100 inputs of each kind of scene
-//! cargo test --release --test files random_input:: -- --ignored --nocapture    10⁶
+//! cargo long --test motion random_input::                             100 inputs of each kind of scene
+//! cargo long --test motion random_input:: -- --ignored --nocapture    10⁶
 //! ```
 
 use crate::common::linked::Rod;
+use crate::every_method::{OneOf, rows};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
+use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::error::StartFailure;
 use rattle::links::planar::Pendulum;
 use rattle::nalgebra::{Matrix3, SMatrix, SVector, Vector3};
@@ -58,6 +60,10 @@ hamiltonian! {
     #[derive(Clone, Copy, Debug)]
     struct Falling { m, g, pole }
     |q: [f64; 2], p: [f64; 2]| dot(p, p) / (2 * m) + g * q[1] + pole / q[0]
+}
+
+fn rattle() -> OneOf {
+    OneOf::Rattle(Rattle::new(1.0))
 }
 
 /// A number that nobody means.
@@ -120,6 +126,13 @@ impl Input {
         let h = 10_f64.powf(self.random.random_range(-6.0..2.0));
         let signed = if self.once_in(5) { -h } else { h };
         self.or_odd(signed)
+    }
+
+    /// RATTLE, or as often one of all methods.
+    fn method(&mut self) -> OneOf {
+        let (h, all) = (self.step(), rows());
+        let any = if self.once_in(2) { all[self.random.random_range(0..all.len())].method } else { rattle() };
+        any.with_step(h)
     }
 
     /// So many, or now and then another number of them.
@@ -241,24 +254,24 @@ fn go<Y: System<f64, D>, S: Method, const D: usize>(
     Outcome { ran: 1, ..Outcome::default() }
 }
 
-/// The state on the constraints if it can be, else as it is.
+/// A state, moved onto the constraints: of the first three drawn that find a place, else the fourth as it is.
 fn projected<C: rattle::scene::Hold<D>, E, N, const D: usize>(
     input: &mut Input,
     scene: &Scene<C, E, N, D>,
-    state: State<D>,
     bodies: usize,
+    draw: impl Fn(&mut Input) -> State<D>,
 ) -> State<D>
 where
     E: rattle::effect::Effects<D>,
     N: rattle::bodies::Count,
 {
-    if input.once_in(10) {
-        return state;
+    for _ in 0..if input.once_in(10) { 0 } else { 3 } {
+        match scene.project(&draw(input)) {
+            Ok(start) => return start,
+            Err(error) => check_error(&error, bodies),
+        }
     }
-    scene.project(&state).unwrap_or_else(|error| {
-        check_error(&error, bodies);
-        state
-    })
+    draw(input)
 }
 
 fn odd_surface(input: &mut Input) -> Odd {
@@ -286,10 +299,9 @@ fn on_surface(input: &mut Input) -> Outcome {
     let counts = surface.counts();
     let pole = Pole { strength: input.number() / 10.0, place: input.number() };
     let scene = Scene::on(surface).bodies(bodies).with(pole);
-    let state = input.state(bodies);
-    let start = projected(input, &scene, state, bodies);
-    let (h, retry) = (input.step(), input.random.random_range(0..4));
-    let outcome = go(scene.simulate(start, Rattle::new(h)), bodies, pole.strength, retry);
+    let start = projected(input, &scene, bodies, |input| input.state(bodies));
+    let (method, retry) = (input.method(), input.random.random_range(0..4));
+    let outcome = go(scene.simulate(start, method), bodies, pole.strength, retry);
     // Eight parts of each of twelve steps, each followed in parts of its own.
     let most = 100_000 * (1 + bodies as u64) * (1 + STEPS);
     assert!(counts.values() + counts.gradients() < most, "{} values", counts.values());
@@ -312,7 +324,15 @@ fn in_lanes(input: &mut Input) -> Outcome {
     }
     let number = starts.len();
     let before = starts.clone();
-    let mut ensemble = match scene.ensemble(starts, Rattle::new(input.step())) {
+    let h = input.step();
+    let ensemble = match input.random.random_range(0..8) {
+        0 => scene.ensemble(starts, Lobatto::<3>::new(h)),
+        1 => scene.ensemble(starts, Composition::new(SUZUKI_1990_ORDER_4, h)),
+        2 => scene.ensemble(starts, Dop853::new(h)),
+        3 => scene.ensemble(starts, PositionVerlet::new(h)),
+        _ => scene.ensemble(starts, Rattle::new(h)),
+    };
+    let mut ensemble = match ensemble {
         Ok(ensemble) => ensemble.retry(input.random.random_range(0..3)),
         Err(error) => {
             check_error(&error, 1);
@@ -390,10 +410,9 @@ fn linked(input: &mut Input) -> Outcome {
         .linear_algebra([Automatic, Automatic, Elimination, Orthogonal][input.random.random_range(0..4)]);
     let members = if input.once_in(3) { pairs(input, 3) } else { Vec::new() };
     let scene = scene.with(Pull { k: input.number() }.over(members));
-    let state = input.state(bodies);
-    let start = projected(input, &scene, state, bodies);
-    let (h, retry) = (input.step(), input.random.random_range(0..4));
-    go(scene.simulate(start, Rattle::new(h)), bodies, 0.0, retry)
+    let start = projected(input, &scene, bodies, |input| input.state(bodies));
+    let (method, retry) = (input.method(), input.random.random_range(0..4));
+    go(scene.simulate(start, method), bodies, 0.0, retry)
 }
 
 fn in_phase_space(input: &mut Input) -> Outcome {
@@ -401,25 +420,33 @@ fn in_phase_space(input: &mut Input) -> Outcome {
     let pole = if input.once_in(3) { input.number() } else { 0.0 };
     let falling = Falling { m: input.number(), g: input.number(), pole };
     let scene = Scene::in_phase_space(round, falling);
-    let state = input.state(1);
-    let start = projected(input, &scene, state, 1);
+    let start = projected(input, &scene, 1, |input| input.state(1));
     let (h, retry) = (input.step(), input.random.random_range(0..4));
-    go(scene.simulate(start, Rattle::new(h)), 1, 0.0, retry)
+    if input.once_in(2) {
+        return go(scene.simulate(start, Rattle::new(h)), 1, 0.0, retry);
+    }
+    go(scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, h)), 1, 0.0, retry)
 }
 
 fn rigid(input: &mut Input) -> Outcome {
     let moments = [input.or_odd(0.7), input.or_odd(0.9), input.or_odd(1.1)];
     let scene = Scene::rigid(Rigid::new(moments));
-    let (attitude, momentum) =
-        (Matrix3::from_fn(|_, _| input.number()), Vector3::from_fn(|_, _| input.number()));
-    let state = match input.random.random_range(0..4) {
-        0 => input.state(1),
-        1 => Rigid::start(&attitude, &momentum),
-        _ => Rigid::start(&Matrix3::identity(), &momentum),
-    };
-    let start = projected(input, &scene, state, 1);
+    let start = projected(input, &scene, 1, |input| {
+        let momentum = Vector3::from_fn(|_, _| input.number());
+        match input.random.random_range(0..4) {
+            0 => input.state(1),
+            1 => Rigid::start(&Matrix3::from_fn(|_, _| input.number()), &momentum),
+            _ => Rigid::start(&Matrix3::identity(), &momentum),
+        }
+    });
     let (h, retry) = (input.step(), input.random.random_range(0..4));
-    go(scene.simulate(start, Rattle::new(h)), 1, 0.0, retry)
+    match input.random.random_range(0..8) {
+        0 => go(scene.simulate(start, PositionVerlet::new(h)), 1, 0.0, retry),
+        1 => go(scene.simulate(start, Composition::new(SUZUKI_1990_ORDER_4, h)), 1, 0.0, retry),
+        2 => go(scene.simulate(start, Dop853::new(h)), 1, 0.0, retry),
+        3 => go(scene.simulate(start, Taylor::new(8, h)), 1, 0.0, retry),
+        _ => go(scene.simulate(start, Rattle::new(h)), 1, 0.0, retry),
+    }
 }
 
 type Kind = (&'static str, fn(&mut Input) -> Outcome);
@@ -450,7 +477,6 @@ fn survive(first: u64, count: u64) -> [Outcome; 5] {
 }
 
 #[test]
-#[cfg(long)]
 fn nothing_panics() {
     for (outcome, (what, _)) in survive(0, 100).into_iter().zip(KINDS) {
         println!("{what}: {outcome:?}");
@@ -460,7 +486,7 @@ fn nothing_panics() {
 }
 
 #[test]
-#[ignore = "some minutes: 1e6 inputs"]
+#[ignore = "some minutes"]
 fn nothing_panics_a_million_times() {
     let blocks = (0..1000_u64).into_par_iter().map(|block| survive((1 << 32) + 200 * block, 200));
     let sums = blocks.reduce(Default::default, |mut a, b| {
@@ -468,4 +494,12 @@ fn nothing_panics_a_million_times() {
         a
     });
     KINDS.iter().zip(sums).for_each(|((what, _), outcome)| println!("{what}: {outcome:?}"));
+}
+
+/// A start beside a surface that hardly bends went in one step to it; a pinned body was lost in BDF2's steps of 1e200.
+#[test]
+fn inputs_that_were_wrong_are_not() {
+    on_surface(&mut Input::new(4295080071));
+    linked(&mut Input::new(4295142323));
+    linked(&mut Input::new(4295048132));
 }
