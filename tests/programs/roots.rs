@@ -10,6 +10,8 @@ mod golden;
 mod guesses;
 #[path = "../iterations.rs"]
 mod iterations;
+#[path = "../iterations_lanes.rs"]
+mod iterations_lanes;
 #[path = "../kinks.rs"]
 mod kinks;
 #[path = "../kinks_phase.rs"]
