@@ -8,9 +8,9 @@
 //! ```
 //!
 //! The task: trajectories from one point of the lemniscate surface in all directions under gravity, RATTLE with h =
-//! 0.01,
-//! |g| ≤ 1e-14; the same by Lobatto of five stages, h = 0.025; the gas of 21 and of 1000 particles; a double pendulum, alone and 10 000 side by side; a chain of 1000
-//! links and a heavy top, each alone; 10 000 tops side by side. Every opponent is a program that waits for requests;
+//! 0.01, |g| ≤ 1e-14; the same by Lobatto of five stages, h = 0.025; the gas of 21 and of 1000 particles; a double
+//! pendulum, alone and 10 000 side by side; a chain of 1000 links and a heavy top, each alone; 10 000 tops side by
+//! side. Every opponent is a program that waits for requests;
 //! they take turns in rounds, so that a change of the clock meets all. Times are CPU times; `ratio NAME VALUE` is the
 //! median over rounds of their time by ours: above 1, ours is faster. Where an opponent has many variants, all are
 //! timed once and the fastest go on. Before that, positions, energies and constraints are compared.

@@ -27,27 +27,11 @@ const OF_A_WAY: f64 = 1e-12;
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
 /// How far a start may be off an equation: coordinates of this size, a step's way, and the distance to the next point
-/// without a normal, which is the size of the surface. More than that is rounding if g says so, see [`rounding_of_g`].
+/// without a normal, which is the size of the surface. More than that is rounding if g says so, see
+/// [`rounding_of_g`](crate::solve::aim::rounding_of_g).
 pub(crate) fn allowed(coordinates: f64, way: f64, singular: f64) -> f64 {
     let of_size = START_TOLERANCE * coordinates.min(singular);
     of_size.max(ROUNDINGS * coordinates).max(OF_A_WAY * way.min(singular))
-}
-
-/// The rounding of g as a distance, where `shifted` finds it by shifting the place by some roundings of a size. Terms
-/// of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than the surface is.
-/// So the size grows until g follows its shifts. As a part of the size, the shifts stay as small as roundings: what
-/// bends g where the surface is nearly flat is not taken for rounding.
-pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut shifted: impl FnMut(f64) -> f64) -> f64 {
-    const FOLLOWED: f64 = 2048.0 * f64::EPSILON; // of shifts by up to 46 368 roundings
-    let most = if singular.is_finite() { singular } else { coordinates };
-    let mut size = if coordinates > 0.0 { coordinates } else { f64::EPSILON * most };
-    loop {
-        let rounding = shifted(size);
-        if rounding <= FOLLOWED * size || size >= most {
-            return rounding;
-        }
-        size *= 256.0;
-    }
 }
 
 /// Whether these numbers are finite.

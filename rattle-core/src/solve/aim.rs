@@ -47,6 +47,25 @@ pub(crate) const LITTLE: f64 = 1e4;
 /// By so many roundings a body is moved to find that of g.
 pub(crate) const SHIFTS: [f64; 6] = [-46368.0, -6765.0, -144.0, 21.0, 987.0, 17711.0];
 
+/// The rounding of g as a distance. `bent` shifts the place along the normal, and tells by how much g is no straight
+/// line there. Terms of g may be larger than the coordinates, near the origin of a large sphere say, but no larger than
+/// the surface is. So the shifts are some roundings of a size that grows until g follows them. What bends the surface
+/// on their way is not taken for rounding.
+pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMut(f64) -> f64) -> f64 {
+    const FOLLOWED: f64 = 2048.0 * f64::EPSILON; // of shifts by up to 46 368 roundings
+    let most = if singular.is_finite() { singular } else { coordinates };
+    let mut size = if coordinates > 0.0 { coordinates } else { f64::EPSILON * most };
+    loop {
+        let shifts = SHIFTS.map(|share| share * f64::EPSILON * size);
+        let rounding =
+            shifts.into_iter().fold(0.0, |most: f64, shift| most.max(bent(shift) - shift * shift / singular));
+        if rounding <= FOLLOWED * size || size >= most {
+            return rounding;
+        }
+        size *= 256.0;
+    }
+}
+
 /// Where it is looked inside a step: two places far apart in phase, for sheets at any distance.
 pub(crate) const INSIDE: [f64; 2] = [std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::SQRT_2 - 1.0];
 

@@ -13,7 +13,8 @@
 //! sharply to be followed. `optimised/tests/hard_cases.rs` takes random steps with h·κ·|v| up to 3 on several surfaces,
 //! and `optimised/tests/linked_roots.rs` of double pendulums: none ends on another root.
 
-use crate::number::real::Scalar;
+use crate::number::real::{Real, Scalar};
+use crate::number::vector::dot;
 
 /// A first correction longer than this part of the path is too far …
 pub(crate) const FAR_GUESS: f64 = 0.02;
@@ -131,3 +132,15 @@ impl<T: Scalar> Course<T> {
         self.excess = excess;
     }
 }
+
+/// cos² of the angle between two normals; 0 where it is obtuse. However they are scaled, it is a number.
+#[inline(always)]
+pub(crate) fn alike<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
+    let product = dot(a, b);
+    let square = (product / dot(a, a)) * (product / dot(b, b));
+    T::select(T::from_f64(0.0).lt(product), square, T::from_f64(0.0))
+}
+
+/// Normals of neighbouring stages are more [alike] than that: they turn by less than 60°. Else there is an edge between
+/// them, sharp or not, of which the stages know nothing.
+pub(crate) const STAGES_ALIKE: f64 = 0.25;

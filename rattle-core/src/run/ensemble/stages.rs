@@ -23,6 +23,7 @@ use crate::run::ensemble::around::may_go;
 use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, Row, Scratch, Tableau, pull};
+use crate::solve::root::{STAGES_ALIKE, alike};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use std::borrow::Borrow;
 
@@ -187,7 +188,7 @@ fn evaluate_forces<S: Lane, const L: usize, const D: usize, const N: usize>(
     going: &mut [S; L],
 ) {
     let (place, lambda, total) = (&place[i], &lambda[i], &mut total[i]);
-    let (zero, one, by_itself) = (S::default(), S::from_f64(1.0), S::from_f64(BY_ITSELF));
+    let [one, by_itself, most] = [1.0, BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
     let (before, normal) = normal.split_at_mut(i);
     let (before, normal) = (&before[i - 1], &mut normal[0]);
     for l in 0..L {
@@ -195,7 +196,7 @@ fn evaluate_forces<S: Lane, const L: usize, const D: usize, const N: usize>(
         let [gradient] = laws.constraint(l).borrow().jacobian(&q);
         put(normal, l, gradient);
         put(total, l, laws.kick(l, &q, one, scaled(lambda[l], &gradient)));
-        let upright = zero.lt(dot(&at(before, l), &gradient));
+        let upright = most.lt(alike(&at(before, l), &gradient));
         going[l] = S::select(upright, going[l], by_itself);
     }
 }
@@ -483,7 +484,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     going: &mut [S; L],
 ) {
     let End { q, p, p_low, normal, total, lambda, .. } = end;
-    let (zero, by_itself) = (S::default(), S::from_f64(BY_ITSELF));
+    let [by_itself, most] = [BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
     for l in 0..L {
         let (q, old) = (at(q, l), at(&row.p, l));
         let [gradient] = laws.constraint(l).borrow().jacobian(&q);
@@ -498,7 +499,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         put(normal, l, gradient);
         put(total, l, pulled);
         lambda[l] = multiplier;
-        let upright = zero.lt(dot(&at(before, l), &gradient));
+        let upright = most.lt(alike(&at(before, l), &gradient));
         going[l] = S::select(upright, going[l], by_itself);
     }
 }

@@ -3,10 +3,10 @@
 use crate::error::{EquationAt, Error, History, StartFailure};
 use crate::motion::bodies::Body;
 use crate::motion::start::{DIRECTION, MAX_PROJECTION_STEPS, START_TOLERANCE};
-use crate::motion::start::{allowed, finite, has_square, length_of, rounding_of_g};
+use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
-use crate::solve::aim::{NOISY, SHIFTS};
+use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
@@ -74,16 +74,14 @@ impl<const D: usize> Start<D> {
         let rows = &shape.components[c].rows;
         let normals: Vec<_> =
             rows.blocks_of(row).map(|(block, body)| (rows.bodies[body], self.blocks[block])).collect();
-        let mut bent = |shift: f64| {
+        let bent = |shift: f64| {
             for (body, normal) in &normals {
                 self.q[*body] = add_scaled(&q[*body], shift / length, normal);
             }
             self.evaluate(shape, c, time);
             ((self.g[row] - value) / length - shift).abs()
         };
-        let shifted =
-            |size: f64| SHIFTS.into_iter().map(|share| bent(share * f64::EPSILON * size)).fold(0.0, f64::max);
-        let rounding = rounding_of_g(size, singular, shifted);
+        let rounding = rounding_of_g(size, singular, bent);
         self.q.copy_from_slice(&q);
         self.evaluate(shape, c, time);
         value.abs() / length <= NOISY * rounding

@@ -52,7 +52,8 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
             let (all, own) = (block..block + rows.blocks(), row..row + m);
             let (blocks, rates, aims) = (&mut blocks[all], &mut rates[own.clone()], &mut aims[own.clone()]);
             counts.solves += 1;
-            if by_default && solver.dense().is_some() {
+            let few = by_default && solver.dense().is_some();
+            if few {
                 Few { shape, component: c, moving, force, blocks, aims, weights, kick, h, time }
                     .drift(solver, room, counts)?;
             } else {
@@ -95,7 +96,12 @@ impl<Fo: Force<f64, D>, const D: usize> Tied<Fo, D> {
                 }
             }
             if W::LISTENS || rows.moving {
-                solver.multipliers(&room.x[own], &mut room.dx[..m]);
+                if few {
+                    // Its normals, and so its basis, are those of the end already.
+                    room.dx[..m].copy_from_slice(&room.x[own]);
+                } else {
+                    solver.multipliers(&room.x[own], &mut room.dx[..m]);
+                }
                 for (row, displacement) in room.dx[..m].iter().enumerate() {
                     *work -= displacement / h * rates[row];
                     let multiplier = displacement / (h * (0.5 * h));

@@ -27,6 +27,7 @@ use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::solve::root::{STAGES_ALIKE, alike};
 use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
@@ -251,7 +252,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
         Ok(()) // not reached: the last iteration returns
     }
 
-    /// Refuses stages whose normals are turned over against those before.
+    /// Refuses stages whose normals are turned far against those before.
     #[inline(always)]
     fn upright<T, const D: usize, const S: usize>(
         &self,
@@ -264,9 +265,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         for body in 0..self.count.number() {
             let normal: &[[T; D]; S] = part(&stages.normal, body);
-            let products = (1..S).map(|i| dot(&normal[i], &normal[i - 1]));
-            let upright = products.fold(T::from_f64(f64::INFINITY), T::min);
-            if !T::from_f64(0.0).lt(upright) {
+            if !(1..S).all(|i| T::from_f64(STAGES_ALIKE).lt(alike(&normal[i - 1], &normal[i]))) {
                 return Err(FailureAt::of(body).turned_over(h, S));
             }
         }

@@ -6,13 +6,12 @@ use crate::motion::bodies::Body;
 use crate::motion::start::DIRECTION;
 use crate::motion::start::MAX_PROJECTION_STEPS;
 use crate::motion::start::START_TOLERANCE;
-use crate::motion::start::{allowed, finite, has_square, length_of, rounding_of_g};
+use crate::motion::start::{allowed, finite, has_square, length_of};
 use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
-use crate::solve::aim::NOISY;
+use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::straight;
-use crate::systems::surface::equation::rounding_of;
 use crate::systems::surface::normal::Normal;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
@@ -46,8 +45,11 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let distance = value.abs() / length;
     let coordinates = largest(&body.q);
     let tolerance = allowed(coordinates, path, singular);
-    let shifted = |size| length * rounding_of(constraint, &body.q, &gradient, size);
-    let is_rounding = || distance <= NOISY * rounding_of_g(coordinates, singular, shifted);
+    let bent = |shift: f64| {
+        let [there] = constraint.value(&add_scaled(&body.q, shift / length, &gradient));
+        ((there - value) / length - shift).abs()
+    };
+    let is_rounding = || distance <= NOISY * rounding_of_g(coordinates, singular, bent);
     if distance > tolerance && !is_rounding() {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
@@ -186,6 +188,9 @@ mod tests {
         // Far from the origin the rounding of places, 16 times.
         let far = Circle { centre: 1e6, radius: 1.0, times: 1.0 };
         allows(&far, [1e6 + 1.0, 0.0], 0.01, 16.0 * f64::EPSILON * 1e6);
+        // The circle bends by more than that on the way of shifts that find the rounding.
+        let beside = start(&Circle { centre: 1e9, ..far }, [1e9, 1.0005], [1e-3, 0.0], 0.01);
+        assert!(matches!(beside, Err(StartFailure::OffSurface { .. })), "{beside:?}");
         // Near it a part of the way, and of the size of the circle: a line has none.
         let near = Circle { centre: -1.0, radius: 1.0, times: 1.0 };
         allows(&near, [0.0, 1e-14], 10.0, 1e-12);
