@@ -573,3 +573,18 @@ fn without_being_asked_an_edge_is_an_error() {
     let error = staggered.over_kinks().map(|_| ()).unwrap_err();
     assert!(matches!(error, Error::NoEvents { who: "SHAKE", .. }), "{error}");
 }
+
+constraint! {
+    /// A roof without a word of it.
+    struct Rooted { slope }
+    |x, _y, z| z + slope * (sqrt(x^2) + (4 * x^2)^0.5) / 2
+}
+
+/// The root of a square is an absolute value.
+#[test]
+fn a_root_of_a_square_has_an_edge() {
+    let scene = Scene::on(Rooted { slope: 0.5 });
+    let start = scene.project(&State::at([0.3, 0.0, -0.2]).moving([-1.0, 0.1, 0.5])).unwrap();
+    let error = scene.simulate(start, Rattle::new(0.05)).unwrap().run(40).unwrap_err();
+    assert!(matches!(&error, Error::Step { cause: StepFailure::Kink { argument: "x", .. }, .. }), "{error}");
+}

@@ -194,9 +194,15 @@ impl Graph {
             _ => self.insert(Node::Power(a, halves)),
         }
     }
-    /// f(a)
+    /// f(a). The root of a square is an absolute value, whose edge is known as one.
     pub fn call(&mut self, function: Function, a: Id) -> Id {
-        self.insert(Node::Call(function, a))
+        match *self.node(a) {
+            Node::Power(u, halves) if function == Function::Sqrt && halves > 0 && halves % 4 == 0 => {
+                let size = if halves % 8 == 0 { u } else { self.insert(Node::Call(Function::Abs, u)) };
+                self.power(size, halves / 2)
+            }
+            _ => self.insert(Node::Call(function, a)),
+        }
     }
     /// f(a, b)
     pub fn call2(&mut self, function: Binary, a: Id, b: Id) -> Id {
