@@ -72,9 +72,9 @@ pub enum SurfaceFailure {
         /// h·κ·|v|.
         reach: f64,
     },
-    /// Normals of successive stages point in opposite directions: the step jumps over a bend.
+    /// Normals of successive stages turn by more than 60°: the step jumps over a bend.
     #[error(
-        "the surface turns over between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
+        "the surface turns by more than 60° between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"
     )]
     StagesTurnOver {
         /// The step size.

@@ -188,7 +188,7 @@ fn evaluate_forces<S: Lane, const L: usize, const D: usize, const N: usize>(
     going: &mut [S; L],
 ) {
     let (place, lambda, total) = (&place[i], &lambda[i], &mut total[i]);
-    let [one, by_itself, most] = [1.0, BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
+    let [one, by_itself, least] = [1.0, BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
     let (before, normal) = normal.split_at_mut(i);
     let (before, normal) = (&before[i - 1], &mut normal[0]);
     for l in 0..L {
@@ -196,7 +196,7 @@ fn evaluate_forces<S: Lane, const L: usize, const D: usize, const N: usize>(
         let [gradient] = laws.constraint(l).borrow().jacobian(&q);
         put(normal, l, gradient);
         put(total, l, laws.kick(l, &q, one, scaled(lambda[l], &gradient)));
-        let upright = most.lt(alike(&at(before, l), &gradient));
+        let upright = least.lt(alike(&at(before, l), &gradient));
         going[l] = S::select(upright, going[l], by_itself);
     }
 }
@@ -484,7 +484,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
     going: &mut [S; L],
 ) {
     let End { q, p, p_low, normal, total, lambda, .. } = end;
-    let [by_itself, most] = [BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
+    let [by_itself, least] = [BY_ITSELF, STAGES_ALIKE].map(S::from_f64);
     for l in 0..L {
         let (q, old) = (at(q, l), at(&row.p, l));
         let [gradient] = laws.constraint(l).borrow().jacobian(&q);
@@ -499,7 +499,7 @@ fn settle<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: u
         put(normal, l, gradient);
         put(total, l, pulled);
         lambda[l] = multiplier;
-        let upright = most.lt(alike(&at(before, l), &gradient));
+        let upright = least.lt(alike(&at(before, l), &gradient));
         going[l] = S::select(upright, going[l], by_itself);
     }
 }
