@@ -62,10 +62,6 @@ hamiltonian! {
     |q: [f64; 2], p: [f64; 2]| dot(p, p) / (2 * m) + g * q[1] + pole / q[0]
 }
 
-fn rattle() -> OneOf {
-    OneOf::Rattle(Rattle::new(1.0))
-}
-
 /// A number that nobody means.
 const ODD: [f64; 20] = [
     0.0,
@@ -131,8 +127,11 @@ impl Input {
     /// RATTLE, or as often one of all methods.
     fn method(&mut self) -> OneOf {
         let (h, all) = (self.step(), rows());
-        let any = if self.once_in(2) { all[self.random.random_range(0..all.len())].method } else { rattle() };
-        any.with_step(h)
+        if self.once_in(2) {
+            all[self.random.random_range(0..all.len())].method.with_step(h)
+        } else {
+            OneOf::Rattle(Rattle::new(h))
+        }
     }
 
     /// So many, or now and then another number of them.

@@ -57,8 +57,9 @@ pub(crate) fn rounding_of_g(coordinates: f64, singular: f64, mut bent: impl FnMu
     let mut size = if coordinates > 0.0 { coordinates } else { f64::EPSILON * most };
     loop {
         let shifts = SHIFTS.map(|share| share * f64::EPSILON * size);
-        let rounding =
-            shifts.into_iter().fold(0.0, |most: f64, shift| most.max(bent(shift) - shift * shift / singular));
+        let rounding = shifts
+            .into_iter()
+            .fold(0.0, |worst: f64, shift| worst.max(bent(shift) - shift * shift / singular));
         if rounding <= FOLLOWED * size || size >= most {
             return rounding;
         }

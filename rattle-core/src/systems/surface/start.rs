@@ -31,7 +31,8 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(not_finite(value, &gradient, &body.q));
     }
     let length = length_of(&gradient);
-    let rounding = f64::EPSILON * largest(&body.q);
+    let coordinates = largest(&body.q);
+    let rounding = f64::EPSILON * coordinates;
 
     let [bend] = constraint.hessian_vector(&body.q, &scaled(1.0 / length, &gradient));
     let singular = length / length_of(&bend); // to the next point where ∇g = 0; ∞ for a plane
@@ -43,7 +44,6 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(StartFailure::OutOfScale { equation: None, gradient: length });
     }
     let distance = value.abs() / length;
-    let coordinates = largest(&body.q);
     let tolerance = allowed(coordinates, path, singular);
     let bent = |shift: f64| {
         let [there] = constraint.value(&add_scaled(&body.q, shift / length, &gradient));
