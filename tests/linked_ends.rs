@@ -1,5 +1,6 @@
 //! Motions of linked bodies that end: the error names the reason, whatever the step.
 
+use rand::{RngExt, SeedableRng, rngs::SmallRng};
 use rattle::error::{Error, LinkedFailure, StepFailure};
 use rattle::links::planar::Rod;
 use rattle::potentials::planar::Gravity;
@@ -63,4 +64,32 @@ fn a_rod_that_pulls_sideways_ends_at_the_bottom() {
             assert!(*share < 0.3, "from {angle} with h = {h}: {share}");
         }
     }
+}
+
+/// Long steps of double pendulums fail, and shorter ones pass: their rods do not come to depend on each other.
+#[test]
+fn long_steps_do_not_make_rods_dependent() {
+    let scene = Scene::points(3)
+        .pin(0, [0.0, 0.0])
+        .link(Rod { length: 1.0 }, [[0, 1], [1, 2]])
+        .with(Gravity { g: 1.0 });
+    let mut draw = SmallRng::seed_from_u64(1);
+    let mut failed = 0;
+    for _ in 0..300 {
+        let [a, b, u, w] = [(); 4].map(|()| draw.random_range(-3.0_f64..3.0));
+        let (first, second) = ([a.sin(), -a.cos()], [b.sin(), -b.cos()]);
+        let (v, relative) = ([u * a.cos(), u * a.sin()], [w * b.cos(), w * b.sin()]);
+        let positions = [[0.0; 2], first, [first[0] + second[0], first[1] + second[1]]];
+        let momenta = [[0.0; 2], v, [v[0] + relative[0], v[1] + relative[1]]];
+        let start = State::of(positions).with_momenta(momenta);
+        let mut simulation = scene.simulate(start, Rattle::new(0.15)).unwrap();
+        match simulation.run(100) {
+            Ok(()) => {}
+            Err(Error::Step { cause: StepFailure::Linked(LinkedFailure::NotSolved { .. }), .. }) => {
+                failed += 1
+            }
+            Err(other) => panic!("{other}"),
+        }
+    }
+    assert!(failed > 50, "{failed}");
 }

@@ -406,3 +406,14 @@ fn over_a_rounded_edge_no_energy_comes_from_nowhere() {
     }
     assert!(refused > 80, "{refused}");
 }
+
+/// What leads beyond the numbers is said so, and not measured in NaN roundings.
+#[test]
+fn stages_beyond_the_numbers_are_called_so() {
+    let scene = Scene::on(SURFACE).with(Gravity { g: 1.0 });
+    for h in [1e3, 1e100, 1e200] {
+        let mut simulation = scene.simulate(billiard_45(), Lobatto::<3>::new(h)).unwrap();
+        let text = simulation.run(1).unwrap_err().to_string();
+        assert!(!text.contains("NaN") && !text.contains("inf "), "h = {h:e}: {text}");
+    }
+}

@@ -4,6 +4,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../far_along.rs"]
+mod far_along;
 #[path = "../golden.rs"]
 mod golden;
 #[path = "../guesses.rs"]

@@ -73,11 +73,12 @@ pub trait Method: Clone + Send + Sync + 'static {
 
     /// Whether each step solves the constraints along its way, as RATTLE does. After a step of a method that does not
     /// (`Bdf2`, and `Taylor` and `Dop853` after each inner step), it is checked whether the step passed a singular
-    /// point, and whether its energy jumped.
+    /// point.
     const HAS_STRUCTURE: bool = true;
 
     /// Whether a step follows the root of its constraints from its start. A method that does not may end on another
-    /// sheet of {g = 0}; the simulation checks that after a step where other sheets are near.
+    /// sheet of {g = 0}; the simulation checks that after a step where other sheets are near, and whether the energy
+    /// jumped.
     const FOLLOWS_ROOTS: bool = Self::HAS_STRUCTURE;
 
     /// Whether a step checks by itself what the simulation would check after it: a method that divides its steps has

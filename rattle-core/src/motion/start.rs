@@ -13,7 +13,7 @@ use crate::error::StartFailure;
 /// [`Scene::project`](crate::scene::Scene::project) moves a state onto its constraints.
 pub const START_TOLERANCE: f64 = 1e-10;
 
-/// A start whose normal is known to no more digits than this is too near to a singular point.
+/// A start whose normal the rounding of coordinates turns by more than this is too near to a singular point.
 pub(crate) const DIRECTION: f64 = 1e-5;
 
 /// Newton steps after which a projection is given up.
@@ -26,12 +26,12 @@ const OF_A_WAY: f64 = 1e-12;
 /// Positions of this size are so far apart as they are rounded, some times.
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 
-/// How far a start may be off an equation: coordinates of this size, a step's way, and the distance to the next point
-/// without a normal, which is the size of the surface. More than that is rounding if g says so, see
-/// [`rounding_of_g`](crate::solve::aim::rounding_of_g).
-pub(crate) fn allowed(coordinates: f64, way: f64, singular: f64) -> f64 {
+/// How far a start may be off an equation: coordinates of this size, those along the normal of that size, a step's way,
+/// and the distance to the next point without a normal, which is the size of the surface. More than that is rounding if
+/// g says so, see [`rounding_of_g`](crate::solve::aim::rounding_of_g).
+pub(crate) fn allowed([coordinates, along]: [f64; 2], way: f64, singular: f64) -> f64 {
     let of_size = START_TOLERANCE * coordinates.min(singular);
-    of_size.max(ROUNDINGS * coordinates).max(OF_A_WAY * way.min(singular))
+    of_size.max(ROUNDINGS * along).max(OF_A_WAY * way.min(singular))
 }
 
 /// Whether these numbers are finite.

@@ -145,6 +145,12 @@ pub trait System<T: Scalar, const D: usize>: Clone + Send + Sync + 'static {
         false
     }
 
+    /// Whether the energy changes by the work that is booked alone: no flows, and constraints that do none.
+    #[inline(always)]
+    fn keeps_energy(&self) -> bool {
+        Self::FLOWS == 0 && !self.moves_with_time()
+    }
+
     /// Sets the time at the end of a step, from which the sum of its stages may differ by rounding.
     #[inline(always)]
     fn set_time(&self, bodies: &mut BodiesOf<Self, T, D>, time: f64) {

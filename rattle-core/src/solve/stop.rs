@@ -1,6 +1,7 @@
 //! When an iteration ends: once the next correction is known to be far below rounding.
 //!
-//! Corrections are displacements; their *floor* is the rounding error of the coordinates. A solve ends when a
+//! Corrections are displacements; their *floor* is the rounding error of the coordinates, as far as it moves a place
+//! along the normal: on a cylinder the coordinate along the axis may be as large as it likes. A solve ends when a
 //! correction was at the floor, or when the error after it is known to be below [`SPARE`] of the floor: then the
 //! constraint need not be evaluated again to measure it.
 //!
@@ -20,10 +21,77 @@
 //! needed anyway, tells what is left; without it some steps ended 60 and 190 ε off, with 1/256 as with 1/16. In
 //! networks the slower of the last two contractions is taken; with the last one some steps ended 9 ε off instead of 3.
 
-use crate::number::real::Scalar;
+use crate::number::real::{Real, Scalar};
+use crate::number::vector::larger;
 
 /// What may be left of a correction when a solve ends without another evaluation, in units of the rounding floor.
 pub(crate) const SPARE: f64 = 1.0 / 16.0;
+
+/// The largest coordinate is too large for a floor if it is more than so many times all coordinates, each as far as it
+/// moves a place along the normal. g itself is rounded too, and not to less than by the largest coordinate where all
+/// take part; where they do not, [`SPARE`] of eight times as much is half a rounding.
+pub(crate) const TERMS: f64 = 8.0;
+
+/// How large coordinates are whose rounding moves g, times |n|: `most` of the largest times |n|, or, if that is less,
+/// some times `along`, Σ|nᵢaᵢ|, and `way`, what other links move a body by, times |n|. On a plane through the origin,
+/// where nothing is left, a rounding of the first.
+#[inline(always)]
+pub(crate) fn size_of_terms<T: Real>(along: T, way: T, most: T) -> T {
+    T::from_f64(T::EPSILON).multiply_add(most, T::from_f64(TERMS).multiply_add(along, way).min(most))
+}
+
+/// The same by |n|, which is `length`, for one body without links.
+#[inline(always)]
+pub(crate) fn size_along<T: Real, const D: usize>(n: &[T; D], length: T, a: &[T; D]) -> T {
+    let mut most = a[0].abs();
+    let mut along = n[0].abs() * most;
+    for i in 1..D {
+        let size = a[i].abs();
+        (along, most) = (n[i].abs().multiply_add(size, along), most.max(size));
+    }
+    size_of_terms(along / length, T::from_f64(0.0), most)
+}
+
+/// What g of a link is made of, body by body: its normal, and how large coordinates are.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Terms {
+    square: f64,
+    along: f64,
+    way: f64,
+    most: f64,
+}
+
+impl Terms {
+    /// Of these normals, places and ways from there.
+    #[inline(always)]
+    pub(crate) fn of<'a, const D: usize>(
+        terms: impl Iterator<Item = (&'a [f64; D], [f64; D], [f64; D])>,
+    ) -> Self {
+        let mut all = Self::default();
+        for (normal, place, way) in terms {
+            for i in 0..D {
+                let size = larger(place[i].abs(), way[i].abs());
+                all.square += normal[i] * normal[i];
+                all.along += normal[i].abs() * size;
+                all.way = larger(all.way, way[i].abs());
+                all.most = larger(all.most, size);
+            }
+        }
+        all
+    }
+
+    /// |∇g|.
+    #[inline(always)]
+    pub(crate) fn length(&self) -> f64 {
+        self.square.sqrt()
+    }
+
+    /// The [size](size_of_terms) of g, where ∇g is of this length.
+    #[inline(always)]
+    pub(crate) fn size(&self, length: f64) -> f64 {
+        size_of_terms(self.along, self.way * length, self.most * length)
+    }
+}
 
 /// Stages that are solved together are done after a displacement below so many roundings. What is left of a place does
 /// not count there, but what the last displacement changed forces by, since momenta are kicked by those of the places

@@ -17,8 +17,7 @@ pub enum MethodFailure {
     },
     /// The stages of a collocation method were not solved to rounding.
     #[error(
-        "the {stages} stages of a step h = {h:.3e} did not converge: after {iterations} iterations they still move by \
-         {left:.1e} roundings; try a smaller step"
+        "the {stages} stages of a step h = {h:.3e} did not converge: {}; try a smaller step", ended(*iterations, *left)
     )]
     StagesNotSolved {
         /// The step size.
@@ -27,7 +26,7 @@ pub enum MethodFailure {
         stages: usize,
         /// Iterations made.
         iterations: usize,
-        /// The last displacement, in units of the rounding of the position.
+        /// The last displacement, in units of the rounding of the position; NaN where it is no number.
         left: f64,
     },
     /// A step of a projected method (`Taylor`, `Dop853`) ended too far from the constraints to be projected onto them.
@@ -43,8 +42,7 @@ pub enum MethodFailure {
     },
     /// The equations of an implicit step were not solved to rounding.
     #[error(
-        "the equations of an implicit step h = {h:.3e} did not converge: after {iterations} iterations positions still \
-         move by {left:.1e} roundings; try a smaller step"
+        "the equations of an implicit step h = {h:.3e} did not converge: {}; try a smaller step", ended(*iterations, *left)
     )]
     ImplicitNotSolved {
         /// The step size.
@@ -94,20 +92,31 @@ pub enum MethodFailure {
         /// The kinetic energy before, divided by its mean at the temperature.
         hot: f64,
     },
-    /// The energy jumped in a step of a method without geometric structure (`Taylor`, `Dop853`, `Bdf2`): the step has
-    /// leapt across a place that it could not see, such as a singular point.
+    /// The energy jumped in a step of a method that does not follow the constraint on its way (`Taylor`, `Dop853`,
+    /// `Bdf2`, `Lobatto`): the step has leapt across a place that it could not see, such as a singular point or an
+    /// edge.
     #[error(
         "a step h = {h:.3e} takes the kinetic energy from {before:.3e} to {after:.3e}, where forces and constraints gave {given:.3e}: \
          it is too long for what is near; try a smaller step or a tolerance, and look for a singular point"
     )]
-    EnergyFromNowhere {
+    EnergyJump {
         /// The step size.
         h: f64,
         /// The kinetic energy before.
         before: f64,
         /// The kinetic energy after.
         after: f64,
-        /// The energy given by the change of potential energy and the work of constraints.
+        /// What the potential energy lost, and the work of constraints and of potentials that change.
         given: f64,
     },
+}
+
+/// How an iteration ended that did not converge.
+fn ended(iterations: usize, left: f64) -> String {
+    let plural = if iterations == 1 { "" } else { "s" };
+    if left.is_finite() {
+        format!("after {iterations} iteration{plural} positions still move by {left:.1e} roundings")
+    } else {
+        format!("after {iterations} iteration{plural} they are far from the start, or no numbers")
+    }
 }

@@ -72,6 +72,20 @@ pub enum SurfaceFailure {
         /// h·κ·|v|.
         reach: f64,
     },
+    /// A step has so much more, or less, of its way along the surface where it ends than where it began that its speed
+    /// would jump: an edge lies between, sharp or round.
+    #[error(
+        "a step h = {h:.3e} would take the speed times {factor:.2} without a force: the surface turns by {angle:.0}° on its way; \
+         try a smaller step"
+    )]
+    SpeedJump {
+        /// The step size.
+        h: f64,
+        /// The speed after the step over that before it, as far as the surface decides it.
+        factor: f64,
+        /// The angle between the normals, in degrees.
+        angle: f64,
+    },
     /// Normals of successive stages turn by more than 60°: the step jumps over a bend.
     #[error(
         "the surface turns by more than 60° between two of the {stages} stages of a step h = {h:.3e}; try a smaller step"

@@ -30,6 +30,7 @@ use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::lane_record::{self, Rows};
 use crate::run::ensemble::laws::Laws;
 use crate::solve::crowd::{self, PATH, REACH, ROOT_3};
+use crate::solve::stop::size_of_terms;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::normal::Normal;
 use crate::systems::surface::tiles::AT_REST;
@@ -393,10 +394,17 @@ impl<S: Lane, const L: usize, const D: usize, const SUMS: usize, const EQUAL: bo
     }
 }
 
-/// What |g| may be at rest: `AT_REST` ε |q|∞ |∇g|∞, for |∇g| and |q| to a factor of √3 in space.
+/// What |g| may be at rest: `AT_REST` ε times the [size of its terms](size_of_terms), with |q|∞ |∇g|∞ for the largest,
+/// which is |∇g| |q| to a factor of √3 in space.
 #[inline(always)]
 pub(super) fn at_rest<S: Lane, const D: usize>(gradient: &[S; D], q: &[S; D]) -> S {
-    S::from_f64(AT_REST * S::EPSILON) * largest(gradient) * largest(q)
+    let (mut longest, mut farthest) = (gradient[0].abs(), q[0].abs());
+    let mut along = longest * farthest;
+    for d in 1..D {
+        let (n, x) = (gradient[d].abs(), q[d].abs());
+        (along, longest, farthest) = (n.multiply_add(x, along), longest.max(n), farthest.max(x));
+    }
+    S::from_f64(AT_REST * S::EPSILON) * size_of_terms(along, S::default(), longest * farthest)
 }
 
 /// Why a lane's momentum is not finite.

@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::motion::bodies::{Body, One, Saved};
 use crate::motion::capability::Collocation;
+use crate::motion::course::check_energy;
 use crate::motion::failure::Failure;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
@@ -165,7 +166,11 @@ where
     F: Forces<S, D>,
 {
     let (start, part) = (bodies.saved(), h / f64::from(parts));
-    let mut step = |_| Collocation::collocate(system, table, part, bodies, memory, &mut ());
+    let mut step = |_| {
+        let before = bodies.saved();
+        Collocation::collocate(system, table, part, bodies, memory, &mut ())?;
+        check_energy(part, system, &before, bodies)
+    };
     if let Err(failure) = (0..parts).try_for_each(&mut step) {
         bodies.q[0] = add_scaled(&start.q[0], S::from_f64(h), &start.p[0]);
         return Err(system.check_kinks(&start, bodies).err().unwrap_or(failure)); // that, if there is one ahead

@@ -1,6 +1,7 @@
 //! Whether a step of a lane that did not follow its root may have ended on another sheet.
 
 use crate::kernel::functions::ConstraintKernel;
+use crate::motion::course::JUMP;
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::run::ensemble::laws::Laws;
@@ -11,7 +12,8 @@ use std::borrow::Borrow;
 /// How far a step may have led astray, and whether g is as small as along one sheet on the curve through both ends with
 /// their momenta and accelerations, see [`check_sheets`](crate::motion::system::System::check_sheets). From a place
 /// with its momentum and acceleration; the way from there, momentum, normal and acceleration at the end; the size of
-/// places.
+/// places. A step whose energy may have [jumped](crate::motion::course), if forces work as at its two ends, is none
+/// along a sheet either.
 #[inline(always)]
 pub(super) fn follows<S: Lane, const D: usize>(
     laws: &impl Laws<S, D>,
@@ -43,6 +45,9 @@ pub(super) fn follows<S: Lane, const D: usize>(
         let [g] = laws.constraint(lane).borrow().value(&place);
         plain &= (g * g).le(most);
     }
+    let (was, is) = (dot(&p, &p), dot(&p_end, &p_end));
+    let given = h * (dot(&pull, &p) + dot(&pull_end, &p_end));
+    plain &= (is - was - given).abs().le(S::from_f64(JUMP) * (was + is + given.abs()));
     (off, plain)
 }
 

@@ -372,7 +372,8 @@ where
 
         let mut put = |place: usize, x: f64| self.numbers[place].0[lane] = Fused(x);
         let coordinates = places.iter().flat_map(|body| (0..D).map(move |d| (body, d)));
-        let (mut path, mut off, mut sizes) = (0.0_f64, 0.0_f64, vec![0.0; plan.coordinates]);
+        let (mut path, mut longest, mut off, mut sizes) =
+            (0.0_f64, 0.0_f64, 0.0_f64, vec![0.0; plan.coordinates]);
         let mut back = vec![0.0; plan.coordinates];
         let (mut squares, mut lengths, mut reaches) =
             (vec![0.0; plan.equations], vec![0.0_f64; plan.equations], vec![0.0_f64; plan.equations]);
@@ -396,16 +397,21 @@ where
             }
             path = path.max((part.h * over * body.p[d]).abs());
             off = off.max(back[c].abs());
+            longest = longest.max((h * body.p[d] - left).abs());
             sizes[c] = body.q[d].abs().max((h * body.p[d] - left).abs());
         }
-        plan.of_entry.iter().for_each(|&[c, i]| reaches[i] = reaches[i].max(sizes[c]));
+        let mut along = vec![0.0; plan.equations];
+        for (&[c, i], x) in plan.of_entry.iter().zip(&entries) {
+            reaches[i] = reaches[i].max(sizes[c]);
+            along[i] += x.abs() * sizes[c];
+        }
         for i in 0..plan.equations {
             let first = if *equal { 2.0 * multipliers[i] } else { multipliers[i] };
             put(guess + i, first);
             put(last + i, part.before * first);
             put(earlier + i, part.before * first);
             put(square + i, squares[i]);
-            put(rest + i, at_rest(Fused(lengths[i]), Fused(reaches[i])).0);
+            put(rest + i, at_rest(Fused(along[i]), Fused(longest), Fused(lengths[i]), Fused(reaches[i])).0);
         }
         if const { F::FLOWS > 0 } {
             self.book(lane, self.account.work[lane]);

@@ -25,6 +25,7 @@ use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
 use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
+use crate::solve::stop::size_of_terms;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
 /// So many roundings of the coordinates that a link depends on are left to the last correction. Its matrix is that of
@@ -359,15 +360,27 @@ impl<const W: usize> Course<'_, W> {
         let Places { q, way, gradient, rest, x, lambda, .. } = plan.places;
         let (lengths, sizes) = (x, lambda); // which nothing reads before they are written again
         for i in 0..plan.equations {
-            (numbers[lengths + i], numbers[sizes + i]) = (zeros(), zeros());
+            (numbers[lengths + i], numbers[sizes + i], numbers[rest + i]) = (zeros(), zeros(), zeros());
+        }
+        let mut path: Numbers<W> = zeros();
+        for coordinate in 0..plan.coordinates {
+            let ways = &numbers[way + coordinate];
+            path.0.iter_mut().zip(&ways.0).for_each(|(most, way)| *most = most.max(way.abs()));
         }
         for (entry, &[coordinate, i]) in plan.of_entry.iter().enumerate() {
             each(lengths + i, [lengths + i, gradient + entry], numbers, |[most, x]| most.max(x.abs()));
             let of = [sizes + i, q + coordinate, way + coordinate];
             each(sizes + i, of, numbers, |[most, q, way]| most.max(q.abs()).max(way.abs()));
+            let of = [rest + i, gradient + entry, q + coordinate, way + coordinate];
+            each(rest + i, of, numbers, |[along, x, q, way]| {
+                x.abs().multiply_add(q.abs().max(way.abs()), along)
+            });
         }
         for i in 0..plan.equations {
-            each(rest + i, [lengths + i, sizes + i], numbers, |[length, size]| at_rest(length, size));
+            for l in 0..W {
+                let [along, length, size] = [rest + i, lengths + i, sizes + i].map(|x| numbers[x].0[l]);
+                numbers[rest + i].0[l] = at_rest(along, path.0[l], length, size);
+            }
         }
     }
 }
@@ -453,10 +466,11 @@ impl<const W: usize> Takes<W> for MoveSums<'_> {
     }
 }
 
-/// What |g| may be at rest, from the largest coordinates of ∇g and of places.
+/// What |g| may be at rest, from the sum of its terms, from how far bodies go, and from the largest coordinates of ∇g
+/// and of places.
 #[inline(always)]
-pub(super) fn at_rest(length: Number, size: Number) -> Number {
-    Fused(AT_REST * f64::EPSILON) * length * size
+pub(super) fn at_rest(along: Number, path: Number, length: Number, size: Number) -> Number {
+    Fused(AT_REST * f64::EPSILON) * size_of_terms(along, path * length, length * size)
 }
 
 /// Adds `by` to a number that is a sum of two.

@@ -11,7 +11,7 @@
 //!
 //! **Whether a step can be believed** is asked of each inner one: along the curve through its two ends g must be as
 //! small as along one sheet, the step must not lead far from where its momenta say, no kink may lie between them, the
-//! normal must not turn over, and kinetic energy must not grow by as much as a simulation would look into. A lane for
+//! normal must not turn over, and kinetic energy must not change by as much as a simulation would look into. A lane for
 //! which one of these does not hold takes the whole step by itself, as a
 //! [`Simulation`](crate::run::simulation::Simulation) does, with all that is looked at there
 //! ([`crate::motion::course`]).
@@ -21,7 +21,6 @@ use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::sign_changes;
 use crate::methods::dop853::SMALLEST_PART;
 use crate::motion::bodies::One;
-use crate::motion::course::FROM_NOWHERE;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::number::lanes::Lane;
@@ -33,7 +32,7 @@ use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::projected_row::{Place, Row, Scratch};
 use crate::run::ensemble::row::{BY_ITSELF, pull};
 use crate::solve::aim::{BOLD, ROUNDINGS};
-use crate::solve::stop::NOISE;
+use crate::solve::stop::{NOISE, TERMS};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::borrow::Borrow;
 
@@ -103,7 +102,7 @@ where
 {
     let Scratch { now, trial, way, change, left, inner, next, taken, .. } = scratch;
     let Scratch { strays, going, seeking, distance, rounding, room, .. } = scratch;
-    now.clone_from(&row.place);
+    *now = row.place;
     (*left, *inner) = ([h; L], [h; L]);
     (*going, *strays) = ([S::from_f64(1.0); L], [S::default(); L]);
     for pass in 0..MOST_PASSES {
@@ -178,7 +177,8 @@ fn approach<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
     distance: &mut [S; L],
 ) -> bool {
     let Place { q, q_low, normal, .. } = trial;
-    let [zero, one, by_itself, noise] = [0.0, 1.0, BY_ITSELF, NOISE].map(S::from_f64);
+    let [zero, one, by_itself, noise, unit, terms] =
+        [0.0, 1.0, BY_ITSELF, NOISE, S::EPSILON, TERMS].map(S::from_f64);
     let mut any = false;
     for l in 0..L {
         let place = at(q, l);
@@ -186,7 +186,12 @@ fn approach<S: Lane, const L: usize, const D: usize, const SUMS: usize>(
         let off = scaled(-g * (one / dot(&gradient, &gradient)), &gradient);
         let (length, last) = (dot(&off, &off).sqrt(), distance[l]);
         let near = length.le(noise * rounding[l]);
-        let arrived = length.le(rounding[l]) | (near & last.le(length + length));
+        let mut along = zero;
+        for d in 0..D {
+            along = along + (gradient[d] * place[d]).abs();
+        }
+        let there = g.abs().le(unit * terms.multiply_add(along, rounding[l] * largest(&gradient)));
+        let arrived = (there & length.le(rounding[l])) | (near & last.le(length + length));
         let nearer = near | length.lt(last);
         let seeks = zero.lt(seeking[l]);
         let moves = seeks & !arrived & nearer;
@@ -243,7 +248,7 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
     going: &mut [S; L],
     taken: &[bool; L],
 ) {
-    let [zero, half, bold, most, from_nowhere] = [0.0, 0.5, BOLD, f64::MAX, FROM_NOWHERE].map(S::from_f64);
+    let [zero, half, bold, most] = [0.0, 0.5, BOLD, f64::MAX].map(S::from_f64);
     let rounding = S::from_f64(ROUNDINGS * S::EPSILON);
     for l in 0..L {
         let from = [&now.q, &now.p, &now.pull].map(|x| at(x, l));
@@ -255,12 +260,10 @@ fn look<S: Lane, X: Laws<S, D>, const L: usize, const D: usize>(
         let (strayed, plain) = follows(laws, l, inner[l], from, [way, p, normal, pull], size);
         let short = dot(&off, &off).le(bold * bold * dot(&path, &path)) | strayed.le(rounding * size);
         let upright = zero.lt(dot(&at(&now.normal, l), &normal));
-        let (was, is) = (dot(&from[1], &from[1]), dot(&p, &p));
-        let numbers = (is + dot(&pull, &pull)).le(most);
+        let numbers = (dot(&p, &p) + dot(&pull, &pull)).le(most);
         let arrived = zero.le(seeking[l]) & !zero.lt(seeking[l]);
         let moves = zero.lt(going[l]) & taken[l];
-        let calm = numbers & is.le(from_nowhere * was);
-        let mut believed = plain & short & upright & calm & arrived;
+        let mut believed = plain & short & upright & numbers & arrived;
         if const { !X::Constraint::KINKS.is_empty() } {
             believed &= !sign_changes(laws.constraint(l).borrow(), &[from[0]], &[q]);
         }

@@ -209,7 +209,7 @@ where
                         apart(lanes, &laws, number + 1, lane, row, scratch)?;
                     }
                 }
-                row.place.clone_from(&scratch.now);
+                row.place = scratch.now;
                 for l in 0..L {
                     row.astray[l] = row.astray[l].max(scratch.strays[l]);
                 }

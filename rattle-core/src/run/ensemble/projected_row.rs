@@ -12,7 +12,7 @@ use crate::run::ensemble::row::pull;
 use std::borrow::Borrow;
 
 /// Where all lanes are on their way.
-#[derive(Clone)]
+#[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Place<S, const L: usize, const D: usize> {
     pub(super) q: Vectors<S, L, D>,

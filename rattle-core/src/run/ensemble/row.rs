@@ -101,8 +101,9 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// The largest displacement of a pass, and of the pass before.
     pub(super) moved: [S; L],
     pub(super) before: [S; L],
-    /// The size of places, and of the path.
+    /// How large places are whose rounding matters, of the path too; by what displacements along each coordinate count.
     pub(super) size: [S; L],
+    pub(super) counts: Vectors<S, L, D>,
     pub(super) path: [S; L],
     /// 1 while a lane is moved, 0 where it rests, [`BY_ITSELF`], or [`LOOKING`].
     pub(super) going: [S; L],
@@ -138,6 +139,7 @@ impl<S: Lane, const L: usize, const D: usize, const N: usize> Scratch<S, L, D, N
             moved: zero,
             before: zero,
             size: zero,
+            counts: vectors,
             path: zero,
             going: zero,
             end: End {

@@ -24,7 +24,7 @@ use crate::run::ensemble::inside::follows;
 use crate::run::ensemble::laws::Laws;
 use crate::run::ensemble::row::{BY_ITSELF, End, Row, Scratch, Tableau, pull};
 use crate::solve::root::{STAGES_ALIKE, alike};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, size_along};
 use std::borrow::Borrow;
 
 /// Passes after which a lane goes by itself.
@@ -49,11 +49,25 @@ pub(super) fn advance<S, const L: usize, const D: usize, const SUMS: usize, cons
 where
     S: Lane,
 {
-    let Scratch { place, away, rest, normal, residual, matrix, moved, before, size, path, going, end } =
-        scratch;
+    let Scratch {
+        place,
+        away,
+        rest,
+        normal,
+        residual,
+        matrix,
+        moved,
+        before,
+        size,
+        counts,
+        path,
+        going,
+        end,
+    } = scratch;
     for d in 0..D {
-        begin(tableau, d, row, place, size, path);
+        begin(tableau, d, row, place, counts, path);
     }
+    weigh(&row.normal, path, counts, size);
     extrapolate(&tableau.ahead, &mut row.lambda, &mut end.lambda);
     normal[0] = row.normal;
     *going = [S::from_f64(1.0); L];
@@ -74,7 +88,7 @@ where
         correct(residual, going, &mut row.lambda);
         *moved = [S::default(); L];
         for d in 0..D {
-            shift(&tableau.push, d, residual, normal, away, going, place, moved);
+            shift(&tableau.push, d, residual, normal, away, going, &counts[d], place, moved);
         }
         if !decide(pass, size, path, moved, before, going) {
             break;
@@ -114,14 +128,15 @@ fn extrapolate<S: Lane, const L: usize, const N: usize>(
     }
 }
 
-/// One coordinate of the stages, by w from the last step's; and the size of path and places, as far as this coordinate.
+/// One coordinate of the stages, by w from the last step's; how large it is, and the size of the path, as far as this
+/// coordinate.
 #[inline(always)]
 fn begin<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: usize>(
     tableau: &Tableau<S, N>,
     d: usize,
     row: &Row<S, L, D, SUMS, N>,
     place: &mut [Vectors<S, L, D>; N],
-    size: &mut [S; L],
+    large: &mut Vectors<S, L, D>,
     path: &mut [S; L],
 ) {
     let (drift, first) = (tableau.drift, &tableau.first);
@@ -141,7 +156,24 @@ fn begin<S: Lane, const L: usize, const D: usize, const SUMS: usize, const N: us
         }
         let (way, far) = (x.abs(), q.abs().max(place[N - 1][d][l].abs()));
         path[l] = if d == 0 { way } else { way.max(path[l]) };
-        size[l] = if d == 0 { far } else { far.max(size[l]) };
+        large[d][l] = far;
+    }
+}
+
+/// How large places are [along the normal](size_along), or the path if that is larger; and by what displacements along
+/// coordinates count that are larger still, which are rounded to more and do not lead off the constraint.
+#[inline(always)]
+fn weigh<S: Lane, const L: usize, const D: usize>(
+    normal: &Vectors<S, L, D>,
+    path: &[S; L],
+    counts: &mut Vectors<S, L, D>,
+    size: &mut [S; L],
+) {
+    for l in 0..L {
+        let (n, large) = (at(normal, l), at(counts, l));
+        let along = size_along(&n, dot(&n, &n).sqrt(), &large).max(path[l]);
+        put(counts, l, large.map(|x| S::select(along.lt(x), along / x, S::from_f64(1.0))));
+        size[l] = along;
     }
 }
 
@@ -373,6 +405,7 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
     normal: &[Vectors<S, L, D>; N],
     away: &[Vectors<S, L, D>; N],
     going: &[S; L],
+    counts: &[S; L],
     place: &mut [Vectors<S, L, D>; N],
     moved: &mut [S; L],
 ) {
@@ -387,7 +420,7 @@ fn shift<S: Lane, const L: usize, const D: usize, const N: usize>(
             for j in 0..N - 1 {
                 x = push[i][j].multiply_add(w[j], x);
             }
-            let off = x.abs();
+            let off = counts[l] * x.abs();
             most = S::select(off.lt(most), most, off); // also where it is not a number
             let old = place[i][d][l];
             place[i][d][l] = S::select(goes, old + x, old);

@@ -22,7 +22,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, Terms};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -162,6 +162,10 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     ) -> Result<(), Failure> {
         let (shape, n, m) = (&*self.shape, self.count.number(), self.shape.equations);
         let long = (m as f64).sqrt().max(1.0); // roundings of a chain add up along it
+        let start = &bodies.kept.tied.blocks;
+        for (component, size) in shape.components.iter().zip(&mut stages.sizes) {
+            *size = size_along_normals(&component.rows, &start[component.first.1..], bodies.q.as_ref());
+        }
         let mut last = f64::INFINITY;
         for iteration in 0..patience {
             for stage in 1..S {
@@ -229,11 +233,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
                 self.shift(table, h, stages, stage);
                 let q = &stages.q[stage * n..][..n];
                 // Roundings of linked bodies reach each other, those of others do not.
-                for component in &shape.components {
-                    let bodies = &component.rows.bodies;
-                    let size = bodies.iter().map(|&body| largest(&q[body])).fold(0.0, f64::max);
-                    for &body in bodies {
-                        worst = slower(worst, largest(&stages.shift[body]), size);
+                for (component, size) in shape.components.iter().zip(&stages.sizes) {
+                    let (linked, from) = (&component.rows.bodies, bodies.q.as_ref());
+                    let way = |&body: &usize| largest(&add_scaled(&q[body], -1.0, &from[body]));
+                    let size = linked.iter().map(way).fold(*size, f64::max);
+                    for &body in linked {
+                        worst = if largest(&q[body]) <= size {
+                            slower(worst, largest(&stages.shift[body]), size)
+                        } else {
+                            slowest(worst, &stages.shift[body], &q[body], size)
+                        };
                     }
                 }
                 for &body in &shape.loose {
@@ -329,10 +338,26 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
     }
 }
 
+/// How large the coordinates are whose rounding moves bodies along these normals: the largest of all equations.
+fn size_along_normals<const D: usize>(rows: &Rows, blocks: &[[f64; D]], q: &[[f64; D]]) -> f64 {
+    let size = |row| {
+        let terms = Terms::of(rows.touched_by(row).map(|(block, body)| (&blocks[block], q[body], [0.0; D])));
+        terms.size(terms.length()) / terms.length()
+    };
+    (0..rows.equations()).map(size).fold(0.0, f64::max)
+}
+
 /// The larger one of `worst` and `moved` in roundings of `size`; NaN if one is.
 fn slower(worst: f64, moved: f64, size: f64) -> f64 {
     let ratio = if moved == 0.0 { 0.0 } else { moved / (f64::EPSILON * size) };
     if ratio > worst || ratio.is_nan() { ratio } else { worst }
+}
+
+/// The same where coordinates are larger than what matters, and are rounded to more.
+#[cold]
+fn slowest<const D: usize>(worst: f64, moved: &[f64; D], q: &[f64; D], size: f64) -> f64 {
+    let each = moved.iter().zip(q);
+    each.fold(worst, |worst, (moved, q)| slower(worst, moved.abs(), size.max(q.abs())))
 }
 
 /// Adds Gᵀλ to the force on each body of a component.

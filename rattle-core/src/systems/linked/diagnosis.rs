@@ -8,6 +8,7 @@ use crate::motion::bodies::Count;
 use crate::motion::failure::Failure;
 use crate::number::vector::dot;
 use crate::systems::linked::flight::BRANCHING;
+use crate::systems::linked::flight::CLEAR;
 use crate::systems::linked::flight::Flight;
 use crate::systems::linked::flight::HALVINGS;
 use crate::systems::linked::flight::LITTLE_SHARE;
@@ -74,7 +75,7 @@ impl<const D: usize> Flight<'_, D> {
         let independent = solver.rank(rows) == m;
         let (sine, weakest) = solver.normals(rows, blocks, &self.shape.roots);
         // A solution is near, but within a few such steps normals may fall together: it may lie on another branch.
-        let ahead = direct.converged && turn < SHORT && sine < 4.0 * turn;
+        let ahead = direct.converged && turn < SHORT && sine < f64::min(4.0 * turn, CLEAR);
         let here = much_shorter && sine < BRANCHING;
         if independent && !rows.acting && (ahead || here) {
             let equation = self.shape.equation_at(self.component, weakest);

@@ -11,6 +11,7 @@ use crate::number::real::Real;
 use crate::number::vector::dot;
 use crate::solve::aim::SMOOTH;
 use crate::solve::root::FAR_GUESS;
+use crate::solve::stop::size_of_terms;
 use crate::systems::linked::abreast::{
     KeptRow, Lanes, RowUnderWay, add_up, factor_rows, places, square, square_mut,
 };
@@ -113,7 +114,7 @@ impl<const M: usize, const K: usize> Work for Find<'_, '_, M, K> {
         let matrix = square_mut::<M>(matrix.as_flattened_mut());
         let (scale, off, roundings) =
             (of_size::<M, ROW>(scale), of_size::<M, ROW>(off), of_size::<M, ROW>(roundings));
-        measure(&now, of_few(g), [trial, sizes], &touches, scale, off, roundings);
+        measure(&now, of_few(g), [trial, sizes], path, &touches, scale, off, roundings);
         factor_rows::<false, M, K>(&now, &old, over, matrix, going);
         for l in 0..ROW {
             plain[l] &= going[l];
@@ -205,10 +206,12 @@ const LEAST: f64 = 1e-290;
 
 /// How far the guess is off, as lengths and in roundings of the coordinates that a link depends on.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "only arguments are known not to overlap")]
 fn measure<const M: usize, const K: usize>(
     normals: &Normals<M, K, ROW>,
     g: &[Numbers<ROW>; M],
     [trial, sizes]: [&[Numbers<ROW>; K]; 2],
+    path: &Numbers<ROW>,
     touches: &[[Number; K]; M],
     scale: &mut [Numbers<ROW>; M],
     off: &mut [Numbers<ROW>; M],
@@ -216,15 +219,17 @@ fn measure<const M: usize, const K: usize>(
 ) {
     for i in 0..M {
         for l in 0..ROW {
-            let (mut square, mut size) = (Fused(0.0), Fused(0.0));
+            let (mut square, mut along, mut most) = (Fused(0.0), Fused(0.0), Fused(0.0));
             for k in 0..K {
                 let normal = normals[i][k].0[l];
                 square = normal.multiply_add(normal, square);
-                size = size.max(touches[i][k] * sizes[k].0[l].max(trial[k].0[l].abs()));
+                let size = sizes[k].0[l].max(trial[k].0[l].abs());
+                along = normal.abs().multiply_add(size, along);
+                most = most.max(touches[i][k] * size);
             }
             let (length, g) = (square.sqrt(), g[i].0[l]);
-            let most = (size * length).max(g.abs()).max(Fused(LEAST));
-            let rounds = Fused(1.0) / (Fused(f64::EPSILON) * most);
+            let size = size_of_terms(along, path.0[l] * length, most * length).max(g.abs()).max(Fused(LEAST));
+            let rounds = Fused(1.0) / (Fused(f64::EPSILON) * size);
             // None where coordinates are infinite.
             let rounds = Real::select(Fused(0.0).lt(rounds), rounds, Fused(f64::NAN));
             (scale[i].0[l], off[i].0[l], roundings[i].0[l]) = (rounds, g / length, g.abs() * rounds);

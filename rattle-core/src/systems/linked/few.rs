@@ -9,7 +9,7 @@ use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, size as largest, sum, two_sum};
 use crate::solve::aim::{Aim, ROUNDINGS, SMOOTH};
 use crate::solve::root::FAR_GUESS;
-use crate::solve::stop::{SPARE, Shrinking};
+use crate::solve::stop::{SPARE, Shrinking, size_of_terms};
 use crate::systems::linked::flight::{CONTRACTION, Flight, Landing, MAX_CORRECTIONS};
 use crate::systems::linked::kept::{Counts, Room};
 use crate::systems::linked::moving::Moving;
@@ -17,6 +17,7 @@ use crate::systems::network::dense::{Column, Dense, MOST, combined, invert, prod
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::{CLEARLY, Solver};
+use std::array::from_fn;
 
 /// One component on its way, and the numbers that its step changes.
 pub(super) struct Few<'a, 'b, Fo, const D: usize> {
@@ -135,7 +136,7 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
         let (p, p_low, force) =
             (gather(bodies, self.moving.p), gather(bodies, self.moving.p_low), gather(bodies, self.force));
         let lifted = dense.lifted::<M, N>();
-        let (mut push, mut free, mut sizes) = ([[0.0; D]; N], [[0.0; D]; N], [0.0; N]);
+        let (mut push, mut free, mut sizes) = ([[0.0; D]; N], [[0.0; D]; N], [[0.0; D]; N]);
         let mut path = 0.0;
         for b in 0..N {
             let (over, force) = (&dense.over_masses[b], force[b].add_to([0.0; D], h * self.kick));
@@ -146,7 +147,7 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
                 push[b][d] = over[d] * force[d];
             }
             free[b] = sum(&drift, &push[b]);
-            sizes[b] = larger(largest(&q[b]), largest(&drift));
+            sizes[b] = from_fn(|d| larger(q[b][d].abs(), drift[d].abs()));
             path = larger(path, largest(&drift) + largest(&push[b]));
             (dense.places[b], dense.velocities[b]) = (q[b], v);
         }
@@ -171,7 +172,7 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
         for b in 0..N {
             lift[b] = sum(&free[b], &combined(&lifted, &guess, b));
             dense.places[b] = sum(&q[b], &sum(&q_low[b], &lift[b]));
-            sizes[b] = larger(sizes[b], largest(&dense.places[b]));
+            sizes[b] = from_fn(|d| larger(sizes[b][d], dense.places[b][d].abs()));
         }
         dense.gradients::<false>(time);
         let mut inverse = [[0.0; MOST]; MOST];
@@ -182,13 +183,20 @@ impl<Fo: Force<f64, D>, const D: usize> Few<'_, '_, Fo, D> {
         }
         let (mut g, mut lengths, mut scale, mut off) = ([0.0; M], [0.0; M], [0.0; M], [0.0; M]);
         for i in 0..M {
-            let mut size = dense.pinned[i];
+            let (mut along, mut most) = (0.0, 0.0);
             for b in 0..N {
-                size = larger(size, dense.touches[i][b] * sizes[b]);
+                for d in 0..D {
+                    along += dense.trial[i].blocks[b][d].abs() * sizes[b][d];
+                    most = larger(most, dense.touches[i][b] * sizes[b][d]);
+                }
             }
             g[i] = dense.trial[i].value;
             lengths[i] = dense.square::<N>(i).sqrt();
-            scale[i] = 1.0 / (f64::EPSILON * larger(size * lengths[i], g[i].abs()));
+            let size = larger(
+                size_of_terms(along, path * lengths[i], most * lengths[i]),
+                dense.pinned[i] * lengths[i],
+            );
+            scale[i] = 1.0 / (f64::EPSILON * larger(size, g[i].abs()));
             off[i] = g[i] / lengths[i];
         }
 

@@ -23,13 +23,14 @@ use crate::motion::failure::Failure;
 use crate::number::vector::{add_scaled, dot, larger, largest, size, sum};
 use crate::solve::aim::Aim;
 use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, straight};
-use crate::solve::stop::{SPARE, Shrinking};
+use crate::solve::stop::{SPARE, Shrinking, Terms};
 use crate::systems::linked::kept::Counts;
 use crate::systems::linked::kept::Room;
 use crate::systems::network::line::Line;
 use crate::systems::network::rows::Rows;
 use crate::systems::network::shape::Shape;
 use crate::systems::network::solver::Solver;
+use std::array::from_fn;
 
 /// Residuals that shrink by less ask for a new derivative.
 pub(super) const CONTRACTION: f64 = 0.25;
@@ -41,6 +42,8 @@ pub(crate) const HALVINGS: i32 = 24;
 pub(crate) const SHORT: f64 = 0.2;
 /// A normal with a smaller sine to the others is lost; see `orthogonal.rs` for the other case.
 pub(crate) const LOST: f64 = 1e-7;
+/// A normal with more than this sine to the others is clearly independent of them.
+pub(crate) const CLEAR: f64 = 0.1;
 /// Where only a step shorter by `MUCH_SHORTER` would pass, a normal with this sine to the others is what stopped it:
 /// where a mechanism branches, places are known to √ε.
 pub(crate) const BRANCHING: f64 = 1e-6;
@@ -438,18 +441,14 @@ impl<const D: usize> Flight<'_, D> {
         let pairs = blocks.unwrap_or(at_trial).as_chunks::<2>().0;
         let bodies = line.first..line.first + m + 1;
         let places = self.q[bodies.clone()].iter().zip(&trial[bodies.clone()]).zip(&drift[bodies]);
-        let mut sizes = places.map(|((q, trial), drift)| {
-            let mut size = 0.0;
-            for d in 0..D {
-                size = larger(larger(size, q[d].abs()), larger(trial[d].abs(), drift[d].abs()));
-            }
-            size
-        });
-        let mut before = sizes.next().unwrap_or(0.0);
+        let mut places = places
+            .map(|((q, trial), drift)| (from_fn::<_, D, _>(|d| larger(q[d].abs(), trial[d].abs())), *drift));
+        let mut before = places.next().unwrap_or(([0.0; D], [0.0; D]));
         let rows = lengths[..m].iter_mut().zip(scale).zip(pairs).zip(&*g);
-        for ((((length, scale), pair), g), after) in rows.zip(sizes) {
-            *length = (dot(&pair[0], &pair[0]) + dot(&pair[1], &pair[1])).sqrt();
-            let size = larger(larger(before, after) * *length, g.abs());
+        for ((((length, scale), pair), g), after) in rows.zip(places) {
+            let terms = Terms::of([(&pair[0], before.0, before.1), (&pair[1], after.0, after.1)].into_iter());
+            *length = terms.length();
+            let size = larger(terms.size(*length), g.abs());
             *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
             before = after;
         }
@@ -463,16 +462,13 @@ impl<const D: usize> Flight<'_, D> {
         let (trial, drift, g) = (&trial[..n], &drift[..n], &g[..m]);
         for (row, (length, scale)) in lengths[..m].iter_mut().zip(scale).enumerate() {
             let range = rows.range::<A>(row);
-            let (mut square, mut sizes) = (0.0, [0.0; D]);
-            for (block, &body) in blocks[range.clone()].iter().zip(&rows.touched()[range]) {
-                square += dot(block, block);
+            let touched = blocks[range.clone()].iter().zip(&rows.touched()[range]);
+            let terms = Terms::of(touched.map(|(block, &body)| {
                 let (q, trial, drift) = (&self.q[body], &trial[body], &drift[body]);
-                sizes = std::array::from_fn(|i| {
-                    f64::max(f64::max(sizes[i], q[i].abs()), f64::max(trial[i].abs(), drift[i].abs()))
-                });
-            }
-            *length = square.sqrt();
-            let size = f64::max(largest(&sizes) * *length, g[row].abs());
+                (block, from_fn(|i| larger(q[i].abs(), trial[i].abs())), *drift)
+            }));
+            *length = terms.length();
+            let size = larger(terms.size(*length), g[row].abs());
             *scale = if *length > 0.0 { 1.0 / (f64::EPSILON * size) } else { f64::NAN };
         }
     }

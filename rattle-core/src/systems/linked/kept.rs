@@ -4,10 +4,11 @@ use crate::effect::force::Force;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
 use crate::motion::bodies::{Bodies, Count};
-use crate::number::vector::{dot, largest, sum};
+use crate::number::vector::{dot, sum};
 use crate::solve::aim::{Aim, Pace};
 use crate::solve::crowd::Asked;
 use crate::solve::root::Course;
+use crate::solve::stop::Terms;
 use crate::systems::linked::in_rows::InRows;
 use crate::systems::linked::room::SeriesRoom;
 use crate::systems::linked::room::Stages;
@@ -188,14 +189,13 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
         let room = &bodies.kept.tied.room;
         let mut furthest = (0.0, 0.0, 0);
         for row in 0..rows.equations() {
-            let (mut square, mut size) = (0.0, 0.0_f64);
-            for (block, body) in rows.touched_by(row) {
-                square += dot(&blocks[block], &blocks[block]);
-                size = size.max(largest(&bodies.q.as_ref()[body]));
-                size = size.max(h.abs() * largest(&room.velocity[body]));
-            }
-            let distance = if room.g[row] == 0.0 { 0.0 } else { room.g[row].abs() / square.sqrt() };
-            let roundings = if distance == 0.0 { 0.0 } else { distance / (f64::EPSILON * size) };
+            let terms = Terms::of(rows.touched_by(row).map(|(block, body)| {
+                let (q, v) = (&bodies.q.as_ref()[body], &room.velocity[body]);
+                (&blocks[block], *q, v.map(|v| h * v))
+            }));
+            let (g, length) = (room.g[row].abs(), terms.length());
+            let (distance, size) = (if g == 0.0 { 0.0 } else { g / length }, terms.size(length));
+            let roundings = if g == 0.0 { 0.0 } else { g / (f64::EPSILON * size) };
             if roundings > furthest.1 || roundings.is_nan() {
                 furthest = (distance, roundings, row);
             }

@@ -27,6 +27,8 @@ pub(super) struct Stages<F: Forces<f64, D>, const D: usize> {
     pub(super) shift: Vec<[f64; D]>,
     pub(super) x: Vec<f64>,
     pub(super) multipliers: Vec<f64>,
+    /// How large coordinates are along the normals of each component.
+    pub(super) sizes: Vec<f64>,
 }
 
 impl<F: Forces<f64, D>, const D: usize> Stages<F, D> {
@@ -46,6 +48,7 @@ impl<F: Forces<f64, D>, const D: usize> Stages<F, D> {
             shift: vec![zero; bodies],
             x: vec![0.0; equations],
             multipliers: vec![0.0; equations],
+            sizes: vec![0.0; shape.components.len()],
         }
     }
 

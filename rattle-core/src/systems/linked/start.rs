@@ -8,6 +8,7 @@ use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
 use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
+use crate::solve::stop::Terms;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::mass::Root;
@@ -60,8 +61,15 @@ impl<const D: usize> Start<D> {
         length_of(blocks.flat_map(|(block, _)| &self.blocks[block]))
     }
 
-    /// Whether an equation of coordinates of this size, with a singular point so far away, is off by no more than the
-    /// rounding of g.
+    /// Whether an equation is off by no more than the rounding of coordinates.
+    fn is_there(&self, shape: &Shape<D>, c: usize, row: usize) -> bool {
+        let touched = shape.components[c].rows.touched_by(row);
+        let terms = Terms::of(touched.map(|(block, body)| (&self.blocks[block], self.q[body], [0.0; D])));
+        self.g[row].abs() <= f64::EPSILON * terms.size(terms.length())
+    }
+
+    /// Whether an equation of coordinates of this size along its normal, with a singular point so far away, is off by
+    /// no more than the rounding of g.
     #[cold]
     fn is_rounding(
         &mut self,
@@ -151,6 +159,9 @@ fn check_row<const D: usize>(
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
     let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
+    let terms =
+        Terms::of(rows.touched_by(row).map(|(block, body)| (&start.blocks[block], start.q[body], [0.0; D])));
+    let along = terms.size(length) / length;
     for (block, body) in rows.touched_by(row) {
         size = size.max(largest(&start.q[body]));
         speed += dot(&start.v[body], &start.v[body]);
@@ -163,23 +174,35 @@ fn check_row<const D: usize>(
         return Err(StartFailure::ConstraintNotFinite { value, gradient, position });
     }
 
-    // |∇²g n|/|∇g| along the normal: how far it is to a point without one. The velocities make room for n/|∇g|, whose product with
-    // ∇²g can be squared however g is scaled.
-    let saved: Vec<_> = rows.blocks_of(row).map(|(_, body)| start.v[rows.bodies[body]]).collect();
-    for (block, body) in rows.blocks_of(row) {
-        start.v[rows.bodies[body]] = start.blocks[block].map(|n| n / length / length);
-    }
+    // |∇²g w|/|∇g| along the normal: how far it is to a point without one; and what the rounding of each coordinate makes.
+    // The velocities make room for w/|∇g|, whose product with ∇²g can be squared however g is scaled.
+    let bodies: Vec<_> = rows.blocks_of(row).map(|(_, body)| rows.bodies[body]).collect();
+    let saved: Vec<_> = bodies.iter().map(|&body| start.v[body]).collect();
     let (group, member, equation) = rows.find(&shape.groups, row);
     let equations = shape.groups[group].equations();
     let (mut bends, mut turns) = (vec![0.0; equations], vec![0.0; equations]);
-    shape.groups[group].bends(member..member + 1, state.time, &start.q, &start.v, &mut bends, &mut turns);
-    for ((_, body), v) in rows.blocks_of(row).zip(saved) {
-        start.v[rows.bodies[body]] = v;
+    let mut change = |v: &[[f64; D]]| {
+        shape.groups[group].bends(member..member + 1, state.time, &start.q, v, &mut bends, &mut turns);
+        turns[equation].sqrt()
+    };
+    for (block, body) in rows.blocks_of(row) {
+        start.v[rows.bodies[body]] = start.blocks[block].map(|n| n / length / length);
     }
-    let singular = 1.0 / turns[equation].sqrt();
-    let rounding = f64::EPSILON * size;
+    let singular = 1.0 / change(&start.v);
+    bodies.iter().for_each(|&body| start.v[body] = [0.0; D]);
+    // A coordinate may be as large as it likes where normals do not depend on it.
+    let is_near = singular < f64::EPSILON * size / DIRECTION;
+    let mut turned = 0.0;
+    for (body, i) in bodies.iter().flat_map(|&body| (0..D).map(move |i| (body, i))).filter(|_| is_near) {
+        start.v[body][i] = f64::EPSILON * start.q[body][i] / length;
+        turned += change(&start.v);
+        start.v[body][i] = 0.0;
+    }
+    for (&body, v) in bodies.iter().zip(saved) {
+        start.v[body] = v;
+    }
     let at = || shape.equation_at(c, row);
-    if length == 0.0 || singular < rounding / DIRECTION {
+    if length == 0.0 || turned > DIRECTION {
         let distance = if length == 0.0 { 0.0 } else { singular };
         return Err(StartFailure::Vanishes { equation: at(), gradient: length, distance });
     }
@@ -187,8 +210,8 @@ fn check_row<const D: usize>(
         return Err(StartFailure::OutOfScale { equation: Some(at()), gradient: length });
     }
     let distance = value.abs() / length;
-    let tolerance = allowed(size, h.abs() * speed, singular);
-    if distance > tolerance && !start.is_rounding(shape, (c, row), state.time, [size, singular]) {
+    let tolerance = allowed([size, along], h.abs() * speed, singular);
+    if distance > tolerance && !start.is_rounding(shape, (c, row), state.time, [along, singular]) {
         return Err(StartFailure::OffConstraint { equation: at(), distance, tolerance, value });
     }
     let scale = length * speed + start.rates[row].abs();
@@ -321,9 +344,10 @@ fn place<const D: usize>(
     let (mut nearing, mut worst) = (Nearing::leaving(f64::INFINITY), 0);
     for _ in 0..MAX_PROJECTION_STEPS {
         start.evaluate(shape, c, time);
-        let mut distance = 0.0;
+        let (mut distance, mut there) = (0.0, true);
         for row in 0..m {
             let length = start.length(shape, c, row);
+            there &= start.is_there(shape, c, row);
             if length.is_finite() && length > 0.0 && !has_square(length) {
                 let equation = Some(shape.equation_at(c, row));
                 return Err(at(shape, c, row, StartFailure::OutOfScale { equation, gradient: length }));
@@ -354,8 +378,10 @@ fn place<const D: usize>(
             let cause = StartFailure::ConstraintNotFinite { value: start.g[worst], gradient, position };
             return Err(at(shape, c, worst, cause));
         }
-        if nearing.look(distance, correction <= f64::EPSILON * size, distance <= NEAR * size).0 {
-            if distance > START_TOLERANCE * size {
+        let stays = correction <= f64::EPSILON * size;
+        let contradicts = distance > START_TOLERANCE * size;
+        if nearing.look(distance, stays && (there || contradicts), distance <= NEAR * size).0 {
+            if contradicts {
                 let cause = StartFailure::Contradictory { equation: shape.equation_at(c, worst), distance };
                 return Err(at(shape, c, worst, cause));
             }

@@ -97,6 +97,11 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         self.shape.moving
     }
 
+    fn keeps_energy(&self) -> bool {
+        let acting = || self.shape.components.iter().any(|component| component.rows.acting);
+        F::FLOWS == 0 && !self.moves_with_time() && !acting()
+    }
+
     fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
         if bodies.time != time {
             bodies.time = time;

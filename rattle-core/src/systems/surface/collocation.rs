@@ -28,7 +28,7 @@ use crate::number::lanes::Fused;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
 use crate::solve::root::{STAGES_ALIKE, alike};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -226,10 +226,15 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                     &mut stages.inverse[body * S * S..][..S * S],
                     renew,
                 );
-                if iteration == 0 && far_guess < 1.0 && !moved.le(T::from_f64(far_guess) * far) {
+                if iteration == 0 && far_guess < 1.0 && !largest(&moved).le(T::from_f64(far_guess) * far) {
                     return Err(FailureAt::of(body).unsolved(h, S, 1, f64::NAN));
                 }
-                let size = largest(&bodies.q.as_ref()[body]).max(far);
+                let n = &bodies.kept.normal.as_ref()[body].gradient;
+                let size = size_along(n, dot(n, n).sqrt(), &bodies.q.as_ref()[body]).max(far);
+                let q = &bodies.q.as_ref()[body];
+                // Coordinates that are larger than what matters are rounded to more.
+                let (moved, size) =
+                    if largest(q).le(size) { (largest(&moved), size) } else { rounded(&moved, q, size) };
                 let ratio = moved / (size * T::from_f64(T::EPSILON));
                 let ratio = if moved.le(zero) { 0.0 } else { ratio.to_f64() };
                 if ratio > worst || ratio.is_nan() {
@@ -351,7 +356,7 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     }
 }
 
-/// One iteration for one body: the largest change of a coordinate, and the largest distance from the start.
+/// One iteration for one body: the largest change of each coordinate, and the largest distance from the start.
 ///
 /// `positions` are h² aᵢⱼ; of places and forces the body's own and every `stride`-th after it, stage by stage.
 #[allow(
@@ -370,7 +375,7 @@ fn improve<T, K, F, const D: usize, const S: usize>(
     (increment, rest): (&[[T; D]; S], &mut [[T; D]; S]),
     inverse: &mut [T],
     renew: bool,
-) -> (T, T)
+) -> ([T; D], T)
 where
     T: Scalar,
     K: ConstraintKernel<T, D, 1>,
@@ -423,9 +428,18 @@ where
     for i in 1..S {
         rest[i] = sum(&rest[i], &shift[i]);
     }
-    let moved = shift[1..].iter().map(largest).fold(zero, select_larger);
+    let moved = from_fn(|d| shift[1..].iter().map(|shift| shift[d].abs()).fold(zero, select_larger));
     let far = (1..S).map(|i| largest(&sum(&increment[i], &rest[i]))).fold(zero, select_larger);
     (moved, far)
+}
+
+/// The change of the coordinate that moves by most of its roundings, and the size of that coordinate, or this one if it
+/// is larger.
+#[cold]
+fn rounded<T: Scalar, const D: usize>(moved: &[T; D], q: &[T; D], size: T) -> (T, T) {
+    let each = moved.iter().zip(q).map(|(&moved, q)| (moved, size.max(q.abs())));
+    each.reduce(|most, next| if (next.0 * most.1).le(most.0 * next.1) { most } else { next })
+        .unwrap_or((size, size))
 }
 
 /// The larger one, NaN if one is.

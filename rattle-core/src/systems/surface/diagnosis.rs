@@ -50,6 +50,14 @@ impl FailureAt {
         })
     }
 
+    /// The square of the speed is multiplied by this, between normals that are so much
+    /// [alike](crate::solve::root::alike).
+    #[cold]
+    pub(super) fn jumped<T: Scalar>(&self, h: f64, factor: T, alike: T) -> Failure {
+        let (factor, angle) = (factor.to_f64().sqrt(), alike.to_f64().sqrt().acos().to_degrees());
+        self.because(SurfaceFailure::SpeedJump { h, factor, angle }.into())
+    }
+
     fn because(&self, cause: StepFailure) -> Failure {
         Failure { body: self.body, cause }
     }

@@ -1,6 +1,7 @@
 //! The equation of one body, as the solver sees it.
 
 use crate::kernel::functions::ConstraintKernel;
+use crate::kernel::kinks::sign_changes;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot};
 use crate::solve::aim::SHIFTS;
@@ -15,6 +16,8 @@ pub(crate) trait Equation<T, const D: usize> {
     fn gradient(&self, q: &[T; D]) -> [T; D];
     /// Both.
     fn value_and_gradient(&self, q: &[T; D]) -> (T, [T; D]);
+    /// Whether a kink lies between two places.
+    fn kinks(&self, from: &[T; D], to: &[T; D]) -> bool;
     /// pᵀ∇²g p.
     fn bend(&self, q: &[T; D], p: &[T; D]) -> T;
 }
@@ -38,6 +41,10 @@ impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for
         (g, gradient)
     }
 
+    fn kinks(&self, from: &[T; D], to: &[T; D]) -> bool {
+        if const { K::KINKS.is_empty() } { false } else { sign_changes(self, &[*from], &[*to]) }
+    }
+
     #[inline(always)]
     fn bend(&self, q: &[T; D], p: &[T; D]) -> T {
         let [bend] = self.jet(q, p).2;
@@ -45,8 +52,8 @@ impl<T: Scalar, K: ConstraintKernel<T, D, 1>, const D: usize> Equation<T, D> for
     }
 }
 
-/// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no straight line along the normal
-/// where the place is moved by some roundings of this size.
+/// The rounding of g itself at a place, as a multiple of ∇g = n: by how much g is no parabola along the normal where
+/// the place is moved by some roundings of this size. The farthest move tells how the surface bends.
 #[cold]
 #[inline(never)]
 pub(crate) fn rounding_of<T: Scalar, const D: usize>(
@@ -61,7 +68,12 @@ pub(crate) fn rounding_of<T: Scalar, const D: usize>(
         let shift = T::from_f64(share) * unit;
         equation.value(&add_scaled(q, shift, n)) * over - shift
     };
+    let [farthest, nearer @ ..] = SHIFTS;
     let middle = off(0.0);
-    let most = |most: T, share: f64| most.max((off(share) - middle).abs());
-    SHIFTS.into_iter().fold(T::from_f64(0.0), most)
+    let bent = off(farthest) - middle;
+    let most = |most: T, share: f64| {
+        let part = share / farthest;
+        most.max((off(share) - middle - T::from_f64(part * part) * bent).abs())
+    };
+    nearer.into_iter().fold(T::from_f64(0.0), most)
 }

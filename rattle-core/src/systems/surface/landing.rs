@@ -4,12 +4,15 @@
 //! A root that is not trusted is followed from h = 0, see [`crate::solve::root`]: always for h·κ·|v| > ½. Beyond 1
 //! there may be no root.
 
+use crate::motion::course::STEADY;
 use crate::motion::failure::Failure;
 use crate::motion::iteration::{Iteration, Kind, Newton};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::{Aim, GROWTH, INSIDE, INSIDE_PARTS, LITTLE, NOISY, ROUNDINGS, grows_to};
-use crate::solve::root::{Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, follow, is_the_root, is_upright};
+use crate::solve::root::{
+    Course, FAR_EXTRAPOLATION, FAR_GUESS, SHORT_PATH, alike, follow, is_the_root, is_upright,
+};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::{Equation, rounding_of};
 use crate::systems::surface::position::{Departure, Landing};
@@ -17,8 +20,11 @@ use crate::systems::surface::position::{Departure, Landing};
 /// A surface is taken to be no larger than so many paths of a step where its rounding is asked for.
 const LARGE: f64 = 1e6;
 
+/// A way of which less than this part leads along the surface is that of a body at rest, back onto it.
+const ACROSS: f64 = 1e-3;
+
 /// Slopes that differ by more than this factor are asked to be followed in shorter parts.
-const STEADY: f64 = 2.0;
+const STEADY_SLOPE: f64 = 2.0;
 
 /// A landing that may be the right one.
 #[derive(Clone, Copy)]
@@ -101,17 +107,41 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
             |rounding| steady && self.confirms(equation, landing.multiplier, landing.slopes[0], rounding);
         let mut rounding = self.rounding();
         if look(rounding) {
-            return Ok((landing, false));
+            return self.steadily(equation, landing, false);
         }
         rounding = self.with_noise(rounding, equation, landing.multiplier);
         if look(rounding) {
-            return Ok((landing, false));
+            return self.steadily(equation, landing, false);
         }
         match self.follow(equation, rounding) {
-            Some(found) if trusted && is_same(&found, landing.multiplier, rounding) => Ok((landing, false)),
-            Some(found) => Ok((found, true)),
+            Some(found) if trusted && is_same(&found, landing.multiplier, rounding) => {
+                self.steadily(equation, landing, false)
+            }
+            Some(found) => self.steadily(equation, found, true),
             None => Err(FailureAt::of(self.body).lost(equation, self)),
         }
+    }
+
+    /// This landing, unless it makes the speed jump: the way has more, or less, of its length along the surface at its
+    /// end than where it began, which without a force is the ratio of speeds. A kink on the way is told after the step.
+    fn steadily(
+        &self,
+        equation: &dyn Equation<T, D>,
+        landing: Landing<T, D>,
+        followed: bool,
+    ) -> Result<(Landing<T, D>, bool), Failure> {
+        let (way, from, to) = (&landing.increment, &self.normal.gradient, &landing.gradient);
+        let along = |n: &[T; D]| {
+            let across = dot(way, n);
+            dot(way, way) - across * across / dot(n, n)
+        };
+        let (before, after, most) = (along(from), along(to), T::from_f64(STEADY));
+        let rounding = T::from_f64(ACROSS * ACROSS) * dot(way, way);
+        let jumps = (most * after + rounding).lt(before) | (most * before + rounding).lt(after);
+        if jumps && !equation.kinks(self.q, &self.point(landing.multiplier)) {
+            return Err(FailureAt::of(self.body).jumped(self.h, after / before, alike(from, to)));
+        }
+        Ok((landing, followed))
     }
 
     /// Where the body lands, with nothing known of the steps before.
@@ -265,7 +295,7 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
 /// Whether a slope differs by less than a factor from that where a way began: on its way to the next root it turns
 /// over.
 fn is_steady<T: Scalar>(slope: T, before: T) -> bool {
-    let most = T::from_f64(STEADY);
+    let most = T::from_f64(STEADY_SLOPE);
     slope.le(most * before) & before.le(most * slope)
 }
 

@@ -14,7 +14,8 @@
 //! ```
 //!
 //! **Stopping.** Corrections are measured as displacements δ = |ΔΛ| |∇g(q)|, so the rule does not depend on the scale
-//! of g. Their floor is the rounding error ε·ℓ of the sum that forms q′, with ℓ the larger of |q|∞ and |free|∞. With γ
+//! of g. Their floor is the rounding error ε·ℓ of the sum that forms q′ along the normal: ℓ is the larger of |q|∞ and
+//! |free|∞, of coordinates on which g depends. With γ
 //! = δ₂/δ₁ the next correction is about γ²δ₂, if third derivatives of g are negligible. Once that is negligible
 //! ([`crate::solve::stop`]), the slope s there is evaluated, which the end of the step needs anyway. Its difference
 //! from the slope s̃ of the parabola shows the effect of third derivatives: the remaining error is (1 − s̃/s) δ₂. If
@@ -34,9 +35,10 @@ use crate::motion::iteration::{Iteration, Kind};
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::root::straight;
-use crate::solve::stop::SPARE;
+use crate::solve::stop::{SPARE, size_along};
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::normal::Normal;
+use std::array::from_fn;
 
 /// Corrections with a slope that is not the newest are given up where they do not shrink by half, at the latest here.
 const MAX_CHORDS: usize = 60;
@@ -125,6 +127,12 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
         sum(self.q, &sum(self.q_low, &self.increment(multiplier)))
     }
 
+    /// The larger ones of |q| and |free|, coordinate by coordinate.
+    #[inline(always)]
+    pub(crate) fn places(&self) -> [T; D] {
+        from_fn(|i| self.q[i].abs().max(self.free[i].abs()))
+    }
+
     /// Solves for Λ; `correction` is told every correction's length.
     #[inline(always)]
     pub(crate) fn solve(
@@ -134,7 +142,7 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
     ) -> Landing<T, D> {
         let n = &self.normal.gradient;
         let length = dot(n, n).sqrt();
-        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let floor = T::from_f64(T::EPSILON) * size_along(n, length, &self.places());
         let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
 
         let mut multiplier = self.guess;
@@ -153,7 +161,8 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
             let mut stalled = false;
             if (half * last).le(first) {
                 let straight = (slope - last_slope).abs().le(T::from_f64(straight::<T>()) * slope.abs());
-                let small = (T::from_f64(T::EPSILON) * first * first).le(floor * floor); // √ε of the place, or of the way
+                let size = largest(self.q).max(largest(&self.free));
+                let small = (first * first).le(T::from_f64(T::EPSILON) * size * size);
                 stalled = straight & small;
             }
             last_slope = slope;
@@ -201,7 +210,7 @@ impl<T: Scalar, const D: usize> Departure<'_, T, D> {
         let n = &self.normal.gradient;
         let square = dot(n, n);
         let length = square.sqrt();
-        let floor = T::from_f64(T::EPSILON) * largest(self.q).max(largest(&self.free));
+        let floor = T::from_f64(T::EPSILON) * size_along(n, length, &self.places());
         let (zero, half) = (T::from_f64(0.0), T::from_f64(0.5));
 
         let mut multiplier = self.guess;

@@ -22,6 +22,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled, sum};
 use crate::solve::aim::{BOLD, INSIDE, OFF_INSIDE, ROUNDINGS};
 use crate::solve::crowd::{FARTHER, THERE, is_alone, shift};
 use crate::solve::curve::{cubic, quartic};
+use crate::solve::stop::size_along;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::{BodiesOf, OnSurface};
 use crate::systems::surface::normal::Normal;
@@ -89,8 +90,10 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
     {
         let n = &now.kept.normal.as_ref()[body].gradient;
         let most = astray(h, from, to) * OFF_INSIDE;
-        let rounding = T::from_f64(ROUNDINGS * T::EPSILON) * largest(&from.q).max(largest(&to.q));
-        let most = (T::from_f64(most) + rounding) * dot(n, n).sqrt();
+        let length = dot(n, n).sqrt();
+        let size = size_along(n, length, &from.q).max(size_along(n, length, &to.q));
+        let rounding = T::from_f64(ROUNDINGS * T::EPSILON) * size;
+        let most = (T::from_f64(most) + rounding) * length;
         let half = T::from_f64(0.5);
         let is_off = |lift: &[T; D]| {
             !INSIDE.iter().all(|&s| {

@@ -12,6 +12,7 @@ use crate::number::vector::{add_scaled, dot, largest, scaled};
 use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
 use crate::solve::root::straight;
+use crate::solve::stop::size_along;
 use crate::systems::surface::normal::Normal;
 
 /// Whether a body may start: finite, on the surface, momentum tangent, no singular point.
@@ -31,12 +32,21 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(not_finite(value, &gradient, &body.q));
     }
     let length = length_of(&gradient);
-    let coordinates = largest(&body.q);
-    let rounding = f64::EPSILON * coordinates;
+    let (coordinates, along) = (largest(&body.q), size_along(&gradient, length, &body.q));
 
-    let [bend] = constraint.hessian_vector(&body.q, &scaled(1.0 / length, &gradient));
-    let singular = length / length_of(&bend); // to the next point where ∇g = 0; ∞ for a plane
-    if length == 0.0 || singular < rounding / DIRECTION {
+    let change = |way: &[f64; D]| {
+        let [change] = constraint.hessian_vector(&body.q, way);
+        length_of(&change) / length
+    };
+    let singular = 1.0 / change(&scaled(1.0 / length, &gradient)); // to the next point where ∇g = 0; ∞ for a plane
+    // A coordinate may be as large as it likes where normals do not depend on it.
+    let turned = |i| {
+        let mut rounding = [0.0; D];
+        rounding[i] = f64::EPSILON * body.q[i];
+        change(&rounding)
+    };
+    let is_near = |singular: f64| singular < f64::EPSILON * coordinates / DIRECTION;
+    if length == 0.0 || is_near(singular) && (0..D).map(turned).sum::<f64>() > DIRECTION {
         let distance = if length == 0.0 { 0.0 } else { singular };
         return Err(StartFailure::SingularPoint { gradient: length, distance });
     }
@@ -44,12 +54,12 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         return Err(StartFailure::OutOfScale { equation: None, gradient: length });
     }
     let distance = value.abs() / length;
-    let tolerance = allowed(coordinates, path, singular);
+    let tolerance = allowed([coordinates, along], path, singular);
     let bent = |shift: f64| {
         let [there] = constraint.value(&add_scaled(&body.q, shift / length, &gradient));
         ((there - value) / length - shift).abs()
     };
-    let is_rounding = || distance <= NOISY * rounding_of_g(coordinates, singular, bent);
+    let is_rounding = || distance <= NOISY * rounding_of_g(along, singular, bent);
     if distance > tolerance && !is_rounding() {
         return Err(StartFailure::OffSurface { distance, tolerance, value });
     }
@@ -58,7 +68,7 @@ pub(crate) fn check<K: ConstraintKernel<f64, D, 1>, const D: usize>(
     let along_normal = dot(&gradient, &direction).abs() / length;
     let speed = dot(&direction, &direction).sqrt();
     // A way that is shorter than positions are rounded has no direction: that of who rests after rounding.
-    if tangent && path > rounding && along_normal > START_TOLERANCE * speed {
+    if tangent && path > f64::EPSILON * coordinates && along_normal > START_TOLERANCE * speed {
         return Err(StartFailure::NotTangent { sine: along_normal / speed, tolerance: START_TOLERANCE });
     }
     Ok(())
@@ -106,7 +116,7 @@ fn project_body<K: ConstraintKernel<f64, D, 1>, const D: usize>(
         // Where ∇g stays, distances that do not shrink are the rounding of g, however large.
         let near = (square - last_square).abs() <= straight::<f64>() * square;
         last_square = square;
-        if nearing.look(distance, distance <= f64::EPSILON * largest(&q), near).0 {
+        if nearing.look(distance, distance <= f64::EPSILON * size_along(&gradient, length, &q), near).0 {
             let normal = Normal::new(gradient);
             let mut p = body.p;
             for _ in 0..2 {

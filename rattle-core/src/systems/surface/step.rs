@@ -11,13 +11,14 @@ use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 use crate::number::vector::{dot, largest, scaled, sum, two_sum};
 use crate::solve::nearing::Nearing;
-use crate::solve::stop::NOISE;
+use crate::solve::stop::{NOISE, size_along};
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::equation::Equation;
 use crate::systems::surface::kept::Kept;
 use crate::systems::surface::landing::Attempt;
 use crate::systems::surface::normal::{Normal, multiplier_from_curvature};
 use crate::systems::surface::position::{Departure, Landing};
+use std::array::from_fn;
 
 /// A body that departs: its path, force and, where a guess of λ is given, h·κ·|v| from that instead of second
 /// derivatives.
@@ -233,6 +234,7 @@ where
     let zero = T::from_f64(0.0);
     let path = scaled(T::from_f64(h), &bodies.p.as_ref()[body]);
     let rounding = T::from_f64(T::EPSILON) * largest(q).max(largest(&path));
+    let places: [T; D] = from_fn(|i| q[i].abs().max(path[i].abs()));
     let (mut nearing, mut left) = (Nearing::leaving(1.0), zero);
     for _ in 0..MAX_PROJECTION_STEPS {
         let ([g], [gradient]) = constraint.value_and_jacobian(q);
@@ -240,7 +242,9 @@ where
         let shift = scaled(-g * normal.inverse_square, &gradient);
         let distance = dot(&shift, &shift).sqrt();
         let near = distance.le(T::from_f64(NOISE) * rounding);
-        let (arrived, lost) = nearing.look(distance, distance.le(rounding), near);
+        let floor =
+            T::from_f64(T::EPSILON) * size_along(&gradient, dot(&gradient, &gradient).sqrt(), &places);
+        let (arrived, lost) = nearing.look(distance, distance.le(floor), near);
         if arrived {
             bodies.kept.normal.as_mut()[body] = normal;
             return Ok(());

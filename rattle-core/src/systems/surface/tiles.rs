@@ -25,9 +25,10 @@ use crate::motion::witness::Witness;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Fused;
 use crate::number::real::{Real, Scalar};
-use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
+use crate::number::vector::{add_scaled, dot, scaled, sum, two_sum};
 use crate::number::vectors::{CHUNK, LANES, MOST_COORDINATES, at, put};
 use crate::solve::root::{FAR_GUESS, is_the_root};
+use crate::solve::stop::size_along;
 use crate::systems::surface::around::Around;
 use crate::systems::surface::diagnosis::FailureAt;
 use crate::systems::surface::in_lanes::{InEach, Number, Numbers, TileInLanes};
@@ -319,7 +320,8 @@ impl<T: Scalar, K: ConstraintKernel<Number, D, 1>, F: Force<T, D>, const D: usiz
                 (Fused(4.0) * step * step * bend[l] * bend[l] * inverse_square[l]).le(speed_square);
             gentle[l] = Real::select(is_gentle, Fused(1.0), Fused(0.0));
             square[l] = Fused(1.0) / inverse_square[l];
-            let floor = Fused(f64::EPSILON) * largest(&q).max(largest(&way));
+            let places: [_; D] = from_fn(|i| q[i].abs().max(way[i].abs()));
+            let floor = Fused(f64::EPSILON) * size_along(&n, square[l].sqrt(), &places);
             floor_square[l] = floor * floor;
         }
 

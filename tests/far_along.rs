@@ -1,0 +1,97 @@
+//! Far along an axis that a constraint does not know: what its coordinate is rounded by is no measure of anything
+//! across. A solve that took it for one ended 2e-8 off a cylinder at z = 1e8.
+
+use rattle::Error;
+use rattle::composition::SUZUKI_1990_ORDER_4;
+use rattle::error::StartFailure;
+use rattle::nalgebra::Vector3;
+use rattle::potentials::Harmonic;
+use rattle::prelude::*;
+
+constraint! {
+    /// A cylinder around the z axis.
+    struct Tube {}
+    |x, y, _z| x^2 + y^2 - 1
+}
+
+/// A solve ends at eight roundings of what moves a place across; the stages of Lobatto's method, of linked bodies, at
+/// twice that.
+const MOST: f64 = 18.0 * f64::EPSILON;
+
+/// How far the worst place of a run is off the cylinder.
+fn worst<S: Method>(linked: bool, z: f64, method: &S) -> f64 {
+    let start = State::at([0.6, 0.8, z]).moving([-0.56, 0.42, 0.3]);
+    let spring = Harmonic { stiffness: 1.0, centre: [2.0, 0.0, z] };
+    let mut worst = 0.0_f64;
+    let mut see = |q: &Vector3<f64>| worst = worst.max((q.x.hypot(q.y) - 1.0).abs());
+    let name = method.name();
+    if linked {
+        let scene = Scene::point().link(Tube {}, [[0]]).with(spring);
+        let mut run = scene.simulate(start, method.clone()).unwrap();
+        let ended = run.run_with(300, |now| see(&now.position()));
+        ended.unwrap_or_else(|error| panic!("{name}: {error}"));
+    } else {
+        let scene = Scene::on(Tube {}).with(spring);
+        let mut run = scene.simulate(start.clone(), method.clone()).unwrap();
+        let ended = run.run_with(300, |now| see(&now.position()));
+        ended.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut ensemble = scene.ensemble([start], method.clone()).unwrap();
+        ensemble.run(300);
+        assert_eq!(ensemble.failure(0), None, "{name}");
+        see(&ensemble.state(0).positions().next().unwrap());
+    }
+    worst
+}
+
+#[test]
+fn constraints_hold_to_the_rounding_of_what_they_know() {
+    fn check<S: Method>(method: S, beyond: &mut Vec<String>) {
+        for (linked, z) in [(false, 1e8), (false, 1e12), (true, 1e8), (true, 1e12)] {
+            let off = worst(linked, z, &method);
+            let (name, h) = (method.name(), method.step_size());
+            if off.is_nan() || off >= MOST {
+                beyond.push(format!("{name}, h = {h}, linked: {linked}, z = {z:e}: {off:e}"));
+            }
+        }
+    }
+    let mut beyond = Vec::new();
+    for h in [0.01, 0.1, 0.3] {
+        check(Rattle::new(h), &mut beyond);
+        check(Rattle::new(h).solved_by(Broyden), &mut beyond);
+        check(Composition::new(SUZUKI_1990_ORDER_4, h), &mut beyond);
+        check(Lobatto::<3>::new(h), &mut beyond);
+        check(Taylor::new(8, h), &mut beyond);
+        check(Dop853::new(h), &mut beyond);
+        check(Bdf2::new(h), &mut beyond);
+    }
+    assert!(beyond.is_empty(), "{beyond:#?}");
+}
+
+#[test]
+fn starts_are_as_near_there_as_elsewhere() {
+    for z in [0.0, 1e8, 1e12] {
+        let refused = |off: f64| {
+            let start = State::at([1.0 + off, 0.0, z]).moving([0.0, 1.0, 0.0]);
+            let alone = Scene::on(Tube {}).simulate(start.clone(), Rattle::new(0.01)).err();
+            let linked = Scene::point().link(Tube {}, [[0]]).simulate(start, Rattle::new(0.01)).err();
+            let of = |error: Option<Error>| {
+                error.map(|error| match error {
+                    Error::Start { cause, .. } => cause,
+                    other => panic!("{other}"),
+                })
+            };
+            [of(alone), of(linked)]
+        };
+        assert_eq!(refused(0.9e-10), [None, None], "z = {z:e}");
+        let [alone, linked] = refused(1.1e-10);
+        assert!(matches!(alone, Some(StartFailure::OffSurface { .. })), "z = {z:e}: {alone:?}");
+        assert!(matches!(linked, Some(StartFailure::OffConstraint { .. })), "z = {z:e}: {linked:?}");
+        let beside = State::at([1.5, 0.0, z]).moving([0.3, 1.0, 0.0]);
+        for scene in
+            [Scene::on(Tube {}).project(&beside), Scene::point().link(Tube {}, [[0]]).project(&beside)]
+        {
+            let q = scene.unwrap().positions().next().unwrap();
+            assert!((q.x.hypot(q.y) - 1.0).abs() < 4e-16, "z = {z:e}: {q:?}");
+        }
+    }
+}
