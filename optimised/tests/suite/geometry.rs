@@ -139,6 +139,27 @@ pub fn cases() -> Vec<Case> {
             }))
         }));
     }
+    let ridge = Kind {
+        why: "stages on both sides of a ridge that is rounded to much less than a step know nothing of the force there",
+        expect: "the energy of what goes on, over that before or the other way round; or an error",
+        reason: "a step is refused where more than a fifth of the energy is amiss: a factor of 1.5, of at most two steps",
+    };
+    for s in [1e-2, 1e-3, 1e-5, 1e-7] {
+        cases.push(
+            ridge.case(format!("ridge of radius {s:e}, RATTLE"), 2.25, move || over(s, Rattle::new(0.03))),
+        );
+        cases.push(
+            ridge.case(format!("ridge of radius {s:e}, DOP853"), 2.25, move || over(s, Dop853::new(0.03))),
+        );
+        cases.push(
+            ridge.case(format!("ridge of radius {s:e}, Taylor"), 2.25, move || over(s, Taylor::new(8, 0.03))),
+        );
+        cases.push(
+            ridge.case(format!("ridge of radius {s:e}, Lobatto"), 2.25, move || {
+                over(s, Lobatto::<3>::new(0.03))
+            }),
+        );
+    }
     let flat = Kind {
         why: "curvatures of 10⁶ one way and 1 the other make matrices and steps ill-conditioned",
         expect: "the circle at constant speed, at the angle that the method's own formula gives",
@@ -302,4 +323,28 @@ fn across_edges() -> Measured {
             unless(ended, |error| matches!(error, Error::Step { cause: StepFailure::Kink { .. }, .. }));
     }
     Ok(crossed)
+}
+
+constraint! {
+    /// Two planes at a right angle, with a ridge of this radius between them.
+    #[derive(Clone, Copy)]
+    struct Ridge { s }
+    |x, _y, z| z + sqrt(x^2 + s^2)
+}
+
+/// By what factor the energy changes, one way or the other, of 40 bodies thrown over a ridge; 1 of those that are
+/// stopped.
+fn over<S: Method + 'static>(s: f64, method: S) -> Measured {
+    let mut draw = StdRng::seed_from_u64(5);
+    let mut worst = 1.0_f64;
+    for _ in 0..40 {
+        let (x, v) = (draw.random_range(-0.3..-0.2), draw.random_range(0.5..1.5));
+        let mut run =
+            onto(Ridge { s }, 0.0, at([x, 0.0, x], [v, draw.random_range(-0.5..0.5), v]), method.clone())?;
+        let before = run.energy();
+        if run.run(20).is_ok() {
+            worst = worst.max(run.energy() / before).max(before / run.energy());
+        }
+    }
+    Ok(worst)
 }

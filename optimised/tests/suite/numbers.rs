@@ -6,6 +6,7 @@ use crate::suite::scenes::*;
 use rattle::Error;
 use rattle::error::StartFailure::OutOfScale;
 use rattle::error::{StepFailure, SurfaceFailure};
+use rattle::nalgebra::Vector3;
 use rattle::prelude::*;
 
 pub fn cases() -> Vec<Case> {
@@ -67,6 +68,24 @@ pub fn cases() -> Vec<Case> {
     for offset in [1e3, 1e6, 1e9] {
         cases.push(far.case(format!("sphere {offset:e} from the origin"), 4.0 * E * offset, move || {
             far_away(offset).map(|found| found[0])
+        }));
+    }
+    let along = Kind {
+        why: "the coordinate along the axis is rounded by more than steps are long, and the surface does not know it",
+        expect: "the cylinder of radius 1 is kept, and a start 1e-6 off it refused",
+        reason: "eight roundings where a solve ends, and two of the coordinates",
+    };
+    for z in [1e4, 1e8, 1e12] {
+        cases.push(
+            along.case(format!("cylinder, z = {z:e}, RATTLE"), 10.0 * E, move || {
+                along_axis(z, Rattle::new(0.1))
+            }),
+        );
+        cases.push(
+            along.case(format!("cylinder, z = {z:e}, BDF2"), 10.0 * E, move || along_axis(z, Bdf2::new(0.1))),
+        );
+        cases.push(along.case(format!("cylinder, z = {z:e}, Lobatto"), 10.0 * E, move || {
+            along_axis(z, Lobatto::<3>::new(0.1))
         }));
     }
     let energy = Kind {
@@ -206,4 +225,21 @@ fn swings(amplitude: f64) -> Measured {
     let start = State::at([amplitude, 0.0, 0.5 * amplitude * amplitude]);
     let simulation = onto(surface, 1.0, start, Rattle::new(0.01))?;
     Ok((largest(simulation, 5000, |now| place(now).x.abs())? / amplitude - 1.0).abs())
+}
+
+/// How far a body that goes around a cylinder comes off it, alone and side by side.
+fn along_axis<S: Method + 'static>(z: f64, method: S) -> Measured {
+    let cylinder = Quadric { axes: [1.0, 1.0, 0.0], ..sphere(1.0) };
+    let off = |q: Vector3<f64>| (q.x.hypot(q.y) - 1.0).abs();
+    let start = at([0.6, 0.8, z], [-0.56, 0.42, 0.3]);
+    let beside = at([1.0 + 1e-6, 0.0, z], [0.0, 0.7, 0.3]);
+    if on(cylinder, 0.0, beside, method.clone()).is_ok() {
+        return Ok(f64::INFINITY);
+    }
+    let mut worst = 0.0_f64;
+    let mut run = on(cylinder, 0.0, start.clone(), method.clone())?;
+    run.run_with(300, |now| worst = now.positions().map(off).fold(worst, f64::max))?;
+    let mut ensemble = Scene::on(cylinder).ensemble([start], method)?;
+    ensemble.run(300);
+    Ok(ensemble.state(0).positions().map(off).fold(worst, f64::max))
 }
