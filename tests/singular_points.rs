@@ -19,7 +19,7 @@ use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::Effects;
 use rattle::ensemble::{Double, Precision, Single};
 use rattle::error::{EffectFailure, MethodFailure, StepFailure};
-use rattle::potentials::Gravity;
+use rattle::potentials::{Gravity, Spring};
 use rattle::prelude::*;
 use rattle::surfaces::{Helicoid, Lemniscate, Sphere};
 
@@ -307,4 +307,34 @@ fn over_a_ridge_no_energy_comes_or_goes() {
     check(Dop853::new(0.03));
     check(Dop853::adaptive(0.03, 1e-9));
     check(Bdf2::new(0.03));
+}
+
+potential! {
+    /// Gravity from the bottom of a unit sphere, where its terms cancel.
+    struct FromBottom { g }
+    |_x, _y, z| g * (z + 1)
+}
+
+/// Small swings have less energy than a potential is rounded to whose terms cancel: what it says has not jumped.
+#[test]
+fn rounding_of_a_potential_is_no_jump() {
+    fn check<S: Method>(method: S) {
+        let scene = Scene::on(Sphere { r: 1.0 }).with(FromBottom { g: 1.0 });
+        for speed in [1e-12, 1e-9, 1e-7] {
+            let start = State::at([0.0, 0.0, -1.0]).moving([speed, 0.0, 0.0]);
+            let mut simulation = scene.simulate(start, method.clone()).unwrap();
+            simulation.run(300).unwrap_or_else(|error| panic!("{}, {speed:e}: {error}", method.name()));
+        }
+        let spring = Spring { stiffness: 1.0, length: 1.0 }.over([[0, 1]]);
+        let pair = Scene::points::<3>(2).with(spring);
+        let start = State::of([[0.1, 0.2, 0.3], [0.1 + 0.6, 0.2 + 0.8, 0.3]]);
+        pair.simulate(start, method.clone()).unwrap().run(100).unwrap();
+    }
+    for h in [0.02, 0.1] {
+        check(Lobatto::<2>::new(h));
+        check(Lobatto::<3>::new(h));
+        check(Taylor::new(8, h));
+        check(Dop853::new(h));
+        check(Dop853::adaptive(h, 1e-10));
+    }
 }
