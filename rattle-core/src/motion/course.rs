@@ -19,8 +19,8 @@ use crate::number::vector::dot;
 /// below, and coarse ones of `Bdf2`, which damps, below.
 pub(crate) const JUMP: f64 = 0.2;
 
-/// Kinetic energy that changes by no more than this factor has not jumped, whatever forces gave: what is left of the
-/// energy is not asked for then, since that takes potentials.
+/// A step that changes the kinetic energy by no more than this factor is not asked for potentials, which take time:
+/// without forces it has not jumped.
 pub(crate) const STEADY: f64 = (1.0 + JUMP) / (1.0 - JUMP);
 
 /// A jump by less than so many roundings of the potential energy comes from there.

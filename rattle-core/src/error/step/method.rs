@@ -117,6 +117,6 @@ fn ended(iterations: usize, left: f64) -> String {
     if left.is_finite() {
         format!("after {iterations} iteration{plural} positions still move by {left:.1e} roundings")
     } else {
-        format!("after {iterations} iteration{plural} they are far from the start, or no numbers")
+        format!("after {iterations} iteration{plural} positions are far from the start, or no numbers")
     }
 }

@@ -101,7 +101,7 @@ pub(super) struct Scratch<S, const L: usize, const D: usize, const N: usize> {
     /// The largest displacement of a pass, and of the pass before.
     pub(super) moved: [S; L],
     pub(super) before: [S; L],
-    /// How large places are whose rounding matters, of the path too; by what displacements along each coordinate count.
+    /// How large places are along the normal, or the path; and how much displacements along each coordinate count.
     pub(super) size: [S; L],
     pub(super) counts: Vectors<S, L, D>,
     pub(super) path: [S; L],
