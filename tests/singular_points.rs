@@ -19,7 +19,7 @@ use rattle::composition::SUZUKI_1990_ORDER_4;
 use rattle::effect::Effects;
 use rattle::ensemble::{Double, Precision, Single};
 use rattle::error::{EffectFailure, MethodFailure, StepFailure};
-use rattle::potentials::{Gravity, Spring};
+use rattle::potentials::{Gravity, Harmonic, Spring};
 use rattle::prelude::*;
 use rattle::surfaces::{Helicoid, Lemniscate, Sphere};
 
@@ -329,6 +329,10 @@ fn rounding_of_a_potential_is_no_jump() {
         let pair = Scene::points::<3>(2).with(spring);
         let start = State::of([[0.1, 0.2, 0.3], [0.1 + 0.6, 0.2 + 0.8, 0.3]]);
         pair.simulate(start, method.clone()).unwrap().run(100).unwrap();
+        // At rest at the centre of a trap, but for rounding.
+        let trap = Harmonic { stiffness: 1.0, centre: [0.6, 0.0, 0.8] };
+        let start = scene.project(&State::at([0.6, 0.0, 0.8])).unwrap();
+        Scene::on(Sphere { r: 1.0 }).with(trap).simulate(start, method.clone()).unwrap().run(100).unwrap();
     }
     for h in [0.02, 0.1] {
         check(Lobatto::<2>::new(h));

@@ -13,7 +13,7 @@ use crate::motion::failure::Failure;
 use crate::motion::method::Method;
 use crate::motion::system::{BodiesOf, System};
 use crate::number::real::Scalar;
-use crate::number::vector::dot;
+use crate::number::vector::{dot, largest};
 
 /// An energy that changes by more than this part of what took part in the change has jumped: accurate steps stay far
 /// below, and coarse ones of `Bdf2`, which damps, below.
@@ -23,7 +23,8 @@ pub(crate) const JUMP: f64 = 0.2;
 /// without forces it has not jumped.
 pub(crate) const STEADY: f64 = (1.0 + JUMP) / (1.0 - JUMP);
 
-/// A jump by less than so many roundings of the potential energy comes from there.
+/// A jump by less than so many roundings of the potential energy comes from there; and a way of less than so many of
+/// places is none.
 const ROUNDINGS: f64 = 64.0;
 
 /// Looks at a step of a method, unless the method has done it.
@@ -86,6 +87,22 @@ pub(crate) fn look_inside<S: Method, T: Scalar, Y: System<T, D>, const D: usize>
     })
 }
 
+/// Whether no body goes farther in such a step than places are rounded, some times.
+fn rests<T: Scalar, Y: System<T, D>, const D: usize>(
+    h: f64,
+    system: &Y,
+    before: &Saved<Y::Count, T, D>,
+    now: &BodiesOf<Y, T, D>,
+) -> bool {
+    let (mut speed, mut size) = (0.0_f64, 0.0_f64);
+    for body in 0..now.q.as_ref().len() {
+        let velocities = [system.velocity(before, body), system.velocity(now, body)];
+        velocities.iter().for_each(|v| speed = speed.max(largest(v).to_f64()));
+        size = size.max(largest(&now.q.as_ref()[body]).to_f64());
+    }
+    h.abs() * speed <= ROUNDINGS * T::EPSILON * size
+}
+
 /// Whether accelerations at both ends of a step give what the kinetic energy changes by. Potentials whose terms cancel,
 /// at a minimum say, are rounded to more than they and a slow motion have.
 fn forces_gave<T: Scalar, Y: System<T, D>, const D: usize>(
@@ -129,7 +146,7 @@ fn account<T: Scalar, Y: System<T, D>, const D: usize>(
     let rounding = ROUNDINGS * T::EPSILON * (potentials[0].abs() + potentials[1].abs() + works[1].abs());
     let (given, taking_part) = (fallen + worked, was + is + fallen.abs() + worked.abs());
     let jumped = (is - was - given).abs() > JUMP * taking_part + rounding;
-    if !jumped || forces_gave(h, system, before, now, is - was, was + is) {
+    if !jumped || rests(h, system, before, now) || forces_gave(h, system, before, now, is - was, was + is) {
         return Ok(());
     }
     let energy = |body: usize| dot(&now.p.as_ref()[body], &system.velocity(now, body)).to_f64();
