@@ -11,7 +11,7 @@
 //! | over a ridge rounded to less than a step | a tenth of the energy is left, or five times of it is there | an error |
 //! | long steps, twisted strips, starts from rest, springs | | no error |
 
-use crate::common::distance;
+use crate::common::{Ridge, distance};
 use rand::{RngExt, SeedableRng, rngs::SmallRng};
 use rattle::Error;
 use rattle::bodies::One;
@@ -255,12 +255,6 @@ fn small_motion_near_rest_is_no_energy_from_nowhere() {
             scene.simulate(start(), Bdf2::new(h)).unwrap().run(500).unwrap();
         }
     }
-}
-
-constraint! {
-    /// Two planes at a right angle, with a ridge of this radius between them.
-    struct Ridge { s }
-    |x, _y, z| z + sqrt(x^2 + s^2)
 }
 
 /// Energies of what went on over a ridge, as parts of those before, and how many were refused.

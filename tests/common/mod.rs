@@ -22,6 +22,13 @@ constraint! {
     |x, y| x^2 + y^2 - length^2
 }
 
+constraint! {
+    /// Two planes at a right angle, with a ridge of this radius between them.
+    #[derive(Clone, Copy)]
+    pub struct Ridge { s }
+    |x, _y, z| z + sqrt(x^2 + s^2)
+}
+
 potential! {
     /// Weight in a trough along the x axis.
     pub struct Trough { g }

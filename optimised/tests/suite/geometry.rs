@@ -325,13 +325,6 @@ fn across_edges() -> Measured {
     Ok(crossed)
 }
 
-constraint! {
-    /// Two planes at a right angle, with a ridge of this radius between them.
-    #[derive(Clone, Copy)]
-    struct Ridge { s }
-    |x, _y, z| z + sqrt(x^2 + s^2)
-}
-
 /// By what factor the energy changes, one way or the other, of 40 bodies thrown over a ridge; 1 of those that are
 /// stopped.
 fn over<S: Method + 'static>(s: f64, method: S) -> Measured {

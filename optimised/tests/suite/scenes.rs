@@ -1,7 +1,7 @@
 //! The few scenes that all rows share, and what rows ask of a run.
 
 use crate::common::linked::Rod;
-pub use crate::common::{Gravity, Lemniscate, SURFACE, Torus, TorusByDistance};
+pub use crate::common::{Gravity, Lemniscate, Ridge, SURFACE, Torus, TorusByDistance};
 use crate::suite::case::Measured;
 use rattle::Error;
 use rattle::nalgebra::Vector3;

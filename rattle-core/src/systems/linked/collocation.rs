@@ -22,7 +22,7 @@ use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum, two_sum};
-use crate::solve::stop::{LAST_OF_STAGES, NOISE, Terms};
+use crate::solve::stop::{LAST_OF_STAGES, NOISE};
 use crate::systems::linked::kept::{BodiesOf, Linked, along};
 use crate::systems::linked::room::Stages;
 use crate::systems::network::rows::Rows;
@@ -341,7 +341,7 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
 /// How large the coordinates are whose rounding moves bodies along these normals: the largest of all equations.
 fn size_along_normals<const D: usize>(rows: &Rows, blocks: &[[f64; D]], q: &[[f64; D]]) -> f64 {
     let size = |row| {
-        let terms = Terms::of(rows.touched_by(row).map(|(block, body)| (&blocks[block], q[body], [0.0; D])));
+        let terms = rows.terms(row, blocks, q);
         terms.size(terms.length()) / terms.length()
     };
     (0..rows.equations()).map(size).fold(0.0, f64::max)

@@ -8,7 +8,6 @@ use crate::motion::state::State;
 use crate::number::vector::{add_scaled, dot, largest, sum};
 use crate::solve::aim::{NOISY, rounding_of_g};
 use crate::solve::nearing::Nearing;
-use crate::solve::stop::Terms;
 use crate::systems::linked::flight::LOST;
 use crate::systems::network::algebra::LinearAlgebra;
 use crate::systems::network::mass::Root;
@@ -63,8 +62,7 @@ impl<const D: usize> Start<D> {
 
     /// Whether an equation is off by no more than the rounding of coordinates.
     fn is_there(&self, shape: &Shape<D>, c: usize, row: usize) -> bool {
-        let touched = shape.components[c].rows.touched_by(row);
-        let terms = Terms::of(touched.map(|(block, body)| (&self.blocks[block], self.q[body], [0.0; D])));
+        let terms = shape.components[c].rows.terms(row, &self.blocks, &self.q);
         self.g[row].abs() <= f64::EPSILON * terms.size(terms.length())
     }
 
@@ -159,9 +157,7 @@ fn check_row<const D: usize>(
     let rows = &shape.components[c].rows;
     let (value, length) = (start.g[row], start.length(shape, c, row));
     let (mut size, mut speed, mut rate) = (0.0_f64, 0.0, start.rates[row]);
-    let terms =
-        Terms::of(rows.touched_by(row).map(|(block, body)| (&start.blocks[block], start.q[body], [0.0; D])));
-    let along = terms.size(length) / length;
+    let along = rows.terms(row, &start.blocks, &start.q).size(length) / length;
     for (block, body) in rows.touched_by(row) {
         size = size.max(largest(&start.q[body]));
         speed += dot(&start.v[body], &start.v[body]);

@@ -1,5 +1,6 @@
 //! A component: equations coupled by the bodies that they share. Each component is solved by itself.
 
+use crate::solve::stop::Terms;
 use crate::systems::network::group::LinkGroup;
 use crate::systems::network::line::Line;
 use crate::systems::network::mass::Root;
@@ -73,6 +74,11 @@ impl Rows {
     /// The same of all equations, one after the other.
     pub(crate) fn touched(&self) -> &[usize] {
         &self.touched
+    }
+
+    /// What g of an equation is made of, by its normal and at these places.
+    pub(crate) fn terms<const D: usize>(&self, row: usize, blocks: &[[f64; D]], q: &[[f64; D]]) -> Terms {
+        Terms::of(self.touched_by(row).map(|(block, body)| (&blocks[block], q[body], [0.0; D])))
     }
 
     /// For each block 1, or 0 if its body is pinned.

@@ -230,8 +230,8 @@ impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
                     return Err(FailureAt::of(body).unsolved(h, S, 1, f64::NAN));
                 }
                 let n = &bodies.kept.normal.as_ref()[body].gradient;
-                let size = size_along(n, dot(n, n).sqrt(), &bodies.q.as_ref()[body]).max(far);
                 let q = &bodies.q.as_ref()[body];
+                let size = size_along(n, dot(n, n).sqrt(), q).max(far);
                 // Coordinates that are larger than what matters are rounded to more.
                 let (moved, size) =
                     if largest(q).le(size) { (largest(&moved), size) } else { rounded(&moved, q, size) };
