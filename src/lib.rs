@@ -83,9 +83,18 @@ pub mod method {
     pub use rattle_core::motion::witness::Witness;
 }
 
+/// Systems: bodies, constraints and forces, as a method sees them. The traits to write one, and what a method gets.
+pub mod system {
+    pub use rattle_core::motion::affected::Affected;
+    pub use rattle_core::motion::guarded::Guarded;
+    pub use rattle_core::motion::measured::Measured;
+    pub use rattle_core::motion::parts::{BodiesOf, ForceOf, Given, Parts, RoomOf};
+    pub use rattle_core::motion::system::System;
+}
+
 pub use rattle_core::kernel::{counted, series};
 pub use rattle_core::methods::{self, composition};
-pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, system, table};
+pub use rattle_core::motion::{bodies, capability, guess, iteration, need, state, table};
 pub use rattle_core::number::{instructions, lanes, real};
 pub use rattle_core::run::{bill, boxed, ensemble, price, simulation, watch};
 pub use rattle_core::systems::{linked, network, phase, rigid, surface};

@@ -7,6 +7,7 @@ use rattle::bodies::Body;
 use rattle::kernel::{ConstraintKernel, PotentialKernel};
 use rattle::need::Need;
 use rattle::prelude::*;
+use rattle::system::Parts;
 use rattle::system::System;
 use std::array::from_fn;
 

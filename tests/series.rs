@@ -8,6 +8,7 @@ use rattle::kernel::{Constraint, ConstraintKernel, PairKernel, PairPotential, Po
 use rattle::prelude::*;
 use rattle::series::{Order, Products};
 use rattle::surfaces::{Lemniscate, Sphere, TorusByDistance};
+use rattle::system::Parts;
 use rattle::system::System;
 
 /// Coefficients that are compared.

@@ -8,6 +8,7 @@ use rattle::method::{Failure, View, Witness};
 use rattle::need::{Steps, WithRates};
 use rattle::prelude::*;
 use rattle::real::Scalar;
+use rattle::system::Parts;
 use rattle::system::{BodiesOf, System};
 use rattle::{Error, Variable};
 

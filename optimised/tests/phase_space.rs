@@ -8,6 +8,7 @@ use rattle::composition::*;
 use rattle::error::{PhaseFailure, PhaseMistake, StartFailure, StepFailure};
 use rattle::nalgebra::SVector;
 use rattle::prelude::*;
+use rattle::system::Parts;
 use rattle::system::System;
 use rattle::{Error, Mass};
 

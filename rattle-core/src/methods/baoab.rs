@@ -28,8 +28,9 @@
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Splitting, Stage};
+use crate::motion::parts::BodiesOf;
 use crate::motion::stir;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 

@@ -16,8 +16,9 @@ use crate::error::{EffectMistake, Error};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, View, check_step_size};
 use crate::motion::need::Kicks;
+use crate::motion::parts::BodiesOf;
 use crate::motion::stir;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 

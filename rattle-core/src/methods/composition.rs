@@ -24,7 +24,8 @@ use crate::error::Error;
 use crate::methods::rattle::Rattle;
 use crate::motion::failure::Failure;
 use crate::motion::method::{Method, Splitting, Stage, View};
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 

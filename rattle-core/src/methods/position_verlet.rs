@@ -16,7 +16,8 @@
 use crate::methods::fixed::{Fixed, Map};
 use crate::motion::failure::Failure;
 use crate::motion::method::{Splitting, Stage};
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 

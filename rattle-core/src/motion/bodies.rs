@@ -186,14 +186,14 @@ impl<N: Count, T: Scalar, X, const D: usize> Bodies<N, T, X, D> {
     }
 
     /// Saves positions, momenta, time and work, without allocating. The memory of effects (`marks`) is saved by
-    /// [`put_aside`](crate::motion::system::System::put_aside).
+    /// [`put_aside`](crate::motion::affected::Affected::put_aside).
     #[inline(always)]
     pub fn save(&self, to: &mut Saved<N, T, D>) {
         to.take_over(self);
     }
 
     /// Restores positions, momenta, time and work of as many bodies, without allocating. `kept` and `marks` are
-    /// restored by [`put_back`](crate::motion::system::System::put_back).
+    /// restored by [`put_back`](crate::motion::affected::Affected::put_back).
     #[inline(always)]
     pub fn restore(&mut self, from: &Saved<N, T, D>) {
         self.take_over(from);

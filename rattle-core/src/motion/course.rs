@@ -11,7 +11,8 @@ use crate::error::MethodFailure;
 use crate::motion::bodies::Saved;
 use crate::motion::failure::Failure;
 use crate::motion::method::Method;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use crate::number::real::Scalar;
 use crate::number::vector::{dot, largest};
 

@@ -1,6 +1,7 @@
 //! The identity of a method or system: it decides whether the memory in a state belongs to the present one.
 
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use std::any::type_name;
 
 /// Numbers that differ by less than this part of the largest are the same.

@@ -1,15 +1,19 @@
 //! The interface between systems and methods: bodies, states, and the traits of both. Neither knows the other.
 
+pub mod affected;
 pub mod bodies;
 pub mod capability;
 pub(crate) mod course;
 pub mod failure;
+pub mod guarded;
 pub mod guess;
 pub mod hold;
 pub mod identity;
 pub mod iteration;
+pub mod measured;
 pub mod method;
 pub mod need;
+pub mod parts;
 pub mod record;
 pub(crate) mod rest;
 pub mod start;

@@ -1,7 +1,8 @@
 //! The tangent part of momenta, and the part that moving constraints impose.
 
 use crate::motion::failure::Failure;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use crate::number::real::Scalar;
 use crate::number::vector::add_scaled;
 

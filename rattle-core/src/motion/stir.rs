@@ -7,13 +7,15 @@
 //! Source: G. Strang, SIAM J. Numer. Anal. 5 (1968) 506.
 
 use crate::effect::interval::{Half, Manner, Rule};
+use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::error::EffectFailure;
 use crate::motion::bodies::{Bodies, Count};
 use crate::motion::failure::{Failure, numbers};
 use crate::motion::method::{Method, View};
+use crate::motion::parts::{BodiesOf, Given};
 use crate::motion::rest::{along, imposed};
-use crate::motion::system::{BodiesOf, Given, System};
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::real::Scalar;
 use crate::number::vector::{add_scaled, dot, largest, scaled, sum, two_sum};
@@ -72,7 +74,7 @@ pub(crate) fn in_the_middle<T: Scalar, Y: System<T, D>, const D: usize>(
 /// Whether flows that act in the middle of a step act all at once: the two halves of more than one, or of one that is
 /// no exact solution, would not commute.
 fn at_once<T: Scalar, Y: System<T, D>, const D: usize>(system: &Y) -> bool {
-    Y::FLOWS == 1 && !Y::REMEMBERS && system.flow_manner(0).0.rule == Rule::Random
+    Y::FLOWS == 1 && !Y::REMEMBERS && system.effects().manner(0).0.rule == Rule::Random
 }
 
 /// How often a step of the method has the flows act.
@@ -126,7 +128,7 @@ pub(crate) fn push<T: Scalar, Y: System<T, D>, const D: usize>(
         let n = bodies.q.as_ref().len();
         for number in 0..Y::FLOWS {
             let number = if half == Half::Before { number } else { Y::FLOWS - 1 - number };
-            let (Manner { rule, feels, .. }, name) = system.flow_manner(number);
+            let (Manner { rule, feels, .. }, name) = system.effects().manner(number);
             let (room, p) = room.split_at_mut(4 * n);
             let (p, felt) = p.split_at_mut(6 * n);
             let (first, low) = p.split_at_mut(n);
@@ -193,7 +195,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             system.evaluate_forces(bodies); // a method may have left those of another place
             middle.copy_from_slice(velocities);
         }
-        let others = |number: usize| number != self.number && system.flow_manner(number).0.is_felt();
+        let others = |number: usize| number != self.number && system.effects().manner(number).0.is_felt();
         let others = || (0..Y::FLOWS).filter(|&number| self.feels && others(number));
         // Others are felt as they are in the middle of the flow, so that it is of second order.
         for _ in 0..if others().next().is_some() { 2 } else { 1 } {
@@ -231,7 +233,7 @@ impl<T: Scalar, Y: System<T, D>, const D: usize> Flowing<'_, T, Y, D> {
             }
             let finite = change.iter().all(|x| x.to_f64().is_finite());
             if !finite {
-                let (effect, q) = (system.flow_manner(self.number).1, bodies.q.as_ref()[body]);
+                let (effect, q) = (system.effects().manner(self.number).1, bodies.q.as_ref()[body]);
                 let (momentum, position) = (numbers(&bodies.p.as_ref()[body]), numbers(&q));
                 let cause = EffectFailure::FlowNotFound { effect, h, momentum, position }.into();
                 return Err(Failure { body, cause });

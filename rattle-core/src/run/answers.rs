@@ -2,7 +2,8 @@
 
 use crate::motion::bodies::{Bodies, Body};
 use crate::motion::capability::Rates;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::parts::BodiesOf;
+use crate::motion::system::System;
 use crate::run::watch::sight::{Sight, Source};
 use nalgebra::SVector;
 

@@ -10,9 +10,11 @@ use crate::motion::bodies::{Body, Count};
 use crate::motion::failure::Failure;
 use crate::motion::hold::Hold;
 use crate::motion::method::{Method, check_step_size};
+use crate::motion::parts::BodiesOf;
+use crate::motion::parts::Parts;
 use crate::motion::state::State;
 use crate::motion::stir;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::System;
 use crate::run::simulation::Simulation;
 use crate::scene::Scene;
 

@@ -1,6 +1,7 @@
 //! The bill: what a step costs, in total and for each effect.
 
 use crate::effect::interval::Half;
+use crate::effect::list::Forces;
 use crate::error::Error;
 use crate::motion::course::look;
 use crate::motion::method::Method;
@@ -137,7 +138,7 @@ impl<Y: System<f64, D>, S: Method, const D: usize> Simulation<Y, S, D> {
         if const { Y::FLOWS > 0 } {
             let mut names = Vec::new();
             for number in 0..Y::FLOWS {
-                names.push(self.system.flow_manner(number).1);
+                names.push(self.system.effects().manner(number).1);
             }
             let h = 1e-6 * self.method.step_size();
             let one = time(&mut || drop(black_box(stir(Half::Before, h, &copy.system, &mut copy.bodies))));

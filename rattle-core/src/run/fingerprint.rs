@@ -4,11 +4,13 @@
 //! effect alone are evaluated at positions that differ from those of the record by pseudo-random steps of a thousandth,
 //! so that g is not zero there. So parameters, expressions, masses, pins and the order of effects all count.
 
+use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::motion::bodies::Body;
 use crate::motion::method::{Method, Stage};
+use crate::motion::parts::Given;
 use crate::motion::record::{Hallmark, short_name};
-use crate::motion::system::{Given, System};
+use crate::motion::system::System;
 use std::any::type_name;
 
 /// It is looked beside a place by so much of the largest coordinate, or of 1.
@@ -66,7 +68,7 @@ pub(in crate::run) fn of_system<Y: System<f64, D>, const D: usize>(
     }
     let silent = Y::REMEMBERS && bodies.marks.is_empty(); // of effects that cannot act beside the places
     for number in 0..if silent { 0 } else { Y::FLOWS } {
-        let (manner, name) = system.flow_manner(number);
+        let (manner, name) = system.effects().manner(number);
         let noise = Noise { effect: number as u64, ..Noise::default() };
         let (velocities, rates, holding) = (&velocities[..], &momenta[..], &momenta[..]);
         let given = Given { velocities, rates, holding, coming: rates, ..Given::of(BESIDE, true, noise) };

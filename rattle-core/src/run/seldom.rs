@@ -2,8 +2,9 @@
 
 use crate::methods::able::view;
 use crate::motion::method::Method;
+use crate::motion::parts::BodiesOf;
 use crate::motion::stir::step;
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::System;
 use crate::motion::witness::{Hears, Whoever};
 use crate::run::trouble::Trouble;
 

@@ -7,8 +7,9 @@ use crate::motion::bodies::{Body, One, Saved};
 use crate::motion::capability::Collocation;
 use crate::motion::course::check_energy;
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
@@ -19,13 +20,12 @@ use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::crossing::crossings;
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
-use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::row::{End, LOOKING, Row, Scratch, Tableau};
 use crate::run::ensemble::stages::advance;
 use crate::solve::crowd::{Asked, EVERY};
 use crate::systems::surface::kept::{BodiesOf, OnSurface, OneByOne};
 use std::any::Any;
-use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// How often forces are evaluated at a stage of a step, about: for the bill.
@@ -109,8 +109,7 @@ where
         _: &mut u64,
     ) -> Result<Moved<D>, Failure> {
         let Self { laws, table, h, .. } = self;
-        let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let system = system_of(laws, lane);
         let mut bodies = system.bodies(&[bodies[0].map(S::from_f64)], 0.0);
         for _ in 0..steps {
             let start = apart(&system, table, *h, parts, &mut bodies, &mut [])?;
@@ -247,8 +246,7 @@ fn move_apart<S: Lane, const L: usize, const D: usize, const SUMS: usize, const 
     number: u64,
     end: &mut End<S, L, D>,
 ) -> Result<(), Stuck> {
-    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
-    let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+    let system = system_of(laws, lane);
     let mut memory = vec![S::default(); 1 + N * (D + 1)];
     let mut bodies = system.bodies(&[row.body(lane)], 0.0);
     bodies.kept.crowd.asked = Asked { steps: number, reach: row.asked[lane].to_f64(), near: false };

@@ -5,7 +5,9 @@ use crate::effect::interval::Interval;
 use crate::effect::list::{Effects, Forces};
 use crate::effect::swept::Swept;
 use crate::kernel::functions::{Constraint, ConstraintKernel};
+use crate::motion::bodies::One;
 use crate::number::lanes::{Lane, Lanes, side_by_side};
+use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::borrow::Borrow;
 
 /// What each lane obeys. Loops read a copy of their own: what is elsewhere may be, for all that a compiler knows, what
@@ -22,6 +24,15 @@ pub(crate) trait Laws<S: Lane, const D: usize>: Clone + Send + Sync {
     fn flow(&self, lane: usize, number: usize, during: &Interval<'_, S, D>, changes: &mut [[S; D]]);
     /// Has lane `to` obey what lane `from` does.
     fn copy(&mut self, from: usize, to: usize);
+}
+
+/// The system of the body of one lane by itself.
+pub(super) fn system_of<S: Lane, X: Laws<S, D>, const D: usize>(
+    laws: &X,
+    lane: usize,
+) -> OnSurface<X::Constraint, X::Forces, One, OneByOne> {
+    let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
+    OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One)
 }
 
 /// The same for all lanes.

@@ -11,8 +11,8 @@ use crate::number::lanes::Fused;
 use crate::number::real::Real;
 use crate::number::vector::{dot, two_sum};
 use crate::run::ensemble::forces_in_lanes::Pulling;
-use crate::run::ensemble::linked_row::{CLEAR, Course, LinkedRow, TURN};
-use crate::run::ensemble::plan::Places;
+use crate::run::ensemble::linked_plan::Places;
+use crate::run::ensemble::linked_row::{Course, LinkedRow, PIVOT, TURN};
 use crate::systems::network::few_in_lanes::{
     Normals, by_coordinate, factor, grid, lifted, of_few, of_size, sized, solve, sum_of,
 };
@@ -263,7 +263,7 @@ fn correct<const M: usize, const K: usize, const W: usize, const S: bool>(
         for i in 0..M {
             let (slope, inverse, square) = (slopes[i].0, factored[i][i].0, square[i].0[l].0);
             clear &= TURN * (slope - square).abs() <= square;
-            clear &= (0.0 < inverse) & (inverse * slope <= CLEAR);
+            clear &= (0.0 < inverse) & (inverse * slope <= PIVOT);
         }
         let corrected = from_fn(|i| Real::select(going[l] != 0, lambda[i].0[l] - x[i], lambda[i].0[l]));
         let place = start.place(l, &lifted, &corrected);

@@ -4,6 +4,7 @@ use crate::effect::list::{Effects, Forces};
 use crate::error::Error;
 use crate::motion::bodies::{Body, Many};
 use crate::motion::failure::Failure;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::system::System;
 use crate::motion::witness::Whoever;
@@ -14,10 +15,10 @@ use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::forces_in_lanes::{Pulling, Pulls, of_all, of_each};
 use crate::run::ensemble::linked_going::{Steps, Velocities, Wide, Width};
 use crate::run::ensemble::linked_law::{Heard, Law, answer, gradients};
+use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places};
 use crate::run::ensemble::linked_row::{Course, Landed, LinkedRow, at_rest};
 use crate::run::ensemble::linked_stirred::StirredSteps;
 use crate::run::ensemble::linked_stirring::RowStirring;
-use crate::run::ensemble::plan::{Links, Places, Plan};
 use crate::run::ensemble::splitting_lanes::{Splits, StirredAlone, by_itself};
 use crate::run::ensemble::stirred::LARGER;
 use crate::run::fingerprint::of_system;
@@ -32,7 +33,7 @@ use std::sync::Arc;
 
 /// What all rows of an ensemble have in common.
 pub(super) struct Common {
-    plan: Plan,
+    plan: LinkedPlan,
     method: Splits,
 }
 
@@ -68,7 +69,7 @@ impl<F: Clone, const D: usize, const W: usize> Clone for Obeyed<F, D, W> {
 pub(super) struct LinkedLanes<F, const D: usize, const W: usize> {
     common: Arc<Common>,
     obeyed: Arc<Obeyed<F, D, W>>,
-    /// Number by number, as the [`Plan`] lays them out.
+    /// Number by number, as the [`LinkedPlan`] lays them out.
     numbers: Vec<Numbers<W>>,
     /// The part of the method's step that comes next.
     part: usize,
@@ -106,14 +107,14 @@ where
     ) -> Option<Self> {
         let shape = network.shape(bodies).ok()?;
         let (plan, links) =
-            (Plan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
+            (LinkedPlan::of(&shape, method.sums, false)?, Links::of(&shape, |_, group| Width::links(group))?);
         let laws = vec![Law::new(network, shape, effects, bodies)?];
         let stirring = RowStirring::of(|_| laws[0].shown(), &method);
         let obeyed = Obeyed { laws, links, pulls: of_all(effects, bodies), over: None, stirring };
         Some(Self::with(plan, obeyed, method))
     }
 
-    fn with(plan: Plan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
+    fn with(plan: LinkedPlan, obeyed: Obeyed<F, D, W>, method: Splits) -> Self {
         let (numbers, mut account) = (vec![zeros(); plan.places.kept], Account::default());
         if const { F::FLOWS > 0 } {
             account = Account { work: vec![0.0; W], limits: vec![0.0; W] };
@@ -151,7 +152,7 @@ impl<F: Forces<f64, D>, const D: usize> LinkedLanes<F, D, ROW> {
             return None;
         }
         let apart = laws.iter().any(|law| law.masses != first.masses);
-        let plan = Plan::of(&first.system.shape, method.sums, apart)?;
+        let plan = LinkedPlan::of(&first.system.shape, method.sums, apart)?;
         let links = Links::of(&first.system.shape, |number, group| {
             let groups: Vec<_> = laws.iter().map(|law| &*law.system.shape.groups[number]).collect();
             group.swept(&groups)
@@ -469,7 +470,7 @@ where
 
     fn book(&mut self, lane: usize, work: f64) {
         if const { F::FLOWS > 0 } {
-            let Plan { places: Places { way, .. }, coordinates, .. } = self.common.plan;
+            let LinkedPlan { places: Places { way, .. }, coordinates, .. } = self.common.plan;
             let ways = self.numbers[way..way + coordinates].iter();
             let fastest = ways.map(|x| x.0[lane].0.abs()).fold(0.0, f64::max);
             (self.account.work[lane], self.account.limits[lane]) = (work, LARGER * fastest);

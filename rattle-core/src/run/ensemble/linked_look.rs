@@ -7,8 +7,8 @@ use crate::number::real::Real;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::Pulling;
+use crate::run::ensemble::linked_plan::Places;
 use crate::run::ensemble::linked_row::{Course, LinkedRow, each, two_sum};
-use crate::run::ensemble::plan::Places;
 use crate::solve::crowd::{self, PATH, RISES, ROOT_3, shares};
 use crate::systems::network::in_lanes::{Numbers, zeros};
 

@@ -24,7 +24,7 @@ use crate::number::vector;
 use crate::run::ensemble::block::Part;
 use crate::run::ensemble::engine::Stuck;
 use crate::run::ensemble::forces_in_lanes::{Pulled, Pulling, Rows};
-use crate::run::ensemble::plan::{Links, Places, Plan, Takes};
+use crate::run::ensemble::linked_plan::{LinkedPlan, Links, Places, Takes};
 use crate::solve::stop::size_of_terms;
 use crate::systems::network::in_lanes::{Number, Numbers, Which, any, zeros};
 
@@ -42,7 +42,7 @@ const CORRECTIONS: usize = 5;
 /// Pivots are no smaller than one over this, relative to what they were formed of: elimination then loses twelve bits
 /// of multipliers, and six of what they displace, which Newton's method finds again. In a straight chain of n links
 /// that is eliminated from both ends the last pivot is 4/n.
-pub(super) const CLEAR: f64 = 4096.0;
+pub(super) const PIVOT: f64 = 4096.0;
 
 /// Λ and the entries of G of a lane that cannot go with the others.
 pub(super) struct Landed {
@@ -56,7 +56,7 @@ pub(super) type Apart<'a, const W: usize> =
 
 /// What a row obeys, and the parts of its steps.
 pub(super) struct Course<'a, const W: usize> {
-    pub(super) plan: &'a Plan,
+    pub(super) plan: &'a LinkedPlan,
     pub(super) links: &'a Links<W>,
     /// 1 over the masses of all lanes, coordinate by coordinate, where they differ.
     pub(super) over: Option<&'a [Numbers<W>]>,
@@ -242,7 +242,7 @@ impl<const W: usize> Course<'_, W> {
             for l in 0..W {
                 let (slope, inverse, square) = (slope.0[l].0, inverse.0[l].0, square.0[l].0);
                 let upright = TURN * (slope - square).abs() <= square;
-                let clear = (0.0 < inverse) & (inverse * slope <= CLEAR);
+                let clear = (0.0 < inverse) & (inverse * slope <= PIVOT);
                 which[l] = if upright & clear { which[l] } else { 1 };
             }
         }
@@ -322,7 +322,7 @@ impl<const W: usize> Course<'_, W> {
         numbers: &mut [Numbers<W>],
         pulling: &mut Option<&mut (dyn Pulling<LinkedRow, W> + '_)>,
     ) {
-        let (Some(pulling), Plan { coordinates: n, places: Places { q, pull, .. }, masses, .. }) =
+        let (Some(pulling), LinkedPlan { coordinates: n, places: Places { q, pull, .. }, masses, .. }) =
             (pulling, self.plan)
         else {
             return;

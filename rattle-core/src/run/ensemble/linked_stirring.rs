@@ -22,8 +22,8 @@ use crate::number::instructions::Work;
 use crate::number::lanes::{Fused, Lanes};
 use crate::number::real::Real;
 use crate::run::ensemble::engine::Draws;
-use crate::run::ensemble::linked_row::{CLEAR, Course};
-use crate::run::ensemble::plan::Places;
+use crate::run::ensemble::linked_plan::Places;
+use crate::run::ensemble::linked_row::{Course, PIVOT};
 use crate::run::ensemble::splitting_lanes::Splits;
 use crate::run::ensemble::stirring::{DEVIATIONS, MOST_ROUNDS, normal};
 use crate::systems::network::in_lanes::{Number, Numbers, Which, zeros};
@@ -311,7 +311,7 @@ impl<const W: usize> RowStirring<W> {
             let (slope, inverse) = (&numbers[slopes + i], &numbers[inverse + i]);
             for l in 0..W {
                 let (slope, inverse) = (slope.0[l].0, inverse.0[l].0);
-                clear[l] &= (0.0 < inverse) & (inverse * slope <= CLEAR);
+                clear[l] &= (0.0 < inverse) & (inverse * slope <= PIVOT);
             }
         }
         plan.lift(course.over, numbers);

@@ -73,6 +73,7 @@ mod linked_going;
 mod linked_lanes;
 mod linked_law;
 mod linked_look;
+mod linked_plan;
 mod linked_row;
 mod linked_stirred;
 mod linked_stirring;
@@ -84,7 +85,6 @@ mod phase_lanes;
 mod phase_numbers;
 mod phase_row;
 mod phase_step;
-mod plan;
 pub mod precision;
 mod projected;
 mod projected_lanes;
@@ -135,8 +135,8 @@ pub(crate) fn instances<const D: usize>() -> impl Copy {
         stirring::Stirring::<Fused<f64>, LANES, D>::act as *const (),
         block::Part::of::<false> as *const (),
         block::Part::of::<true> as *const (),
-        plan::Plan::of::<D> as *const (),
-        plan::masses::<D> as *const (),
+        linked_plan::LinkedPlan::of::<D> as *const (),
+        linked_plan::masses::<D> as *const (),
         grouping::in_rows::<D> as *const (),
         linked_lanes::bodies_of::<D, FEW> as *const (),
         linked_lanes::bodies_of::<D, ROW> as *const (),

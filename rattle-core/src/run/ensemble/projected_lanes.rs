@@ -1,11 +1,12 @@
 //! Methods whose steps are [projected](crate::run::ensemble::projected) onto the constraint, in lanes.
 
 use crate::error::Error;
-use crate::motion::bodies::{Body, One};
+use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
 use crate::motion::method::Method;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Hallmark, Reading, Record};
-use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::{add_scaled, largest, sum};
@@ -14,14 +15,12 @@ use crate::run::ensemble::around::{ask_around, look_as_far};
 use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::engine::{Engine, Leg, Moved, Stuck, Tour};
 use crate::run::ensemble::lane_record::InRows;
-use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::projected::{Projects, advance};
 use crate::run::ensemble::projected_row::{Row, Scratch};
 use crate::run::ensemble::row::LOOKING;
 use crate::solve::crowd::{Asked, EVERY};
-use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::any::Any;
-use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// A row of trajectories, what its lanes obey, and the method.
@@ -63,8 +62,7 @@ where
         parts: u32,
         reach: f64,
     ) -> Result<(Body<S, D>, bool), Failure> {
-        let (constraint, effects) = (laws.constraint(lane), laws.effects(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let system = system_of(laws, lane);
         let mut bodies = system.bodies(&[*body], 0.0);
         bodies.kept.crowd.asked = Asked { steps: from, reach, near: false };
         for _ in 0..steps {

@@ -5,12 +5,13 @@ use crate::effect::list::Forces;
 use crate::effect::noise::Noise;
 use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
-use crate::motion::bodies::{Body, One};
+use crate::motion::bodies::Body;
 use crate::motion::failure::Failure;
 use crate::motion::method::Stage;
+use crate::motion::parts::BodiesOf;
 use crate::motion::record::{Hallmark, Reading, Record};
 use crate::motion::stir::{in_the_middle, stir};
-use crate::motion::system::{BodiesOf, System};
+use crate::motion::system::System;
 use crate::number::instructions::{Fusing, Work};
 use crate::number::lanes::Lane;
 use crate::number::vector::add_scaled;
@@ -19,15 +20,13 @@ use crate::run::ensemble::asked::{Kicking, answered_by_laws, forces, hallmarks};
 use crate::run::ensemble::block::{Block, Part, Scratch};
 use crate::run::ensemble::crossing::{crossings, kink};
 use crate::run::ensemble::engine::{Draws, Engine, Leg, Moved, Stuck, Tour};
-use crate::run::ensemble::laws::Laws;
+use crate::run::ensemble::laws::{Laws, system_of};
 use crate::run::ensemble::loops::step;
 use crate::run::ensemble::stirred::{Stirs, limit, look_around, stirred_step};
 use crate::run::ensemble::stirring::Stirring;
 use crate::run::fingerprint::beside;
 use crate::solve::crowd::EVERY;
-use crate::systems::surface::kept::{OnSurface, OneByOne};
 use std::any::Any;
-use std::borrow::Borrow;
 use std::hint::black_box;
 
 /// A block, what its lanes obey, and the parts of a step.
@@ -174,8 +173,7 @@ where
         parts: u32,
         place: &mut u64,
     ) -> Result<Moved<D>, Failure> {
-        let (constraint, effects) = (self.laws.constraint(lane), self.laws.effects(lane));
-        let system = OnSurface::new(constraint.borrow().clone(), OneByOne, effects.borrow().clone(), One);
+        let system = system_of(&self.laws, lane);
         if const { X::Forces::FLOWS > 0 }
             && let Some(stirring) = &self.stirring
         {

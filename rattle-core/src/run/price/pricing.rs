@@ -2,12 +2,14 @@
 
 use crate::effect::interval::Rule;
 use crate::effect::list::Effects;
+use crate::effect::list::Forces;
 use crate::error::{Error, PriceMistake};
 use crate::methods::rattle::Rattle;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::Count;
 use crate::motion::hold::Hold;
+use crate::motion::parts::Parts;
 use crate::motion::state::State;
-use crate::motion::system::System;
 use crate::run::boxed::BoxedSimulation;
 use crate::run::price::beside::{Beside, ensemble};
 use crate::run::price::candidate::Candidate;
@@ -60,8 +62,8 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     #[doc(alias = "work-precision diagram")]
     #[doc(alias = "benchmark")]
     pub fn price<'a>(&'a self, start: &'a State<D>, duration: f64) -> Pricing<'a, C, E, N, D> {
-        let (plan, observed) = (Plan::default(), Vec::new());
-        Pricing { scene: self, start, duration, plan, observed, beside: None, progress: None }
+        let (allowance, observed) = (Allowance::default(), Vec::new());
+        Pricing { scene: self, start, duration, allowance, observed, beside: None, progress: None }
     }
 }
 
@@ -71,7 +73,7 @@ pub struct Pricing<'a, C, E, N, const D: usize> {
     pub(super) scene: &'a Scene<C, E, N, D>,
     pub(super) start: &'a State<D>,
     pub(super) duration: f64,
-    pub(super) plan: Plan,
+    pub(super) allowance: Allowance,
     pub(super) observed: Vec<Observed<'a, D>>,
     pub(super) beside: Option<Beside<C, E, N, D>>,
     pub(super) progress: Option<Box<dyn FnMut(f64) + 'a>>,
@@ -79,12 +81,12 @@ pub struct Pricing<'a, C, E, N, const D: usize> {
 
 /// For how long is measured, and by which clock.
 #[derive(Debug, Clone)]
-pub(super) struct Plan {
+pub(super) struct Allowance {
     pub(super) budget: f64,
     pub(super) clock: Clock,
 }
 
-impl Default for Plan {
+impl Default for Allowance {
     fn default() -> Self {
         Self { budget: BUDGET, clock: Clock::default() }
     }
@@ -93,7 +95,7 @@ impl Default for Plan {
 impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, N, D> {
     /// Measures for at most `seconds`; by default 1. A step that takes longer is still finished.
     pub fn budget(mut self, seconds: f64) -> Self {
-        self.plan.budget = seconds;
+        self.allowance.budget = seconds;
         self
     }
 
@@ -141,7 +143,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
 
     /// Measures by this clock instead of the machine's.
     pub fn clock(mut self, clock: Clock) -> Self {
-        self.plan.clock = clock;
+        self.allowance.clock = clock;
         self
     }
 
@@ -155,7 +157,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Pricing<'a, C, E, 
         let beside = self.beside.take();
         let set = Set { scene: self.scene, start: self.start, observed: &self.observed, beside };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
-        measure(&set, self.duration, &self.plan, None, &mut *tell).map(|measured| measured.prices)
+        measure(&set, self.duration, &self.allowance, None, &mut *tell).map(|measured| measured.prices)
     }
 }
 
@@ -167,7 +169,8 @@ pub(super) fn refuse_random<C: Hold<D>, E: Effects<D>, N: Count, const D: usize>
 ) -> Result<(), Error> {
     positive("duration", duration)?;
     let system = scene.ready(start, &Rattle::new(duration))?;
-    let flows = (0..<C::System<E, N> as System<f64, D>>::FLOWS).map(|number| system.flow_manner(number));
+    let flows =
+        (0..<C::System<E, N> as Affected<f64, D>>::FLOWS).map(|number| system.effects().manner(number));
     match flows.into_iter().find(|(manner, _)| manner.rule == Rule::Random) {
         Some((_, effect)) => Err(Error::Price(PriceMistake::Random { effect })),
         None => Ok(()),
@@ -239,24 +242,25 @@ impl Exactly {
 pub(super) fn measure(
     scene: &dyn Movable,
     duration: f64,
-    plan: &Plan,
+    allowance: &Allowance,
     aim: Option<Aim>,
     tell: &mut dyn FnMut(f64),
 ) -> Result<Measured, Error> {
-    positive("budget", plan.budget)?;
-    let begun = plan.clock.now();
-    let until = |part: f64| Runner { scene, clock: &plan.clock, deadline: begun + part * plan.budget };
+    positive("budget", allowance.budget)?;
+    let begun = allowance.clock.now();
+    let until =
+        |part: f64| Runner { scene, clock: &allowance.clock, deadline: begun + part * allowance.budget };
     let late = |stop| match stop {
         Stop::Failed(error) => error,
-        Stop::Late => Error::Price(PriceMistake::Late { budget: plan.budget }),
+        Stop::Late => Error::Price(PriceMistake::Late { budget: allowance.budget }),
     };
-    let mut found = Exactly::with(&until(FOR_REFERENCE), duration, SHARE * plan.budget).map_err(late)?;
+    let mut found = Exactly::with(&until(FOR_REFERENCE), duration, SHARE * allowance.budget).map_err(late)?;
     if aim.is_some() && found.is_too_short(duration) {
-        let longer = Exactly::with(&until(FOR_LONGER), duration, SHARE_OF_AIM * plan.budget);
+        let longer = Exactly::with(&until(FOR_LONGER), duration, SHARE_OF_AIM * allowance.budget);
         found = longer.unwrap_or(found);
     }
     let Exactly { pilot, chaos, reference } = found;
-    let mut tell = || tell(((plan.clock.now() - begun) / plan.budget).min(1.0));
+    let mut tell = || tell(((allowance.clock.now() - begun) / allowance.budget).min(1.0));
     tell();
 
     let runner = until(1.0);
@@ -275,7 +279,7 @@ pub(super) fn measure(
     for (number, method) in methods.into_iter().enumerate() {
         let sharers = (count - number).min(if aim.is_some() { SHARERS_OF_AIM } else { count });
         let share = runner.left() / sharers as f64;
-        let own = Runner { deadline: plan.clock.now() + share, ..runner };
+        let own = Runner { deadline: allowance.clock.now() + share, ..runner };
         let (found, why) = climb(&own, &to_climb, method);
         let enough = found.iter().filter(|row| to_climb.is_enough(row));
         to_climb.least = enough.map(|row| row.seconds).fold(to_climb.least, f64::min);
@@ -302,7 +306,7 @@ pub(super) fn measure(
         averages: named_averages(scene, &reference),
         rows,
         refused,
-        seconds: plan.clock.now() - begun,
+        seconds: allowance.clock.now() - begun,
     };
     prices.mark_front();
     Ok(Measured { prices, pilot, reference })

@@ -11,7 +11,7 @@ use crate::run::price::clock::Clock;
 use crate::run::price::ladder::Runner;
 use crate::run::price::moving::{Movable, Rung};
 use crate::run::price::prices::{Offer, Price, Prices, Quantity, interpolate};
-use crate::run::price::pricing::{Aim, Measured, Plan, measure, positive, price, refuse_random};
+use crate::run::price::pricing::{Aim, Allowance, Measured, measure, positive, price, refuse_random};
 use crate::run::price::set::{Observed, Set};
 use crate::scene::Scene;
 use std::fmt;
@@ -42,7 +42,7 @@ impl<C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Scene<C, E, N, D> {
     #[doc(alias = "error control")]
     pub fn within(&self, error: f64) -> Within<'_, C, E, N, D> {
         let (what, observed) = (Quantity::Position, Vec::new());
-        Within { scene: self, error, what, observed, plan: Plan::default(), progress: None }
+        Within { scene: self, error, what, observed, allowance: Allowance::default(), progress: None }
     }
 }
 
@@ -53,7 +53,7 @@ pub struct Within<'a, C, E, N, const D: usize> {
     error: f64,
     what: Quantity,
     observed: Vec<Observed<'a, D>>,
-    plan: Plan,
+    allowance: Allowance,
     progress: Option<Box<dyn FnMut(f64) + 'a>>,
 }
 
@@ -77,7 +77,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
 
     /// Measures for at most `seconds`; by default 1.
     pub fn budget(mut self, seconds: f64) -> Self {
-        self.plan.budget = seconds;
+        self.allowance.budget = seconds;
         self
     }
 
@@ -89,7 +89,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
 
     /// Measures by this clock instead of the machine's.
     pub fn clock(mut self, clock: Clock) -> Self {
-        self.plan.clock = clock;
+        self.allowance.clock = clock;
         self
     }
 
@@ -104,7 +104,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
         let set = Set { scene: self.scene, start, observed: &self.observed, beside: None };
         let mut tell = self.progress.take().unwrap_or_else(|| Box::new(|_| {}));
         let Choice { rung, price, error, prices } =
-            choose(&set, duration, self.error, self.what, &self.plan, &mut *tell)?;
+            choose(&set, duration, self.error, self.what, &self.allowance, &mut *tell)?;
         let simulation =
             rung.candidate.simulation(self.scene, start.clone(), rung.h, rung.tolerance, HALVINGS)?;
         let pilots = (duration / prices.pilot).round();
@@ -119,7 +119,7 @@ impl<'a, C: Hold<D>, E: Effects<D>, N: Count, const D: usize> Within<'a, C, E, N
             seconds: price.seconds * duration,
             spread: (NEARLY_ALL * price.spread).clamp(surest, 1.0),
             prices,
-            clock: self.plan.clock,
+            clock: self.allowance.clock,
         })
     }
 }
@@ -210,17 +210,17 @@ fn choose(
     duration: f64,
     wish: f64,
     what: Quantity,
-    plan: &Plan,
+    allowance: &Allowance,
     tell: &mut dyn FnMut(f64),
 ) -> Result<Choice, Error> {
-    let begun = plan.clock.now();
-    let ladders = Plan { budget: FOR_LADDERS * plan.budget, ..plan.clone() };
+    let begun = allowance.clock.now();
+    let ladders = Allowance { budget: FOR_LADDERS * allowance.budget, ..allowance.clone() };
     let aim = Aim { what, error: AIM * wish };
     let measured = measure(scene, duration, &ladders, Some(aim), &mut |part| tell(FOR_LADDERS * part))?;
-    let runner = Runner { scene, clock: &plan.clock, deadline: begun + plan.budget };
+    let runner = Runner { scene, clock: &allowance.clock, deadline: begun + allowance.budget };
     let prices = &measured.prices;
     if what == Quantity::Position && lost(prices) || uncertain(prices, what).is_some_and(|by| by > wish) {
-        return Err(unreachable(prices, wish, what, plan.budget));
+        return Err(unreachable(prices, wish, what, allowance.budget));
     }
 
     let mut offers: Vec<(Candidate, Offer)> = Vec::new();
@@ -244,7 +244,9 @@ fn choose(
         }
     }
     tell(1.0);
-    let Some((rung, price, error)) = best else { return Err(unreachable(prices, wish, what, plan.budget)) };
+    let Some((rung, price, error)) = best else {
+        return Err(unreachable(prices, wish, what, allowance.budget));
+    };
     Ok(Choice { rung, price, error, prices: measured.prices })
 }
 

@@ -12,6 +12,7 @@
 
 use crate::effect::list::Forces;
 use crate::error::StepFailure;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Count, Saved};
 use crate::motion::capability::Rates;
 use crate::motion::failure::Failure;

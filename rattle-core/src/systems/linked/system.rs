@@ -1,18 +1,21 @@
 //! The operations of a [`System`] for bodies linked by a [network](crate::systems::network) of any number of
 //! constraints, with any masses.
 
-use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Manner};
+use crate::effect::interval::Inertia;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, Error, StepFailure};
+use crate::error::{Error, StepFailure};
 use crate::kernel::series::NO_SERIES;
+use crate::motion::affected::Affected;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Series};
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
 use crate::motion::iteration::Iteration;
+use crate::motion::measured::Measured;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Reading, Record};
-use crate::motion::system::{Given, System};
+use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::vector::add_scaled;
@@ -23,32 +26,33 @@ use crate::systems::linked::kept::{BodiesOf, Counts, Kept, Linked, Tied, along};
 use crate::systems::linked::moving::Moving;
 use crate::systems::linked::room::Stages;
 
-impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
+impl<F: Forces<f64, D>, N: Count, const D: usize> Parts<f64, D> for Linked<F, N, D> {
     type Count = N;
     type Kept = Kept<F, D>;
-    type Rates = Self;
-    type Collocation = Self;
-    type Series = Self;
-    const FLOWS: usize = F::FLOWS;
-    const REMEMBERS: bool = F::REMEMBERS;
-    const PUSHES: bool = F::PUSHES;
-    const EFFECTS: usize = F::EFFECTS;
+    type Effects = F;
 
     fn kind(&self) -> &'static str {
         "linked bodies"
     }
 
-    fn rates(&self) -> Result<&Self, &'static str> {
-        Ok(self)
+    fn equations(&self) -> usize {
+        self.shape.equations
     }
 
-    fn collocation(&self) -> Result<&Self, &'static str> {
-        let acting = self.shape.components.iter().any(|component| component.rows.acting);
-        if acting { Err("a network whose multipliers act on chosen coordinates") } else { Ok(self) }
+    fn constraints_move(&self) -> bool {
+        self.shape.moving
     }
 
-    fn series(&self) -> Result<&Self, &'static str> {
-        self.series_blocks().map(|_| self).ok_or(NO_SERIES)
+    fn effects(&self) -> &F {
+        &self.effects
+    }
+
+    fn room_of(kept: &mut Kept<F, D>) -> &mut F::Room {
+        &mut kept.of_effects
+    }
+
+    fn forces_of(kept: &Kept<F, D>) -> &[F::Force] {
+        &kept.tied.force
     }
 
     fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<F, N, D> {
@@ -89,81 +93,109 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         Ok(())
     }
 
-    fn moves_with_time(&self) -> bool {
-        self.constraints_move() || self.effects.changes_with_time()
-    }
-
-    fn constraints_move(&self) -> bool {
-        self.shape.moving
-    }
-
-    fn keeps_energy(&self) -> bool {
-        let acting = || self.shape.components.iter().any(|component| component.rows.acting);
-        F::FLOWS == 0 && !self.moves_with_time() && !acting()
-    }
-
-    fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
-        if bodies.time != time {
-            bodies.time = time;
-            for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
-                bodies.kept.tied.normals(&self.shape, c, time, bodies.q.as_ref());
-            }
-            if self.effects.changes_with_time() {
-                self.evaluate_forces(bodies);
-            }
-        }
-    }
-
-    fn flow(
-        &self,
-        number: usize,
-        given: Given<'_, f64, D>,
-        bodies: &mut BodiesOf<F, N, D>,
-        changes: &mut [[f64; D]],
-    ) {
-        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
-    }
-
-    fn first_marks(&self, bodies: &BodiesOf<F, N, D>) -> Result<Vec<f64>, (&'static str, EffectMistake)> {
-        let n = bodies.q.as_ref().len();
-        let mut marks = vec![0.0; self.effects.marks(n)];
-        let given = Given::of(0.0, true, bodies.noise);
-        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
-        Ok(marks)
-    }
-
-    fn take_note(&self, number: usize, given: Given<'_, f64, D>, bodies: &mut BodiesOf<F, N, D>) {
-        let mut marks = std::mem::take(&mut bodies.marks);
-        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
-        bodies.marks = marks;
-    }
-
-    fn add_force_alone(
-        &self,
-        number: usize,
-        bodies: &mut BodiesOf<F, N, D>,
-        forces: &mut [[f64; D]],
-    ) -> Option<&'static str> {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
-    }
-
-    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
-        self.effects.manner(number)
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
+        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, D> {
         &*self.shape
     }
 
-    fn force(&self, bodies: &BodiesOf<F, N, D>, body: usize) -> [f64; D] {
-        bodies.kept.tied.force[body].components()
-    }
-
     fn freedom(&self, bodies: &BodiesOf<F, N, D>) -> usize {
         let components = self.shape.components.iter().zip(&bodies.kept.tied.solvers);
         let equations: usize = components.map(|(component, solver)| solver.rank(&component.rows)).sum();
         (D * self.free().count()).saturating_sub(equations)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Guarded<f64, D> for Linked<F, N, D> {
+    fn keeps_energy(&self) -> bool {
+        let acting = || self.shape.components.iter().any(|component| component.rows.acting);
+        F::FLOWS == 0 && !self.moves_with_time() && !acting()
+    }
+
+    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
+        let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
+        for group in &self.shape.kinked {
+            if let Some((member, kink)) = group.kink(time, q) {
+                return Err(kinked(&**group, member, kink));
+            }
+        }
+        Ok(())
+    }
+
+    fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {
+        normal.fill([0.0; D]);
+        let StepFailure::Kink { equation: Some(equation), .. } = &kink.cause else { return };
+        for group in &self.shape.groups {
+            gradient(&**group, equation, bodies.time, bodies.q.as_ref(), normal);
+        }
+    }
+
+    fn check_sheets(
+        &self,
+        h: f64,
+        before: &Saved<N, f64, D>,
+        now: &mut BodiesOf<F, N, D>,
+    ) -> Result<(), Failure> {
+        if self.shape.equations == 0 { Ok(()) } else { self.look_inside(h, before, now) }
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> Measured<f64, D> for Linked<F, N, D> {
+    fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
+        self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
+    }
+
+    fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
+        let velocity = self.velocities(bodies);
+        self.for_rows(rates, |c, out| {
+            let (rows, (row, _)) = (self.component(c), self.shape.components[c].first);
+            let blocks = bodies.kept.tied.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
+            for (i, rate) in out.iter_mut().enumerate() {
+                *rate = along(rows, i, &blocks, &velocity) + bodies.kept.tied.rates[row + i];
+            }
+        });
+    }
+
+    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
+        let mut multipliers = vec![0.0; self.shape.equations];
+        self.multipliers(bodies, &mut multipliers);
+        forces.fill([0.0; D]);
+        for (c, component) in self.shape.components.iter().enumerate() {
+            let rows = &component.rows;
+            let mut blocks = bodies.kept.tied.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
+            self.shape.mask(c, &mut blocks);
+            for row in 0..rows.equations() {
+                for (block, body) in rows.touched_by(row) {
+                    let multiplier = multipliers[rows.equation(row)];
+                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
+                }
+            }
+        }
+    }
+
+    fn corrections(&self, bodies: &BodiesOf<F, N, D>) -> Option<u64> {
+        Some(self.counts(bodies).corrections)
+    }
+}
+
+impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N, D> {
+    type Rates = Self;
+    type Collocation = Self;
+    type Series = Self;
+
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    fn collocation(&self) -> Result<&Self, &'static str> {
+        let acting = self.shape.components.iter().any(|component| component.rows.acting);
+        if acting { Err("a network whose multipliers act on chosen coordinates") } else { Ok(self) }
+    }
+
+    fn series(&self) -> Result<&Self, &'static str> {
+        self.series_blocks().map(|_| self).ok_or(NO_SERIES)
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -190,11 +222,6 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         }
     }
 
-    fn check_forces(&self, bodies: &BodiesOf<F, N, D>) -> Result<(), Failure> {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        Failure::unless_finite(&self.effects, at, &bodies.kept.tied.force, self.free())
-    }
-
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
@@ -209,83 +236,16 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> System<f64, D> for Linked<F, N
         settled.map_err(|body| self.not_finite(bodies, body))
     }
 
-    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<F, N, D>) -> Result<(), Failure> {
-        let (time, q) = ([before.time, now.time], [before.q.as_ref(), now.q.as_ref()]);
-        for group in &self.shape.kinked {
-            if let Some((member, kink)) = group.kink(time, q) {
-                return Err(kinked(&**group, member, kink));
+    fn set_time(&self, bodies: &mut BodiesOf<F, N, D>, time: f64) {
+        if bodies.time != time {
+            bodies.time = time;
+            for c in (0..self.shape.components.len()).filter(|&c| self.component(c).moving) {
+                bodies.kept.tied.normals(&self.shape, c, time, bodies.q.as_ref());
+            }
+            if self.effects.changes_with_time() {
+                self.evaluate_forces(bodies);
             }
         }
-        Ok(())
-    }
-
-    fn check_sheets(
-        &self,
-        h: f64,
-        before: &Saved<N, f64, D>,
-        now: &mut BodiesOf<F, N, D>,
-    ) -> Result<(), Failure> {
-        if self.shape.equations == 0 { Ok(()) } else { self.look_inside(h, before, now) }
-    }
-
-    fn kinked_normal(&self, bodies: &BodiesOf<F, N, D>, kink: &Failure, normal: &mut [[f64; D]]) {
-        normal.fill([0.0; D]);
-        let StepFailure::Kink { equation: Some(equation), .. } = &kink.cause else { return };
-        for group in &self.shape.groups {
-            gradient(&**group, equation, bodies.time, bodies.q.as_ref(), normal);
-        }
-    }
-
-    fn corrections(&self, bodies: &BodiesOf<F, N, D>) -> Option<u64> {
-        Some(self.counts(bodies).corrections)
-    }
-
-    fn equations(&self) -> usize {
-        self.shape.equations
-    }
-
-    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
-        self.shape.roots[body].velocity(&bodies.p.as_ref()[body])
-    }
-
-    fn constraint_forces(&self, bodies: &BodiesOf<F, N, D>, forces: &mut [[f64; D]]) {
-        let mut multipliers = vec![0.0; self.shape.equations];
-        self.multipliers(bodies, &mut multipliers);
-        forces.fill([0.0; D]);
-        for (c, component) in self.shape.components.iter().enumerate() {
-            let rows = &component.rows;
-            let mut blocks = bodies.kept.tied.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
-            self.shape.mask(c, &mut blocks);
-            for row in 0..rows.equations() {
-                for (block, body) in rows.touched_by(row) {
-                    let multiplier = multipliers[rows.equation(row)];
-                    forces[body] = add_scaled(&forces[body], multiplier, &blocks[block]);
-                }
-            }
-        }
-    }
-
-    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
-    }
-
-    fn effect_energies<X>(&self, bodies: &Bodies<N, f64, X, D>, to: &mut Vec<f64>) {
-        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
-    }
-
-    fn residuals(&self, bodies: &BodiesOf<F, N, D>, g: &mut [f64]) {
-        self.for_rows(g, |c, out| self.shape.values(c, bodies.time, bodies.q.as_ref(), out));
-    }
-
-    fn drift_rates(&self, bodies: &BodiesOf<F, N, D>, rates: &mut [f64]) {
-        let velocity = self.velocities(bodies);
-        self.for_rows(rates, |c, out| {
-            let (rows, (row, _)) = (self.component(c), self.shape.components[c].first);
-            let blocks = bodies.kept.tied.blocks_of(&self.shape, c, bodies.time, bodies.q.as_ref());
-            for (i, rate) in out.iter_mut().enumerate() {
-                *rate = along(rows, i, &blocks, &velocity) + bodies.kept.tied.rates[row + i];
-            }
-        });
     }
 }
 
@@ -324,21 +284,5 @@ impl<F: Forces<f64, D>, N: Count, const D: usize> Series<N, Kept<F, D>, f64, D> 
     fn expanded_work(&self, bodies: &BodiesOf<F, N, D>, h: f64) -> f64 {
         let work = bodies.kept.series.iter().flat_map(|room| room.work.iter().rev());
         work.fold(0.0, |sum, coefficient| coefficient + h * sum)
-    }
-}
-
-impl<F: Forces<f64, D>, N: Count, const D: usize> Linked<F, N, D> {
-    /// Has the effects look at the bodies: at what they remember, and their room.
-    fn shown<R>(
-        &self,
-        given: Given<'_, f64, D>,
-        bodies: &mut BodiesOf<F, N, D>,
-        look: impl FnOnce(&F, &Interval<'_, f64, D>, &mut F::Room) -> R,
-    ) -> R {
-        let coupling = (self.equations() > 0, self.freedom(bodies));
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
-        let during = given.interval(seen, &*self.shape, None, coupling);
-        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

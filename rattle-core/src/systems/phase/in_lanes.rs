@@ -45,7 +45,7 @@ impl<K, H, N: Count, const M: usize> InPhaseSpace<K, H, N, M> {
     {
         let alone =
             InPhaseSpace { constraint: self.constraint.clone(), energy: self.energy.clone(), count: One };
-        let kept = Kept::<One, M> { bodies: [OfBody { slopes, aims }], pace };
+        let kept = Kept::<One, M> { bodies: [OfBody { slopes, aims }], pace, room: () };
         let mut bodies = Bodies::new(One, kept, &[body], 0.0);
         alone.drift(0.0, h, &mut bodies, &mut ())?;
         alone.settle(0.0, h, &mut bodies, &mut ())?;

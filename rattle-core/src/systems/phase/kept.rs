@@ -69,6 +69,8 @@ pub struct Kept<N: Count, const M: usize> {
     pub(super) bodies: N::Of<OfBody<M>>,
     /// In steps of what length guesses were off.
     pub(super) pace: Pace,
+    /// The room of effects, of which there are none.
+    pub(super) room: (),
 }
 
 pub(super) type BodiesOf<N, const D: usize, const M: usize> = Bodies<N, f64, Kept<N, M>, D>;
@@ -77,7 +79,7 @@ impl<N: Count, const M: usize> Kept<N, M> {
     /// Nothing is known.
     pub(super) fn unknown(count: N) -> Self {
         let body = OfBody { slopes: [[f64::NAN; M]; M], aims: [Aim::unknown(); M] };
-        Self { bodies: count.each(body), pace: Pace::unknown() }
+        Self { bodies: count.each(body), pace: Pace::unknown(), room: () }
     }
 }
 

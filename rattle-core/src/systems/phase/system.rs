@@ -1,12 +1,16 @@
 //! The operations of a [`System`] in phase space.
 
+use crate::effect::force::Absent;
 use crate::error::{Error, PhaseFailure};
 use crate::kernel::functions::{HamiltonianKernel, PhaseConstraintKernel};
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::Never;
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
 use crate::motion::iteration::Iteration;
+use crate::motion::measured::Measured;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Reading, Record};
 use crate::motion::system::System;
 use crate::motion::witness::Witness;
@@ -23,7 +27,7 @@ use crate::systems::phase::step::TURN;
 use crate::systems::phase::step::move_by;
 use crate::systems::phase::step::turn;
 
-impl<K, H, N, const D: usize, const M: usize> System<f64, D> for InPhaseSpace<K, H, N, M>
+impl<K, H, N, const D: usize, const M: usize> Parts<f64, D> for InPhaseSpace<K, H, N, M>
 where
     K: PhaseConstraintKernel<f64, D, M>,
     H: HamiltonianKernel<f64, D>,
@@ -31,17 +35,26 @@ where
 {
     type Count = N;
     type Kept = Kept<N, M>;
-    /// Forces and momenta are not apart.
-    type Rates = Never;
-    type Collocation = Never;
-    type Series = Never;
+    type Effects = ();
 
     fn kind(&self) -> &'static str {
         IN_PHASE_SPACE
     }
 
-    fn is_cartesian(&self) -> bool {
-        false
+    fn equations(&self) -> usize {
+        self.count.number() * M
+    }
+
+    fn effects(&self) -> &() {
+        &()
+    }
+
+    fn room_of(kept: &mut Kept<N, M>) -> &mut () {
+        &mut kept.room
+    }
+
+    fn forces_of(_: &Kept<N, M>) -> &[Absent] {
+        &[]
     }
 
     fn bodies(&self, places: &[Body<f64, D>], time: f64) -> BodiesOf<N, D, M> {
@@ -59,7 +72,7 @@ where
     }
 
     fn record(&self, bodies: &BodiesOf<N, D, M>, to: &mut Record) {
-        let Kept { bodies, pace } = &bodies.kept;
+        let Kept { bodies, pace, .. } = &bodies.kept;
         let aims = &mut bodies.as_ref().iter().flat_map(|kept| &kept.aims);
         pace.record(self.count.number() * M, aims, to);
     }
@@ -68,6 +81,96 @@ where
         let aims = &mut bodies.kept.bodies.as_mut().iter_mut().flat_map(|kept| &mut kept.aims);
         bodies.kept.pace = Pace::recall(self.count.number() * M, aims, from)?;
         Ok(())
+    }
+
+    /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
+        self.flow(&Point::high(&bodies.body(body))).q
+    }
+}
+
+impl<K, H, N, const D: usize, const M: usize> Guarded<f64, D> for InPhaseSpace<K, H, N, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+    N: Count,
+{
+    #[inline(always)]
+    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<N, D, M>) -> Result<(), Failure> {
+        if const { K::KINKS.is_empty() } {
+            return Ok(());
+        }
+        for number in 0..self.count.number() {
+            let [from, to] = [before.body(number), now.body(number)].map(|body| [body.q, body.p]);
+            if sign_changes(&self.constraint, &from, &to)
+                && let Some(kink) = first_kink(&self.constraint, &from, &to)
+            {
+                return Err(Failure::of_kink(kink, number, None));
+            }
+        }
+        Ok(())
+    }
+
+    fn coast(&self, h: f64, bodies: &mut BodiesOf<N, D, M>) {
+        for number in 0..self.count.number() {
+            let flow = self.flow(&Point::high(&bodies.body(number)));
+            move_by(bodies, number, &flow.times(h));
+        }
+        bodies.time += h;
+    }
+}
+
+impl<K, H, N, const D: usize, const M: usize> Measured<f64, D> for InPhaseSpace<K, H, N, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+    N: Count,
+{
+    /// H: what of it is kinetic is not told.
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
+        let energy = |body: Body<f64, D>| {
+            let (by_q, by_p) = self.energy.gradients(&body.q, &body.p);
+            self.energy.value(&body.q, &body.p) + (dot(&by_q, &body.q_low) + dot(&by_p, &body.p_low))
+        };
+        (0..self.count.number()).map(|number| energy(bodies.body(number))).sum()
+    }
+
+    fn residuals(&self, bodies: &BodiesOf<N, D, M>, g: &mut [f64]) {
+        for (g, number) in g.chunks_exact_mut(M).zip(0..) {
+            let body = bodies.body(number);
+            g.copy_from_slice(&self.constraint.value(&body.q, &body.p));
+        }
+    }
+
+    /// The hidden constraint {g, H}.
+    fn drift_rates(&self, bodies: &BodiesOf<N, D, M>, rates: &mut [f64]) {
+        for (rates, number) in rates.chunks_exact_mut(M).zip(0..) {
+            rates.copy_from_slice(&self.hidden(&Point::high(&bodies.body(number))).value);
+        }
+    }
+
+    /// The part (∂g/∂q)ᵀλ that acts on momenta.
+    fn constraint_forces(&self, bodies: &BodiesOf<N, D, M>, forces: &mut [[f64; D]]) {
+        for (number, force) in forces.iter_mut().enumerate() {
+            let at = Point::high(&bodies.body(number));
+            *force = self.pull(&at).p;
+        }
+    }
+}
+
+impl<K, H, N, const D: usize, const M: usize> System<f64, D> for InPhaseSpace<K, H, N, M>
+where
+    K: PhaseConstraintKernel<f64, D, M>,
+    H: HamiltonianKernel<f64, D>,
+    N: Count,
+{
+    /// Forces and momenta are not apart.
+    type Rates = Never;
+    type Collocation = Never;
+    type Series = Never;
+
+    fn is_cartesian(&self) -> bool {
+        false
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -127,74 +230,6 @@ where
             bodies.kept.bodies.as_mut()[number].slopes = slopes;
         }
         Ok(())
-    }
-
-    #[inline(always)]
-    fn check_kinks(&self, before: &Saved<N, f64, D>, now: &BodiesOf<N, D, M>) -> Result<(), Failure> {
-        if const { K::KINKS.is_empty() } {
-            return Ok(());
-        }
-        for number in 0..self.count.number() {
-            let [from, to] = [before.body(number), now.body(number)].map(|body| [body.q, body.p]);
-            if sign_changes(&self.constraint, &from, &to)
-                && let Some(kink) = first_kink(&self.constraint, &from, &to)
-            {
-                return Err(Failure::of_kink(kink, number, None));
-            }
-        }
-        Ok(())
-    }
-
-    fn equations(&self) -> usize {
-        self.count.number() * M
-    }
-
-    /// q̇ = ∂H/∂p − (∂g/∂p)ᵀλ.
-    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, D>, body: usize) -> [f64; D] {
-        self.flow(&Point::high(&bodies.body(body))).q
-    }
-
-    fn coast(&self, h: f64, bodies: &mut BodiesOf<N, D, M>) {
-        for number in 0..self.count.number() {
-            let flow = self.flow(&Point::high(&bodies.body(number)));
-            move_by(bodies, number, &flow.times(h));
-        }
-        bodies.time += h;
-    }
-
-    /// The part (∂g/∂q)ᵀλ that acts on momenta.
-    fn constraint_forces(&self, bodies: &BodiesOf<N, D, M>, forces: &mut [[f64; D]]) {
-        for (number, force) in forces.iter_mut().enumerate() {
-            let at = Point::high(&bodies.body(number));
-            *force = self.pull(&at).p;
-        }
-    }
-
-    /// H: what of it is kinetic is not told.
-    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, D>) -> f64 {
-        let energy = |body: Body<f64, D>| {
-            let (by_q, by_p) = self.energy.gradients(&body.q, &body.p);
-            self.energy.value(&body.q, &body.p) + (dot(&by_q, &body.q_low) + dot(&by_p, &body.p_low))
-        };
-        (0..self.count.number()).map(|number| energy(bodies.body(number))).sum()
-    }
-
-    fn potential_energy<X>(&self, _: &Bodies<N, f64, X, D>) -> f64 {
-        0.0
-    }
-
-    fn residuals(&self, bodies: &BodiesOf<N, D, M>, g: &mut [f64]) {
-        for (g, number) in g.chunks_exact_mut(M).zip(0..) {
-            let body = bodies.body(number);
-            g.copy_from_slice(&self.constraint.value(&body.q, &body.p));
-        }
-    }
-
-    /// The hidden constraint {g, H}.
-    fn drift_rates(&self, bodies: &BodiesOf<N, D, M>, rates: &mut [f64]) {
-        for (rates, number) in rates.chunks_exact_mut(M).zip(0..) {
-            rates.copy_from_slice(&self.hidden(&Point::high(&bodies.body(number))).value);
-        }
     }
 
     fn multipliers(&self, bodies: &BodiesOf<N, D, M>, multipliers: &mut [f64]) {

@@ -1,16 +1,19 @@
 //! The operations of a [`System`] for rigid bodies.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Inertia, Interval, Manner};
+use crate::effect::interval::Inertia;
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, MethodFailure, StepFailure};
+use crate::error::{MethodFailure, StepFailure};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count};
 use crate::motion::capability::{Never, Rates, Series};
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
 use crate::motion::iteration::Iteration;
-use crate::motion::system::{Given, System};
+use crate::motion::measured::Measured;
+use crate::motion::parts::Parts;
+use crate::motion::system::System;
 use crate::motion::witness::Witness;
 use crate::number::vector::{add_scaled, largest, scaled, sum};
 use crate::solve::nearing::Nearing;
@@ -29,31 +32,29 @@ use crate::systems::rigid::rotation::{
 use nalgebra::Vector3;
 use std::array::from_fn;
 
-impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
+impl<F: Forces<f64, 9>, N: Count> Parts<f64, 9> for Turning<F, N> {
     type Count = N;
     type Kept = Kept<F>;
-    type Rates = Self;
-    type Collocation = Never;
-    type Series = Self;
-    const FLOWS: usize = F::FLOWS;
-    const REMEMBERS: bool = F::REMEMBERS;
-    const PUSHES: bool = F::PUSHES;
-    const EFFECTS: usize = F::EFFECTS;
+    type Effects = F;
 
     fn kind(&self) -> &'static str {
         REDUCED
     }
 
-    fn rates(&self) -> Result<&Self, &'static str> {
-        Ok(self)
+    fn equations(&self) -> usize {
+        0
     }
 
-    fn series(&self) -> Result<&Self, &'static str> {
-        self.effects.series_blocks(self.count.number()).map(|_| self).ok_or(NO_SERIES)
+    fn effects(&self) -> &F {
+        &self.effects
     }
 
-    fn is_cartesian(&self) -> bool {
-        false
+    fn room_of(kept: &mut Kept<F>) -> &mut F::Room {
+        &mut kept.of_effects
+    }
+
+    fn forces_of(kept: &Kept<F>) -> &[F::Force] {
+        &kept.force
     }
 
     fn bodies(&self, places: &[Body<f64, 9>], time: f64) -> BodiesOf<F, N> {
@@ -69,65 +70,52 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         self.evaluate_forces(bodies);
     }
 
-    fn moves_with_time(&self) -> bool {
-        self.effects.changes_with_time()
-    }
-
-    fn set_time(&self, bodies: &mut BodiesOf<F, N>, time: f64) {
-        if bodies.time != time {
-            bodies.time = time;
-            self.evaluate_forces(bodies);
-        }
-    }
-
-    fn flow(
-        &self,
-        number: usize,
-        given: Given<'_, f64, 9>,
-        bodies: &mut BodiesOf<F, N>,
-        changes: &mut [[f64; 9]],
-    ) {
-        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
-    }
-
-    fn first_marks(&self, bodies: &BodiesOf<F, N>) -> Result<Vec<f64>, (&'static str, EffectMistake)> {
-        let n = bodies.q.as_ref().len();
-        let mut marks = vec![0.0; self.effects.marks(n)];
-        let given = Given::of(0.0, true, bodies.noise);
-        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
-        Ok(marks)
-    }
-
-    fn take_note(&self, number: usize, given: Given<'_, f64, 9>, bodies: &mut BodiesOf<F, N>) {
-        let mut marks = std::mem::take(&mut bodies.marks);
-        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
-        bodies.marks = marks;
-    }
-
-    fn add_force_alone(
-        &self,
-        number: usize,
-        bodies: &mut BodiesOf<F, N>,
-        forces: &mut [[f64; 9]],
-    ) -> Option<&'static str> {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
-    }
-
-    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
-        self.effects.manner(number)
+    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, 9>, body: usize) -> [f64; 9] {
+        let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
+        let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
+        Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
     }
 
     fn inertia(&self) -> &dyn Inertia<f64, 9> {
         &self.body
     }
 
+    fn freedom(&self, _: &BodiesOf<F, N>) -> usize {
+        3 * self.count.number()
+    }
+}
+
+impl<F: Forces<f64, 9>, N: Count> Guarded<f64, 9> for Turning<F, N> {}
+
+impl<F: Forces<f64, 9>, N: Count> Measured<f64, 9> for Turning<F, N> {
+    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
+        let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
+            let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
+            (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
+        });
+        energy.sum()
+    }
+
     fn force(&self, bodies: &BodiesOf<F, N>, body: usize) -> [f64; 9] {
         spread(&bodies.kept.torque[body].into())
     }
+}
 
-    fn freedom(&self, _: &BodiesOf<F, N>) -> usize {
-        3 * self.count.number()
+impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
+    type Rates = Self;
+    type Collocation = Never;
+    type Series = Self;
+
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    fn series(&self) -> Result<&Self, &'static str> {
+        self.effects.series_blocks(self.count.number()).map(|_| self).ok_or(NO_SERIES)
+    }
+
+    fn is_cartesian(&self) -> bool {
+        false
     }
 
     fn drift_by<X: Iteration, W: Witness<f64>>(
@@ -176,11 +164,6 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         }
     }
 
-    fn check_forces(&self, bodies: &BodiesOf<F, N>) -> Result<(), Failure> {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        Failure::unless_finite(&self.effects, at, &bodies.kept.force, 0..self.count.number())
-    }
-
     fn settle<W: Witness<f64>>(
         &self,
         kick: f64,
@@ -203,16 +186,6 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
         Ok(())
     }
 
-    fn equations(&self) -> usize {
-        0
-    }
-
-    fn velocity<X>(&self, bodies: &Bodies<N, f64, X, 9>, body: usize) -> [f64; 9] {
-        let attitude = Rigid::attitude(&bodies.q.as_ref()[body]);
-        let m = Vector3::from_row_slice(&bodies.p.as_ref()[body][..3]);
-        Rigid::coordinates(&(attitude * m.component_div(&self.body.inertia).cross_matrix()))
-    }
-
     /// Q̈ = Q (Ω̂² + Ω̇̂) with J Ω̇ = m × Ω + torque.
     fn accelerations(
         &self,
@@ -232,22 +205,6 @@ impl<F: Forces<f64, 9>, N: Count> System<f64, 9> for Turning<F, N> {
             *a = Rigid::coordinates(&(attitude * (cross * cross + change.cross_matrix())));
         }
         Ok(())
-    }
-
-    fn kinetic_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
-        let energy = bodies.p.as_ref().iter().zip(bodies.p_low.as_ref()).map(|(p, low)| {
-            let rate = Vector3::from_row_slice(&p[..3]).component_div(&self.body.inertia);
-            (0..3).map(|i| (0.5 * p[i] + low[i]) * rate[i]).sum::<f64>()
-        });
-        energy.sum()
-    }
-
-    fn potential_energy<X>(&self, bodies: &Bodies<N, f64, X, 9>) -> f64 {
-        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
-    }
-
-    fn effect_energies<X>(&self, bodies: &Bodies<N, f64, X, 9>, to: &mut Vec<f64>) {
-        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
     }
 }
 
@@ -307,21 +264,5 @@ impl<F: Forces<f64, 9>, N: Count> Series<N, Kept<F>, f64, 9> for Turning<F, N> {
     fn expanded_impulse(&self, bodies: &BodiesOf<F, N>, body: usize, h: f64) -> Option<[f64; 9]> {
         let room = bodies.kept.series.as_ref()?;
         Some(spread(&room.impulse(body, h).into()))
-    }
-}
-
-impl<F: Forces<f64, 9>, N: Count> Turning<F, N> {
-    /// Has the effects look at the bodies: at what they remember, and their room.
-    fn shown<R>(
-        &self,
-        given: Given<'_, f64, 9>,
-        bodies: &mut BodiesOf<F, N>,
-        look: impl FnOnce(&F, &Interval<'_, f64, 9>, &mut F::Room) -> R,
-    ) -> R {
-        let coupling = (false, self.freedom(bodies));
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
-        let during = given.interval(seen, &self.body, None, coupling);
-        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

@@ -4,19 +4,23 @@
 //! Masses are 1.
 
 use crate::effect::force::Force;
-use crate::effect::interval::{Interval, Manner, UnitMasses};
+use crate::effect::interval::{Interval, UnitMasses};
 use crate::effect::list::Forces;
 use crate::effect::moment::Moment;
-use crate::error::{EffectMistake, Error};
+use crate::error::Error;
 use crate::kernel::functions::ConstraintKernel;
 use crate::kernel::kinks::{first_kink, sign_changes};
 use crate::kernel::series::NO_SERIES;
 use crate::motion::bodies::{Bodies, Body, Count, Saved};
 use crate::motion::capability::{Collocation, Rates, Series};
 use crate::motion::failure::Failure;
+use crate::motion::guarded::Guarded;
 use crate::motion::iteration::{Iteration, Kind};
+use crate::motion::measured::Measured;
+use crate::motion::parts::Given;
+use crate::motion::parts::Parts;
 use crate::motion::record::{Reading, Record};
-use crate::motion::system::{Given, System};
+use crate::motion::system::System;
 use crate::motion::table::Table;
 use crate::motion::witness::Witness;
 use crate::number::lanes::Fused;
@@ -38,7 +42,7 @@ use crate::systems::surface::step::pull;
 use crate::systems::surface::step::settle;
 use crate::systems::surface::tiles::{entry, may_go_in_tiles, tiles_of};
 
-impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
+impl<T, K, F, N, L, const D: usize> Parts<T, D> for OnSurface<K, F, N, L>
 where
     T: Scalar,
     K: ConstraintKernel<T, D, 1>,
@@ -48,32 +52,29 @@ where
 {
     type Count = N;
     type Kept = Kept<N, T, F, D>;
-    type Rates = Self;
-    type Collocation = Self;
-    type Series = Self;
-    const FLOWS: usize = F::FLOWS;
-    const REMEMBERS: bool = F::REMEMBERS;
-    const PUSHES: bool = F::PUSHES;
-    const EFFECTS: usize = F::EFFECTS;
+    type Effects = F;
 
     fn kind(&self) -> &'static str {
         "bodies on surfaces"
     }
 
-    #[inline(always)]
-    fn rates(&self) -> Result<&Self, &'static str> {
-        Ok(self)
+    fn equations(&self) -> usize {
+        self.count.number()
     }
 
     #[inline(always)]
-    fn collocation(&self) -> Result<&Self, &'static str> {
-        Ok(self)
+    fn effects(&self) -> &F {
+        &self.effects
     }
 
     #[inline(always)]
-    fn series(&self) -> Result<&Self, &'static str> {
-        let blocks = self.constraint.series().and(self.effects.series_blocks(self.count.number()));
-        blocks.map(|_| self).ok_or(NO_SERIES)
+    fn room_of(kept: &mut Kept<N, T, F, D>) -> &mut F::Room {
+        &mut kept.of_effects
+    }
+
+    #[inline(always)]
+    fn forces_of(kept: &Kept<N, T, F, D>) -> &[F::Force] {
+        kept.force.as_ref()
     }
 
     fn bodies(&self, places: &[Body<T, D>], time: f64) -> BodiesOf<N, T, F, D> {
@@ -115,128 +116,33 @@ where
     }
 
     #[inline(always)]
-    fn drift_by<X: Iteration, W: Witness<T>>(
+    fn velocity<X>(&self, bodies: &Bodies<N, T, X, D>, body: usize) -> [T; D] {
+        bodies.p.as_ref()[body]
+    }
+
+    fn show<R>(
         &self,
-        kick: f64,
-        h: f64,
-        guess: &[T],
-        bodies: &mut BodiesOf<N, T, F, D>,
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.book(kick, bodies);
-        if const { may_go_in_tiles::<N, D>() }
-            && X::KIND == Kind::Newton
-            && let Some(set) = entry::<T, L, N, D>(self.count)
-        {
-            self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
-            self.pass(h, bodies);
-            return Ok(());
-        }
-        let weights = bodies.kept.pace.weights(h);
-        bodies.kept.pace.note(h);
-        for body in 0..bodies.q.as_ref().len() {
-            let lambda = guess.get(body).copied();
-            drift::<X, _, _, _, _, _, D>(kick, h, lambda, weights, &self.constraint, bodies, body, witness)?;
-        }
-        self.fuse_normals(bodies);
-        self.pass(h, bodies);
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
-        if self.effects.changes_with_time() {
-            bodies.kept.power = self.effects.power(at);
-        }
-    }
-
-    fn check_forces(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        Failure::unless_finite(&self.effects, at, bodies.kept.force.as_ref(), 0..self.count.number())
-    }
-
-    #[inline(always)]
-    fn settle<W: Witness<T>>(
-        &self,
-        kick: f64,
-        h: f64,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        witness: &mut W,
-    ) -> Result<(), Failure> {
-        self.book(kick, bodies);
-        if const { may_go_in_tiles::<N, D>() }
-            && let Some(set) = entry::<T, L, N, D>(self.count)
-        {
-            return self.settle_in_tiles(set, kick, h, bodies, witness);
-        }
-        for body in 0..bodies.q.as_ref().len() {
-            let finite = settle(kick, h, bodies, body, witness);
-            if !finite {
-                let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-                let normals = bodies.kept.normal.as_ref();
-                return Err(FailureAt::of(body).not_finite(&self.effects, at, normals));
-            }
-        }
-        Ok(())
-    }
-
-    #[inline(always)]
-    fn moves_with_time(&self) -> bool {
-        self.effects.changes_with_time()
-    }
-
-    #[inline(always)]
-    fn set_time(&self, bodies: &mut BodiesOf<N, T, F, D>, time: f64) {
-        if bodies.time != time {
-            bodies.time = time;
-            self.evaluate_forces(bodies);
-        }
-    }
-
-    fn flow(
-        &self,
-        number: usize,
         given: Given<'_, T, D>,
         bodies: &mut BodiesOf<N, T, F, D>,
-        changes: &mut [[T; D]],
-    ) {
-        self.shown(given, bodies, |effects, during, room| effects.flow(number, during, room, changes));
-    }
-
-    fn first_marks(&self, bodies: &BodiesOf<N, T, F, D>) -> Result<Vec<T>, (&'static str, EffectMistake)> {
-        let n = bodies.q.as_ref().len();
-        let mut marks = vec![T::from_f64(0.0); self.effects.marks(n)];
-        let given = Given::of(0.0, true, bodies.noise);
-        self.shown(given, &mut bodies.clone(), |effects, during, _| effects.first_marks(during, &mut marks))?;
-        Ok(marks)
-    }
-
-    fn take_note(&self, number: usize, given: Given<'_, T, D>, bodies: &mut BodiesOf<N, T, F, D>) {
-        let mut marks = std::mem::take(&mut bodies.marks);
-        self.shown(given, bodies, |effects, during, _| effects.take_note(number, during, &mut marks));
-        bodies.marks = marks;
-    }
-
-    fn add_force_alone(
-        &self,
-        number: usize,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        forces: &mut [[T; D]],
-    ) -> Option<&'static str> {
+        look: impl FnOnce(&F, &Interval<'_, T, D>, &mut F::Room) -> R,
+    ) -> R {
+        let coupling = (false, self.freedom(bodies));
         let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        self.effects.contribute_alone(number, at, &mut bodies.kept.of_effects, forces)
+        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
+        let normals = bodies.kept.normal.as_ref();
+        let during = given.interval(seen, &UnitMasses, Some(&normals), coupling);
+        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
+}
 
-    fn flow_manner(&self, number: usize) -> (Manner, &'static str) {
-        self.effects.manner(number)
-    }
-
-    fn force(&self, bodies: &BodiesOf<N, T, F, D>, body: usize) -> [T; D] {
-        bodies.kept.force.as_ref()[body].components()
-    }
-
+impl<T, K, F, N, L, const D: usize> Guarded<T, D> for OnSurface<K, F, N, L>
+where
+    T: Scalar,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
     #[inline(always)]
     fn check_kinks(&self, before: &Saved<N, T, D>, now: &BodiesOf<N, T, F, D>) -> Result<(), Failure> {
         if const { K::KINKS.is_empty() } {
@@ -284,33 +190,16 @@ where
     ) -> Result<(), Failure> {
         self.check_each(h, before, now)
     }
+}
 
-    fn equations(&self) -> usize {
-        self.count.number()
-    }
-
-    #[inline(always)]
-    fn velocity<X>(&self, bodies: &Bodies<N, T, X, D>, body: usize) -> [T; D] {
-        bodies.p.as_ref()[body]
-    }
-
-    fn constraint_forces(&self, bodies: &BodiesOf<N, T, F, D>, forces: &mut [[T; D]]) {
-        let mut multipliers = vec![T::from_f64(0.0); forces.len()];
-        System::multipliers(self, bodies, &mut multipliers);
-        let normals = bodies.kept.normal.as_ref();
-        for ((force, multiplier), normal) in forces.iter_mut().zip(multipliers).zip(normals) {
-            *force = scaled(multiplier, &normal.gradient);
-        }
-    }
-
-    fn potential_energy<X>(&self, bodies: &Bodies<N, T, X, D>) -> T {
-        self.effects.energy(Moment { time: bodies.time, positions: bodies.q.as_ref() })
-    }
-
-    fn effect_energies<X>(&self, bodies: &Bodies<N, T, X, D>, to: &mut Vec<T>) {
-        self.effects.energies(Moment { time: bodies.time, positions: bodies.q.as_ref() }, to);
-    }
-
+impl<T, K, F, N, L, const D: usize> Measured<T, D> for OnSurface<K, F, N, L>
+where
+    T: Scalar,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
     fn residuals(&self, bodies: &BodiesOf<N, T, F, D>, g: &mut [T]) {
         for (g, q) in g.iter_mut().zip(bodies.q.as_ref()) {
             [*g] = self.constraint.value(q);
@@ -322,6 +211,107 @@ where
         for (rate, (normal, p)) in rates.iter_mut().zip(pairs) {
             *rate = dot(&normal.gradient, p);
         }
+    }
+
+    fn constraint_forces(&self, bodies: &BodiesOf<N, T, F, D>, forces: &mut [[T; D]]) {
+        let mut multipliers = vec![T::from_f64(0.0); forces.len()];
+        System::multipliers(self, bodies, &mut multipliers);
+        let normals = bodies.kept.normal.as_ref();
+        for ((force, multiplier), normal) in forces.iter_mut().zip(multipliers).zip(normals) {
+            *force = scaled(multiplier, &normal.gradient);
+        }
+    }
+}
+
+impl<T, K, F, N, L, const D: usize> System<T, D> for OnSurface<K, F, N, L>
+where
+    T: Scalar,
+    K: ConstraintKernel<T, D, 1>,
+    F: Forces<T, D>,
+    N: Count,
+    L: ConstraintKernel<Fused<f64>, D, 1>,
+{
+    type Rates = Self;
+    type Collocation = Self;
+    type Series = Self;
+
+    #[inline(always)]
+    fn rates(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    #[inline(always)]
+    fn collocation(&self) -> Result<&Self, &'static str> {
+        Ok(self)
+    }
+
+    #[inline(always)]
+    fn series(&self) -> Result<&Self, &'static str> {
+        let blocks = self.constraint.series().and(self.effects.series_blocks(self.count.number()));
+        blocks.map(|_| self).ok_or(NO_SERIES)
+    }
+
+    #[inline(always)]
+    fn drift_by<X: Iteration, W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        guess: &[T],
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.book(kick, bodies);
+        if const { may_go_in_tiles::<N, D>() }
+            && X::KIND == Kind::Newton
+            && let Some(set) = entry::<T, L, N, D>(self.count)
+        {
+            self.drift_in_tiles(set, kick, h, guess, bodies, witness)?;
+            self.pass(h, bodies);
+            return Ok(());
+        }
+        let weights = bodies.kept.pace.weights(h);
+        bodies.kept.pace.note(h);
+        for body in 0..bodies.q.as_ref().len() {
+            let lambda = guess.get(body).copied();
+            drift::<X, _, _, _, _, _, D>(kick, h, lambda, weights, &self.constraint, bodies, body, witness)?;
+        }
+        self.fuse_normals(bodies);
+        self.pass(h, bodies);
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn evaluate_forces(&self, bodies: &mut BodiesOf<N, T, F, D>) {
+        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+        self.effects.evaluate(at, &mut bodies.kept.of_effects, bodies.kept.force.as_mut());
+        if self.effects.changes_with_time() {
+            bodies.kept.power = self.effects.power(at);
+        }
+    }
+
+    #[inline(always)]
+    fn settle<W: Witness<T>>(
+        &self,
+        kick: f64,
+        h: f64,
+        bodies: &mut BodiesOf<N, T, F, D>,
+        witness: &mut W,
+    ) -> Result<(), Failure> {
+        self.book(kick, bodies);
+        if const { may_go_in_tiles::<N, D>() }
+            && let Some(set) = entry::<T, L, N, D>(self.count)
+        {
+            return self.settle_in_tiles(set, kick, h, bodies, witness);
+        }
+        for body in 0..bodies.q.as_ref().len() {
+            let finite = settle(kick, h, bodies, body, witness);
+            if !finite {
+                let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
+                let normals = bodies.kept.normal.as_ref();
+                return Err(FailureAt::of(body).not_finite(&self.effects, at, normals));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -407,26 +397,5 @@ where
         witness: &mut W,
     ) {
         self.expand_motion(bodies, series, witness);
-    }
-}
-
-impl<K, F, N: Count, L> OnSurface<K, F, N, L> {
-    /// Has the effects look at the bodies: at what they remember, and their room.
-    fn shown<T: Scalar, R, const D: usize>(
-        &self,
-        given: Given<'_, T, D>,
-        bodies: &mut BodiesOf<N, T, F, D>,
-        look: impl FnOnce(&F, &Interval<'_, T, D>, &mut F::Room) -> R,
-    ) -> R
-    where
-        F: Forces<T, D>,
-        Self: System<T, D, Count = N, Kept = Kept<N, T, F, D>>,
-    {
-        let coupling = (false, self.freedom(bodies));
-        let at = Moment { time: bodies.time, positions: bodies.q.as_ref() };
-        let seen = (at, bodies.p.as_ref(), &*bodies.marks);
-        let normals = bodies.kept.normal.as_ref();
-        let during = given.interval(seen, &UnitMasses, Some(&normals), coupling);
-        look(&self.effects, &during, &mut bodies.kept.of_effects)
     }
 }

@@ -195,7 +195,7 @@ pub(super) struct Places {
 }
 
 /// A network made ready for trajectories side by side.
-pub(super) struct Plan {
+pub(super) struct LinkedPlan {
     pub(super) places: Places,
     /// Coordinates of all bodies, equations that can be solved for, and entries of their gradients.
     pub(super) coordinates: usize,
@@ -228,7 +228,7 @@ pub(super) struct Plan {
     pub(super) push: Sheet,
 }
 
-impl Plan {
+impl LinkedPlan {
     /// For so many bodies of D coordinates; none where they cannot go side by side. `sums` says whether sums are
     /// compensated, `apart` whether masses differ between lanes.
     #[inline(never)]
@@ -537,7 +537,7 @@ impl<const W: usize> Links<W> {
 
     /// g and its gradients at these coordinates.
     #[inline(always)]
-    pub(super) fn gradients(&self, plan: &Plan, set: Fusing, at: usize, numbers: &mut [Numbers<W>]) {
+    pub(super) fn gradients(&self, plan: &LinkedPlan, set: Fusing, at: usize, numbers: &mut [Numbers<W>]) {
         let Places { g, gradient, .. } = plan.places;
         let ranges = [at..at + plan.coordinates, g..g + plan.equations, gradient..gradient + plan.entries];
         let Ok([q, g, gradients]) = numbers.get_disjoint_mut(ranges) else { return }; // as they are laid out
